@@ -1,4 +1,4 @@
-//! Turns the definitions of ROS messages into Rust types.
+//! Converts ROS message definitions to Rust types.
 
 use std::error::Error;
 
@@ -8,7 +8,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Writes `messages.rs` from the definitions in this package alone, whatever ROS the machine has.
+/// Writes `messages.rs` from this package's own definitions only, whatever ROS the machine has.
 fn write_messages() -> Result<(), Box<dyn Error>> {
     use std::path::Path;
 

@@ -138,7 +138,7 @@ fn an_arm_or_a_camera_that_fails_ends_the_suite() {
     );
     let moved = ("camera_turn_deg = 1.5", "camera_turn_deg = 1.9");
     for (edit, is_clear, wanted) in [
-        (strict, false, "from where it was sent"),
+        (strict, false, "from its target"),
         (moved, true, "it was moved since it was calibrated, by"),
     ] {
         let lab = lab(&[edit]);
@@ -187,7 +187,7 @@ fn suites_and_options_that_an_arm_cannot_do_are_refused() {
     assert_eq!(said.code, 2, "{}", said.stderr);
     assert!(
         said.stderr.contains(
-            "the suite measures `mean_particle_distance_mm`, and of a real cloth nobody knows"
+            "the suite measures `mean_particle_distance_mm`, which needs particle positions"
         ),
         "{}",
         said.stderr

@@ -237,7 +237,8 @@ fn only_a_limit_on_errors_may_be_raised() {
         let said = calibrate(folder.path(), &["--pairs", "pairs.csv", "--limit", limit]);
         assert_eq!(said.code, 2, "{limit}");
         assert!(
-            said.stderr.contains("it is larger than 0 and at most 20"),
+            said.stderr
+                .contains("it must be larger than 0 and at most 20"),
             "{}",
             said.stderr
         );

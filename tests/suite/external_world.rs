@@ -63,7 +63,7 @@ fn wrong_answers_are_named_with_their_values() {
         ),
         (
             "s/\"code\":\"[^\"]*\"/\"code\":\"\"/",
-            "states an empty `code`, and results are kept under it",
+            "states an empty `code`, and results are stored under it",
         ),
         (
             "s/\"name\":\"sim\"/\"refused\":\"no licence\"/",
@@ -93,7 +93,7 @@ fn wrong_answers_are_named_with_their_values() {
         ),
         (
             "s/\"grasp\":{[^}]*}/\"grasp\":\"maybe\"/",
-            "which is no answer",
+            "which is not a valid answer",
         ),
         (
             "s/\"duration_s\":[0-9.]*/\"duration_s\":-1/",

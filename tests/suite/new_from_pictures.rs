@@ -172,7 +172,7 @@ fn a_picture_in_another_format_or_form_is_refused_with_the_command_that_converts
         ("empty.png", "`empty.png` is empty"),
         (
             "wide.png",
-            "`wide.png` has 64 x 48 px; right is a square of 32 to 2048",
+            "`wide.png` has 64 x 48 px; it must be a square of 32 to 2048",
         ),
         (
             "wide.png",

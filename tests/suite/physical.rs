@@ -140,10 +140,14 @@ fn suites_for_a_table_are_held_to_what_is_known_there() {
         (
             "\"reached_by_operator\", ",
             "\"mean_particle_distance_mm\", ",
-            "nobody knows how a cloth lies that is laid by hand",
+            "the particle positions of a cloth laid by hand are unknown",
         ),
         ("count = 3", "count = 0", "`starts.count`: 0 is not from 1"),
-        ("value = 0.5", "value = 1.5", "1.5 is no share from 0 to 1"),
+        (
+            "value = 0.5",
+            "value = 1.5",
+            "1.5 is not a share from 0 to 1",
+        ),
         ("n = 4", "n = 0", "`quoted.n`: 0 is not from 1"),
     ] {
         assert!(SUITE.contains(from));

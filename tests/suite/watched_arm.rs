@@ -344,7 +344,7 @@ fn a_panic_while_the_arm_moves_is_told_with_what_is_verified() {
     assert_eq!(report.outcome, Outcome::WorldFailed);
     let told = report.report.stopped.unwrap();
     for words in [
-        "this program broke while the arm moved, which is a mistake in it: a mistake of the test's",
+        "this program panicked while the arm moved, which is a bug: a mistake of the test's",
         "; verified up to `",
         "; the arm is verified to be stopped",
     ] {

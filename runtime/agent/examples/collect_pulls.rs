@@ -1,11 +1,11 @@
-//! Collects what pulls gain in the simulator, so that the stand-in's estimate can be fitted anew.
+//! Collects the gains of pulls in the simulator, for refitting the stand-in's estimate.
 //!
 //! `cargo run --release -p fab-agent --example collect_pulls -- FIRST_SEED COUNT ACTIONS > pulls.csv`
 //!
-//! In: seeds of crumpled starts. Out: a line per pull: its start, step, true coverage before and gain, and the features of
-//! [`FEATURES`]. Each start is smoothed by the stand-in. Before each action its own pull, the next five by its
-//! estimate and two by chance are tried from the same state; three times of ten the best of them is carried out instead
-//! of its own, so that states come up that it would not reach by itself. `scripts/fit-pulls.py` fits the estimate.
+//! In: seeds of crumpled starts. Out: a line per pull: its start, step, true coverage before and gain, and the features
+//! of [`FEATURES`]. Each start is smoothed by the stand-in. Before each action its own pull, the next five by its
+//! estimate and two random ones are tried from the same state. In three of ten cases the best of them is executed
+//! instead of its own, to reach states that it would not reach by itself. `scripts/fit-pulls.py` fits the estimate.
 
 use fab_agent::action::Action;
 use fab_agent::examples::Examples;
@@ -37,7 +37,7 @@ type Failure = Box<dyn Error + Send + Sync>;
 
 const TASK: &str = "tasks/smoothing.fab";
 
-/// How many pulls are tried beside the stand-in's own: the next by its estimate, and by chance.
+/// How many pulls are tried beside the stand-in's own: the next ones by its estimate, and random ones.
 const NEXT: usize = 5;
 const BY_CHANCE: usize = 2;
 
@@ -100,7 +100,7 @@ impl Model for Overheard {
     }
 }
 
-/// A pull that was tried, and where it led.
+/// A pull that was tried, and its result.
 struct Tried {
     proposal: Proposal,
     action: Action,
@@ -204,7 +204,7 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
     Ok(lines)
 }
 
-/// Takes the stand-in's own pull, the next by its estimate, and some by chance.
+/// Takes the stand-in's own pull, the next ones by its estimate, and some at random.
 fn picked(offered: &mut Vec<Offer>, own: &Proposal, chance: &mut Chance) -> Vec<Offer> {
     let is_own = |offer: &Offer| {
         own.fields

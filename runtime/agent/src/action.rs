@@ -1,7 +1,7 @@
-//! From the pixels that a model chose to points on the table.
+//! Converts the pixels that a model chose to points on the table.
 //!
-//! In: an accepted proposal, the scene and the observation it was made on. Out: an [`Action`] in
-//! pixels and in world points.
+//! In: an accepted proposal, the scene and the observation it was based on. Out: an [`Action`] in pixels and in world
+//! points.
 
 use crate::scene::Scene;
 use fab_picture::camera::center_of;
@@ -11,16 +11,16 @@ use fab_program::{Choices, PixelPoint, Program, Value};
 use fab_world::{Motion, WorldPoint};
 use serde::{Deserialize, Serialize};
 
-/// How far a keypoint may lie from the nearest cloth pixel and still be picked where it was located, pixels: as far
-/// as a corner that the detector found beside the cloth.
+/// How far a keypoint may lie from the nearest cloth pixel and still be picked at its exact position, pixels: as far as
+/// the detector may place a corner beside the cloth.
 const BESIDE_PX: f64 = 3.5;
 
-/// A pick and a place, ready to be executed.
+/// A pick and a place, ready for execution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Action {
     /// The pixel that the model chose for the pick.
     pub pick_px: PixelPoint,
-    /// The pixel that is really picked: the nearest one on the cloth.
+    /// The pixel actually picked: the nearest one on the cloth.
     pub pick_on_cloth_px: PixelPoint,
     /// The pixel that the model chose for the place.
     pub place_px: PixelPoint,
@@ -31,10 +31,10 @@ pub struct Action {
 impl Action {
     /// Lowers a proposal to world points.
     ///
-    /// A keypoint is taken where it was located, any other pixel at its centre. A pick that is farther than
-    /// `BESIDE_PX` from the cloth goes to the nearest cloth pixel (protocol, section 4 item 10).
-    /// Returns `None` where a proposal lacks a field or the scene has no cloth, which the verifier
-    /// has already refused, or where the camera does not look at the table.
+    /// A keypoint is taken at its exact position, any other pixel at its centre. A pick farther than `BESIDE_PX` from
+    /// the cloth goes to the nearest cloth pixel (protocol, section 4 item 10). Returns `None` if a proposal lacks a
+    /// field or the scene has no cloth, which the verifier has already refused, or if the camera does not look at the
+    /// table.
     pub fn lower(
         program: &Program,
         proposal: &Proposal,
@@ -56,8 +56,8 @@ impl Action {
     }
 }
 
-/// Returns the point of the table that a field means by a pixel, as [`Action::lower`] takes it; `None` for a field that
-/// moves nothing, and where there is no such point.
+/// Returns the table point of a field's pixel, as [`Action::lower`] computes it; `None` for a field that moves nothing,
+/// or if there is no such point.
 pub(crate) fn candidate(
     field: &str,
     pixel: PixelPoint,
@@ -71,7 +71,7 @@ pub(crate) fn candidate(
     }
 }
 
-/// Returns the pixel of the cloth that is really picked, and its point on the table.
+/// Returns the cloth pixel actually picked, and its point on the table.
 fn picked(
     pick_px: PixelPoint,
     scene: &Scene,
@@ -95,10 +95,11 @@ fn placed(place_px: PixelPoint, scene: &Scene, observation: &Observation) -> Opt
     )
 }
 
-/// Returns where a direction and a distance lead from the picked point, at its height, and the pixel that shows it.
+/// Returns the world point reached from the picked point by a direction and a distance, at its height, and the pixel
+/// that shows it.
 ///
-/// Directions are those of the picture: the camera says which way of the table is its right and its up. The
-/// pixel is truncated (protocol, section 4 item 10).
+/// Directions are those of the picture: the camera tells which table directions are its right and up. The pixel is
+/// truncated (protocol, section 4 item 10).
 fn carried(
     program: &Program,
     proposal: &Proposal,
@@ -133,10 +134,9 @@ fn carried(
     Some((pixel, place))
 }
 
-/// Returns the world point at `at`, at the depth that `pixel` shows; without a depth reading, the point of
-/// the table there.
+/// Returns the world point at `at`, with the depth that `pixel` shows; without a depth reading, the table point there.
 ///
-/// `None` where the camera does not look down at the table.
+/// `None` if the camera does not look down at the table.
 fn point_on_surface(
     pixel: PixelPoint,
     at: [f64; 2],

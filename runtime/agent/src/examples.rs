@@ -1,8 +1,7 @@
-//! What a task's stages are told as examples: the author's pictures, and demonstrations from a file.
+//! The examples shown to a task's stages: the author's pictures, and demonstrations from a file.
 //!
-//! In: a program and the folder of its file. Out: pictures by path, and questions with their answers by step.
-//! An example's question is the task's own, filled with what a demonstration saw, so that the two cannot
-//! drift apart.
+//! In: a program and the folder of its file. Out: pictures by path, and questions with their answers by step. An
+//! example's question is the task's own, filled with a demonstration's observations, so the two cannot drift apart.
 
 use crate::demos::{Demonstrations, DemosError};
 use crate::task_files::{self, FileError};
@@ -37,7 +36,7 @@ pub enum ExamplesError {
     /// A picture cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The demonstrations cannot be told.
+    /// The demonstrations cannot be shown.
     #[error(transparent)]
     Demos(#[from] DemosError),
 }
@@ -62,13 +61,12 @@ impl Examples {
         })
     }
 
-    /// Returns a picture; None for one that no example names.
+    /// Returns a picture; `None` for one that no example names.
     pub fn picture(&self, file: &FileRef) -> Option<&Png> {
         self.pictures.get(&file.path)
     }
 
-    /// Writes the demonstrations that a stage is told in a step, which is counted from 1, to a model that writes points
-    /// so.
+    /// Writes the demonstrations of a stage in a step, which counts from 1, in a model's point convention.
     ///
     /// Fails as [`Demonstrations::told`] does.
     pub fn told(
@@ -84,16 +82,16 @@ impl Examples {
         }
     }
 
-    /// Returns how many demonstrated actions there are, over all steps; the tables call it the data size.
+    /// Returns the number of demonstrated actions, over all steps; the tables call it the data size.
     pub fn data_size(&self) -> usize {
         self.demonstrations
             .as_ref()
             .map_or(0, Demonstrations::data_size)
     }
 
-    /// Returns the number of the demonstration that begins where a rollout would, from 1.
+    /// Returns the number, from 1, of the demonstration that begins at a rollout's start.
     ///
-    /// A result from such a start would show what the model was told, and not what it can do.
+    /// A result from such a start would show what the model was told, not what it can do.
     pub fn demonstrates(&self, start: &Start) -> Option<usize> {
         self.demonstrations.as_ref()?.demonstrates(start)
     }

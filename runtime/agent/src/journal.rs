@@ -1,10 +1,9 @@
-//! The folder of one rollout: enough to re-score and re-draw it without world or model.
+//! The folder of one rollout: enough to re-score and re-draw it without a world or a model.
 //!
-//! In: facts as they happen. Out: `rollout.jsonl` (one whole, synced line per step, so that a crash
-//! loses at most the step under way) and the files that its lines name. A journal without an `end`
-//! line is of a rollout that did not end by itself. The same rollout writes the same bytes each time: what it took,
-//! which differs, stands in `spent.jsonl`. So a rollout that was cut off is gone on with by doing it again: lines that
-//! are there already are compared and not written.
+//! In: facts as they happen. Out: `rollout.jsonl` (one whole, synced line per step, so a crash loses at most the
+//! current step) and the files that its lines name. A journal without an `end` line belongs to a rollout that did not
+//! finish. The same rollout always writes the same bytes; durations and costs, which differ, are in `spent.jsonl`. So
+//! an interrupted rollout is resumed by repeating it: lines that already exist are compared instead of written.
 
 mod earlier;
 
@@ -19,18 +18,18 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A run folder that is being written.
+/// A run folder being written.
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
     journal: Appender,
     spent: Appender,
     images: BTreeSet<String>,
-    /// What an earlier part of the rollout wrote.
+    /// The lines of an earlier part of the rollout.
     earlier: Earlier,
 }
 
-/// Why a run cannot be kept.
+/// Why a run cannot be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
     /// A file or folder cannot be written.
@@ -38,10 +37,10 @@ pub enum JournalError {
     Unwritable {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         why: String,
     },
-    /// A journal that is to be gone on with cannot be read.
+    /// The journal of a rollout to be resumed cannot be read.
     #[error("cannot read `{path}`: {why}")]
     Unreadable {
         /// The file.
@@ -49,15 +48,15 @@ pub enum JournalError {
         /// What is wrong.
         why: String,
     },
-    /// Another process writes into the folder.
+    /// Another process is writing to the folder.
     #[error("another fabc is writing into the run folder `{path}`")]
     InUse {
         /// The folder.
         path: PathBuf,
     },
-    /// Done again, the rollout does not come out as it did.
+    /// The repeated rollout differs from the original.
     #[error(
-        "the rollout in `{path}` cannot be gone on with, since it does not come out the same: {why}"
+        "the rollout in `{path}` cannot be resumed, because it does not repeat identically: {why}"
     )]
     Differs {
         /// The folder.
@@ -68,7 +67,7 @@ pub enum JournalError {
     /// The calls of an earlier part cannot be read.
     #[error(transparent)]
     Ledger(#[from] LedgerError),
-    /// The folder holds something already.
+    /// The folder is not empty.
     #[error("the run folder `{path}` is not empty; name a new one, nothing is overwritten")]
     NotEmpty {
         /// The folder.
@@ -104,12 +103,12 @@ impl RunFolder {
         })
     }
 
-    /// Opens the folder of a rollout that was cut off or stopped, to go on with it.
+    /// Opens the folder of an interrupted rollout, to resume it.
     ///
-    /// Nothing in it changes until a line is appended that is not there yet.
+    /// Nothing in it changes until a new line is appended.
     pub fn reopen(path: &Path) -> Result<RunFolder, JournalError> {
         let file = path.join(RECORD_FILE);
-        // Opening makes a file where there is none.
+        // `Appender::open` would create a missing file.
         let journal = fs::metadata(&file).and_then(|_| Appender::open(&file));
         let mut journal = journal.map_err(|error| JournalError::Unreadable {
             path: file.clone(),
@@ -128,7 +127,7 @@ impl RunFolder {
         })
     }
 
-    /// Returns whether the next line is there already.
+    /// Returns whether the next line already exists.
     pub fn repeats(&self) -> bool {
         self.earlier.has_more()
     }
@@ -166,7 +165,8 @@ impl RunFolder {
 
     /// Appends one line and waits until it is on disk.
     ///
-    /// A line that is there already must be the same, and stays. The first new one replaces whatever followed those.
+    /// If the line already exists it must be the same, and stays. The first new line replaces everything after the
+    /// existing ones.
     pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
         let text = jsonl::text(line).expect("journal lines have string keys");
         let is_known = self.earlier.take(&text);
@@ -180,13 +180,13 @@ impl RunFolder {
         written.map_err(|error| self.unwritable(RECORD_FILE, &error))
     }
 
-    /// Adds a line to what the rollout took.
+    /// Adds a line to the rollout's durations and costs.
     pub fn spend(&mut self, line: &Spent) -> Result<(), JournalError> {
         let written = self.spent.append(line);
         written.map_err(|error| self.unwritable(SPENT_FILE, &error))
     }
 
-    /// Returns the run's identity, where an earlier part of it has begun.
+    /// Returns the run's identity, if an earlier part of it has begun.
     pub fn run_id(&self) -> Option<String> {
         let mut lines = Reader::open(&self.path.join(SPENT_FILE), MAX_SPENT_BYTES).ok()?;
         match lines.read().ok()?? {
@@ -195,7 +195,7 @@ impl RunFolder {
         }
     }
 
-    /// Writes a file of the run, whole or not at all, and returns its name for the journal.
+    /// Writes a file of the run atomically, and returns its name for the journal.
     pub fn keep(&self, name: &str, bytes: &[u8]) -> Result<String, JournalError> {
         let path = self.path.join(name);
         let folder = path.parent().unwrap_or(&self.path);
@@ -260,7 +260,7 @@ impl RunFolder {
     }
 }
 
-/// Opens a file of lines so that the next one stands after the last whole one.
+/// Opens a file of lines for appending after its last whole line.
 fn after_whole_lines(path: &Path) -> Result<Appender, JournalError> {
     let unreadable = |why: String| JournalError::Unreadable {
         path: path.to_owned(),
@@ -287,7 +287,7 @@ fn image_name(sha256: &str) -> String {
     format!("images/{sha256}.png")
 }
 
-/// Writes a request as people read it: who speaks, the words, and the pictures by file name.
+/// Writes a request in readable form: who speaks, the words, and the pictures by file name.
 pub fn transcript(request: &Request) -> String {
     let mut text = String::new();
     for message in &request.messages {

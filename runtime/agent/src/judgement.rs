@@ -1,33 +1,33 @@
-//! What a person says of a rollout that has ended: whether the task was reached, and why not.
+//! A person's judgement of a finished rollout: whether the task was reached, and why not.
 
 use serde::{Deserialize, Serialize};
 
-/// What a person says of a rollout.
+/// A person's judgement of a rollout.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Judgement {
     /// Whether the task was reached.
     pub reached: bool,
-    /// Why not, where it was not.
+    /// Why it was not reached, if so.
     pub why: Option<Cause>,
-    /// The same in the person's own words, where there were any.
+    /// The cause in the person's own words, if any.
     pub words: Option<String>,
 }
 
-/// Why a rollout did not reach its task: the paper's three kinds.
+/// Why a rollout did not reach its task: the paper's three categories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cause {
     /// The arm, its gripper or the camera: a grasp that missed or took two layers, a motion that failed.
     Hardware,
-    /// What was found in the picture: corners or the cloth itself.
+    /// What was detected in the picture: corners or the cloth itself.
     Detection,
-    /// What the model chose.
+    /// The model's choice.
     Reasoning,
 }
 
 impl Cause {
-    /// All of them.
+    /// All causes.
     pub const ALL: [Cause; 3] = [Cause::Hardware, Cause::Detection, Cause::Reasoning];
 
     /// Returns its name in journals and tables.

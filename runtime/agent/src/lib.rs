@@ -7,12 +7,12 @@
 //! accept → Action → World.act → Executed → step line → Report
 //! ```
 //!
-//! [`rollout::run`] is that pipeline. Three traits open it: [`fab_world::World`], which is a simulated cloth or a robot arm,
-//! [`policy::Policy`], which decides the actions, and [`fab_model::Model`], which is a provider's model or a stand-in and
-//! answers the policy that asks models.
+//! [`rollout::run`] is that pipeline. Three traits make it extensible: [`fab_world::World`] is a simulated cloth or a
+//! robot arm; [`policy::Policy`] decides the actions; and [`fab_model::Model`], a provider's model or a stand-in,
+//! answers the prompting policy.
 //!
 //! This program compiles a task from memory and runs it on a small simulated cloth. `fab_standins::Geometric` answers:
-//! a stand-in that needs no key and no network.
+//! a stand-in that needs no API key and no network.
 //!
 //! ```
 //! use fab_compiler::{LoadError, Loader};

@@ -1,23 +1,25 @@
-//! What the person beside an arm says of a rollout that has ended.
+//! The operator's judgement of a finished rollout.
 //!
-//! In: the rollout's report. Out: a [`Judgement`], which the journal keeps in its last line. On a real table nobody knows where the
-//! cloth's particles are, so a fold is judged by a person, as in the paper. Who asks, and how, is the caller's business;
-//! nothing here prints.
+//! In: the rollout's report. Out: a [`Judgement`], which is stored in the journal's last line. On a real table the
+//! positions of the cloth's particles are unknown, so a person judges a fold, as in the paper. The caller decides who
+//! is asked, and how; nothing here prints.
 
 use crate::judgement::Judgement;
 use crate::outcome::Outcome;
 use crate::record::Report;
 use std::path::Path;
 
-/// Somebody who says what came of a rollout.
+/// Somebody who judges the result of a rollout.
 pub trait Operator: Sync {
-    /// Returns what the operator says of a rollout, whose run folder is `folder`; none where nobody answers, which is kept as such.
+    /// Returns the operator's judgement of a rollout with the run folder `folder`; `None` if nobody answers, which is
+    /// recorded as such.
     ///
-    /// Asked once, when everything else of the report is known, and never again when the run folder is read.
+    /// Asked once, when the rest of the report is known, and never again when the run folder is read.
     fn judge(&self, report: &Report, folder: &Path) -> Option<Judgement>;
 }
 
-/// Returns whether there is something to judge: not where the rollout was broken off for want of a model or of time, or only planned.
+/// Returns whether there is something to judge: not if the rollout was interrupted, ran out of budget, lost its model,
+/// or was only planned.
 pub(crate) fn is_judged(outcome: Outcome) -> bool {
     !matches!(
         outcome,

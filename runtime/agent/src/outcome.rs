@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 pub enum Outcome {
     /// The declared goal was met.
     GoalReached,
-    /// Every step was done; the goal, if one is declared, was not met.
+    /// Every step was done; the goal, if declared, was not met.
     HorizonReached,
-    /// A step's last permitted answer was still refused by a check.
+    /// A check refused the last permitted answer of a step.
     AttemptsExhausted,
-    /// A step's last permitted answer could not be read.
+    /// The last permitted answer of a step could not be read.
     MalformedReply,
     /// The detectors found no point to offer.
     NoCandidates,
@@ -20,7 +20,7 @@ pub enum Outcome {
     ClothOutOfView,
     /// The model gave no answer.
     ModelFailed,
-    /// The policy failed: its program hung, ended, or answered what is no answer.
+    /// The policy failed: its program hung, exited, or gave an invalid answer.
     PolicyFailed,
     /// The policy proposed nothing further, and said why.
     PolicyStopped,
@@ -28,7 +28,7 @@ pub enum Outcome {
     BudgetExhausted,
     /// The world could not be observed or moved.
     WorldFailed,
-    /// The user stopped the rollout, or gave no leave to move.
+    /// The user stopped the rollout, or did not permit a motion.
     Interrupted,
     /// The first action was planned, as asked, and nothing moved.
     Planned,

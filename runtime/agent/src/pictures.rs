@@ -1,7 +1,7 @@
-//! The pictures that one step can show a model.
+//! The pictures that one step can show to a model.
 //!
-//! In: what was drawn and taken, in the camera's size. Out: PNG files in the size that the model works on, the offered
-//! points numbered on pictures of the scene where it is told of points so.
+//! In: drawn pictures and camera pictures, in the camera's size. Out: PNG files in the size that the model works on;
+//! the offered points are numbered on pictures of the scene if the model gets points as numbers.
 
 use crate::examples::Examples;
 use crate::scene::{Scene, SceneError};
@@ -18,20 +18,20 @@ use image::{ImageFormat, RgbImage};
 /// The pictures of one step.
 #[derive(Clone, Debug)]
 pub struct Pictures {
-    /// The subgoals around the step, where the task has any.
+    /// The subgoals around the step, if the task has any.
     pub subgoals: Option<StepPictures>,
-    /// What the camera sees.
+    /// The camera's picture.
     pub scene: RgbImage,
-    /// The same with the task's layers drawn on it.
+    /// The camera's picture with the task's layers.
     pub annotated: RgbImage,
-    /// What the stages are told as examples.
+    /// The examples of the stages.
     pub examples: Examples,
 }
 
 impl Pictures {
-    /// Draws the task's layers, and puts all that a step can show together.
+    /// Draws the task's layers, and collects everything that a step can show.
     ///
-    /// Fails where a layer cannot be drawn.
+    /// Fails if a layer cannot be drawn.
     pub fn of(
         program: &Program,
         scene: &Scene,
@@ -53,8 +53,8 @@ impl Pictures {
         self.scene.dimensions().into()
     }
 
-    /// Returns a picture of a prompt as a model is sent it; None where there is none such, which only a program edited
-    /// by hand asks for.
+    /// Returns a picture of a prompt as sent to a model; `None` if there is no such picture, which happens only in a
+    /// hand-edited program.
     pub fn png(
         &self,
         picture: &PromptPicture,
@@ -86,8 +86,8 @@ impl Pictures {
     }
 }
 
-/// Encodes a picture of the scene as a model is sent it: in its size, and with the numbers of the offered points where
-/// they are numbered.
+/// Encodes a picture of the scene for sending to a model: in its size, with the offered points numbered if it gets
+/// points as numbers.
 pub fn scene_png(picture: &RgbImage, lowering: &Lowering, notation: &Notation) -> Png {
     let mut sent = lowering.resized(picture).into_owned();
     let frame = notation.pointing().frame();

@@ -1,9 +1,9 @@
-//! Who decides what is done in a step, behind one trait.
+//! Policies: the deciders of each step, behind one trait.
 //!
-//! In: a [`StepView`], what a rollout knows at a step. Out: a [`Decision`]: grips to carry out, or why there are none.
-//! [`Prompted`] asks models, as the task's stages say; [`Random`] draws from what is offered; [`Expert`] follows the
-//! task's own demonstration; [`External`] is a program of the user's. Nothing here moves anything: the rollout carries
-//! out only what passes the task's checks, whoever proposed it.
+//! In: a [`StepView`], the rollout's state at a step. Out: a [`Decision`]: grips to execute, or why there are none.
+//! [`Prompted`] asks models as the task's stages say; [`Random`] draws from the offered choices; [`Expert`] follows the
+//! task's own demonstration; [`External`] is a user's program. Nothing here moves anything: the rollout executes only
+//! what passes the task's checks, whoever proposed it.
 
 mod asking;
 mod expert;
@@ -47,21 +47,21 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
-/// Decides what is done in each step of one rollout.
+/// Decides each step of one rollout.
 pub trait Policy {
-    /// Says who decides, as the run record keeps it; two that differ in it are not the same.
+    /// Describes the policy for the run record; policies with different descriptions are different policies.
     fn description(&self) -> Description;
 
-    /// Returns whether equal steps may be decided otherwise at another [`StepView::repetition`].
+    /// Returns whether equal steps may get different decisions at another [`StepView::repetition`].
     ///
-    /// A suite repeats the rollouts of such a policy, and runs others once.
+    /// A suite repeats the rollouts of such a policy, and runs those of others once.
     fn varies(&self) -> bool {
         true
     }
 
-    /// Returns what is worth knowing before the first step.
+    /// Returns a note for the user before the first step, if any.
     ///
-    /// Fails where this policy cannot do the task at all.
+    /// Fails if this policy cannot do the task at all.
     fn prepare(&self, _program: &Program) -> Result<Option<String>, PolicyError> {
         Ok(None)
     }
@@ -74,35 +74,35 @@ pub trait Policy {
     ) -> Result<Decision, PolicyError>;
 }
 
-/// Makes the policy of one rollout; all that it makes are equal.
+/// Makes the policy of one rollout; all policies that it makes are equal.
 pub trait MakePolicy: Sync {
-    /// Makes it; nothing is started or asked yet.
+    /// Makes the policy; nothing is started or asked yet.
     fn make(&self) -> Box<dyn Policy + '_>;
 }
 
-/// A policy that remembers nothing makes copies of itself.
+/// A policy without memory is simply cloned.
 impl<P: Policy + Clone + Sync> MakePolicy for P {
     fn make(&self) -> Box<dyn Policy + '_> {
         Box::new(self.clone())
     }
 }
 
-/// Who decides, as records and tables name it.
+/// A policy's description in records and tables.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Description {
     /// What kind of policy it is.
     pub kind: Kind,
     /// Its name: that of the models, the seed's, or the command line.
     pub name: String,
-    /// Whether it looks at the true places of the cloth's particles, which no camera shows.
+    /// Whether it sees the true positions of the cloth's particles, which no camera shows.
     pub sees_particles: bool,
-    /// The models that it asks, where it asks any.
+    /// The models that it asks, if any.
     pub models: Option<RoleModels>,
-    /// SHA-256 of what it is made of, where that is known.
+    /// SHA-256 of its code, if known.
     pub code: Option<String>,
 }
 
-/// What kind of policy decides.
+/// The kind of a policy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -112,7 +112,7 @@ pub enum Kind {
     Random,
     /// Follows the task's demonstration.
     Expert,
-    /// A program of the user's.
+    /// A user's program.
     Program,
 }
 
@@ -121,7 +121,7 @@ pub enum Kind {
 pub struct RoleModels {
     /// Answers stages that show pictures.
     pub vision: ModelDescription,
-    /// Answers stages of words alone.
+    /// Answers text-only stages.
     pub text: ModelDescription,
 }
 
@@ -133,7 +133,7 @@ impl Description {
         natures.any(|nature| nature == Nature::StandIn)
     }
 
-    /// Returns the name with what a reader of a figure must know beside it.
+    /// Returns the name, with the caveats that a reader of the figures must know.
     pub fn title(&self) -> String {
         let stand_in = if self.is_stand_in() {
             " (stand-in)"
@@ -148,50 +148,50 @@ impl Description {
     }
 }
 
-/// What a rollout knows at a step.
+/// The rollout's state at a step.
 #[derive(Clone, Copy)]
 pub struct StepView<'a> {
     /// The task.
     pub program: &'a Program,
-    /// What the camera shows.
+    /// The keypoints found in the observation.
     pub scene: &'a Scene,
-    /// The picture that it was found in.
+    /// The observation behind the scene.
     pub observation: &'a Observation,
-    /// Which action of the rollout this is, from 1; the same step may take several.
+    /// The number of this action in the rollout, from 1; one step may take several.
     pub number: u32,
-    /// Which step this is, from 1.
+    /// The number of this step, from 1.
     pub step: u32,
     /// The most steps.
     pub horizon: u32,
-    /// What the action before came to, where it was for the same step.
+    /// The result of the previous action, if it was for the same step.
     pub before: Option<StepResult>,
-    /// The action before.
+    /// The previous action.
     pub last: Option<&'a ExecutedAction>,
-    /// What can be shown.
+    /// The pictures that can be shown.
     pub pictures: &'a Pictures,
-    /// What is out of reach of the world that is to act.
+    /// Tells what is out of the world's reach.
     pub reach: &'a Reach<'a>,
-    /// Tells apart runs that want independent answers.
+    /// Distinguishes runs that need independent answers.
     pub repetition: u32,
-    /// Digest of the start; empty outside of a rollout.
+    /// Digest of the start; empty outside a rollout.
     pub start: &'a str,
-    /// The run folder; none outside of a rollout.
+    /// The run folder; `None` outside a rollout.
     pub folder: Option<&'a Path>,
-    /// What no camera shows: there only for a policy whose [`Description`] says that it looks at it.
+    /// What no camera shows; present only for a policy whose [`Description`] declares that it sees it.
     pub truth: Option<Truth<'a>>,
 }
 
 /// What only a simulator knows.
 #[derive(Clone, Copy)]
 pub struct Truth<'a> {
-    /// Where the cloth lay at first.
+    /// The rollout's start.
     pub start: &'a Start,
-    /// Every particle's place: `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
+    /// Every particle's position: `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
     pub particles: &'a [[f32; 3]],
 }
 
 impl<'a> StepView<'a> {
-    /// Looks at a step outside of any rollout: everything is in reach.
+    /// Makes the view of a step outside any rollout: everything is in reach.
     pub fn outside(
         program: &'a Program,
         scene: &'a Scene,
@@ -232,12 +232,12 @@ impl<'a> StepView<'a> {
         }
     }
 
-    /// Returns how points are written as whole pixels of the camera's picture.
+    /// Returns the notation of points as whole pixels of the camera's picture.
     fn pixels(&self) -> Pointing {
         Lowering::PIXELS.pointing(self.pictures.size())
     }
 
-    /// Returns what becomes of a step without an answer: only what a policy can do wrong is ever skipped.
+    /// Decides about a step without an answer: only faults of the policy are ever skipped.
     fn without_answer(&self, outcome: Outcome) -> Decision {
         match (self.program.verify.exhausted, outcome) {
             (Exhausted::Skips, Outcome::AttemptsExhausted | Outcome::MalformedReply) => {
@@ -253,49 +253,49 @@ impl<'a> StepView<'a> {
 
 /// What a policy may use while it decides.
 pub struct Exchange<'e, 'j> {
-    /// Answers that are bought or computed once, and never again.
+    /// Gets answers, which are bought or computed once and never again.
     pub asking: &'e mut Asking<'j>,
-    /// Gets each attempt as soon as it is complete.
+    /// Receives each attempt as soon as it is complete.
     pub record: &'e mut dyn FnMut(&Attempt) -> Result<(), JournalError>,
     /// A request to stop early.
     pub interrupt: &'e Interrupt,
 }
 
-/// One proposal or answer, and what came of it.
+/// One proposal or answer, and its result.
 #[derive(Clone, Debug)]
 pub struct Attempt {
     /// The stage that asked; `policy` where the policy has no stages.
     pub stage: String,
-    /// Which one of this stage and step it was, from 1.
+    /// The attempt's number within this stage and step, from 1.
     pub number: u32,
-    /// What was asked, where somebody was.
+    /// The question, if there was one.
     pub question: Option<Question>,
-    /// What came back, where something did.
+    /// The reply, if there was one.
     pub reply: Option<Reply>,
-    /// What the policy says of it, for people.
+    /// The policy's note about it, for people.
     pub note: Option<String>,
-    /// What it meant.
+    /// Its meaning.
     pub finding: Finding,
     /// How long the answer took.
     pub took: Duration,
 }
 
-/// What was asked for an answer.
+/// The question behind an answer.
 #[derive(Clone, Debug)]
 pub enum Question {
     /// A model's prompt.
     Prompt(Box<Request>),
     /// A line to a program.
     Line {
-        /// The same for equal questions.
+        /// Identical for equal questions.
         key: String,
-        /// As it was sent.
+        /// The line as sent.
         text: String,
     },
 }
 
 impl Question {
-    /// Returns what equal questions share.
+    /// Returns the key that equal questions share.
     pub fn key(&self) -> String {
         match self {
             Question::Prompt(request) => request.key(),
@@ -304,7 +304,7 @@ impl Question {
     }
 }
 
-/// What an answer meant.
+/// The meaning of an answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "finding", rename_all = "snake_case")]
 pub enum Finding {
@@ -314,30 +314,30 @@ pub enum Finding {
         name: String,
         /// The text.
         value: String,
-        /// What had to be tolerated to read it.
+        /// Repairs needed to read it.
         repairs: Vec<String>,
     },
     /// An action, and whether it may run.
     Action {
         /// Its fields.
         fields: Vec<(String, Value)>,
-        /// What had to be tolerated to read it.
+        /// Repairs needed to read it.
         repairs: Vec<String>,
         /// The verifier's answer.
         verdict: Verdict,
     },
     /// The answer could not be read.
     Malformed {
-        /// What was looked for.
+        /// The missing or wrong field.
         field: String,
-        /// What the model is told.
+        /// The message to the model.
         message: String,
     },
     /// There was no answer.
     Failed {
-        /// What the rollout ends with.
+        /// How the rollout ends.
         outcome: Outcome,
-        /// What went wrong with the last call, where one was made.
+        /// The fault of the last call, if one was made.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         fault: Option<Fault>,
         /// Why.
@@ -345,17 +345,17 @@ pub enum Finding {
     },
 }
 
-/// What is to be done in a step.
+/// What to do in a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decision {
     /// Execute this.
     Act {
-        /// What each gripper does; today's worlds have one.
+        /// The action of each gripper; current worlds have one.
         grips: Vec<Proposal>,
-        /// Which answer it is.
+        /// The answer that was taken.
         accepted: Accepted,
     },
-    /// Do nothing in this step, and go on; the rollout would have ended so.
+    /// Do nothing in this step, and go on; without skipping, the rollout would have ended with this outcome.
     Skip(Outcome),
     /// End the rollout.
     Stop {
@@ -366,14 +366,14 @@ pub enum Decision {
     },
 }
 
-/// Which answer was taken in the end.
+/// The answer that was taken in the end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Accepted {
     /// The stage that asked for it.
     pub stage: String,
-    /// Which question of that stage and step it answered, from 1.
+    /// The number of its question within that stage and step, from 1.
     pub attempt: u32,
-    /// The checks that were left out, all questions being used up; empty where it passes every check.
+    /// The checks that were dropped after all questions were used up; empty if it passes every check.
     pub without: Vec<String>,
 }
 
@@ -383,13 +383,13 @@ pub enum PolicyError {
     /// The policy cannot do this task in this world.
     #[error("{0}")]
     Unfit(String),
-    /// A template and its values do not fit; only a program edited by hand can do that.
+    /// A template and its values do not match; happens only in a hand-edited program.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The demonstrations cannot be told.
+    /// The demonstrations cannot be shown.
     #[error(transparent)]
     Demos(#[from] DemosError),
-    /// An answer could not be kept, or is lost: nothing further may be asked.
+    /// An answer could not be stored, or is lost: nothing further may be asked.
     #[error(transparent)]
     Calls(CallRefused),
     /// The run folder cannot be written.

@@ -1,8 +1,8 @@
-//! What a rollout writes down, and what every later reader reads: one set of types, both ways.
+//! The types of a rollout's record, for writing and reading alike.
 //!
-//! `rollout.jsonl` holds a [`Header`], a [`Step`] for each action, and an [`End`]; its bytes are the same in each run of the
-//! same rollout. `spent.jsonl` beside it holds what differs: times, calls, money ([`Spent`]). `docs/records.md` states the
-//! format.
+//! `rollout.jsonl` holds a [`Header`], a [`Step`] for each action, and an [`End`]; its bytes are the same in every run
+//! of the same rollout. `spent.jsonl` beside it holds what differs: durations, calls, money ([`Spent`]).
+//! `docs/records.md` documents the format.
 
 use crate::action::Action;
 use crate::judgement::Judgement;
@@ -24,22 +24,22 @@ use std::path::Path;
 pub const VERSION: u32 = 2;
 /// Name of the file of lines in a run folder.
 pub const RECORD_FILE: &str = "rollout.jsonl";
-/// Name of the file beside it that says what the rollout took.
+/// Name of the file beside it with durations and costs.
 pub const SPENT_FILE: &str = "spent.jsonl";
-/// The largest record that is read.
+/// The largest record accepted, bytes.
 pub const MAX_BYTES: u64 = 256 << 20;
-/// The largest file of what was spent that is read.
+/// The largest `spent.jsonl` accepted, bytes.
 pub const MAX_SPENT_BYTES: u64 = 64 << 20;
 
 /// One line of [`RECORD_FILE`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Line {
-    /// The first line: what was run.
+    /// The first line: what is run.
     Header(Box<Header>),
     /// One step.
     Step(Box<Step>),
-    /// The last line: what came of it.
+    /// The last line: the results.
     End(Box<End>),
 }
 
@@ -64,19 +64,19 @@ pub struct Header {
     pub params: String,
     /// Digest of the world's code.
     pub code: String,
-    /// Who decides.
+    /// The policy.
     pub policy: policy::Description,
-    /// Where the cloth lies at first.
+    /// The start of the rollout.
     pub start: StartFile,
-    /// Where the subgoal pictures come from.
+    /// The origin of the subgoal pictures.
     pub subgoals: Origin,
     /// Digest of these pictures.
     pub subgoal_pictures: String,
     /// The most actions.
     pub horizon: u32,
-    /// Whether a goal that is judged after each step ends the rollout.
+    /// Whether a goal judged after each step ends the rollout.
     pub early_stop: bool,
-    /// Which of the start's rollouts it is.
+    /// The number of the rollout among those of the same start.
     pub repetition: u32,
     /// The most questions of a stage in a step.
     pub attempts: u32,
@@ -89,7 +89,7 @@ pub struct Header {
 pub struct StartFile {
     /// Its name.
     pub name: String,
-    /// The seed by which it was crumpled, where it was.
+    /// The seed that crumpled it, if it was crumpled.
     pub seed: Option<u64>,
     /// Positions of its particles, in the run folder.
     pub file: String,
@@ -106,25 +106,25 @@ pub struct StartFile {
 pub struct Step {
     /// From 1.
     pub step: u32,
-    /// Keypoints in pixels, or null where the picture gave none.
+    /// The scene's keypoints in pixels, or null if the picture gave none.
     pub scene: Value,
     /// Every question of the step.
     pub attempts: Vec<Asked>,
-    /// Which answer was taken, where one was.
+    /// The answer that was taken, if any.
     pub accepted: Option<Accepted>,
-    /// What was to be executed, where something was.
+    /// The action to be executed, if any.
     pub action: Option<Action>,
     /// What the world really did.
     pub executed: Option<Executed>,
-    /// SHA-256 of all positions' bits after it, as `fabc sim replay` prints it, where the world knows.
+    /// SHA-256 of all positions' bits after the action, as `fabc sim replay` prints it, if the world knows them.
     pub digest: Option<String>,
-    /// How much the cloth covers after it, where the world knows.
+    /// The cloth's coverage after the action, if the world knows it.
     #[serde(flatten)]
     pub measures: Measures,
-    /// The cloth after it beside the next subgoal, where the task compares them.
+    /// The comparison with the next subgoal after the action, if the task asks for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub result: Option<StepResult>,
-    /// What the rollout would have ended with, where the step was skipped instead.
+    /// The outcome that the rollout would have ended with, if the step was skipped instead.
     pub skipped: Option<Outcome>,
     /// Why the step ended the rollout, in words.
     pub stopped: Option<String>,
@@ -133,7 +133,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// Returns whether something was executed, or the step was skipped; else the rollout ended in it.
+    /// Returns whether an action was executed or the step was skipped; otherwise the rollout ended in it.
     pub fn is_taken(&self) -> bool {
         self.executed.is_some() || self.skipped.is_some()
     }
@@ -143,53 +143,53 @@ impl Step {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct StepFiles {
-    /// What the camera saw before the action.
+    /// The camera's picture before the action.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub before: Option<String>,
     /// The same with the action drawn on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub action: Option<String>,
-    /// What the camera saw after the action.
+    /// The camera's picture after the action.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub after: Option<String>,
-    /// Positions of all particles after the action, where the world knows.
+    /// Positions of all particles after the action, if the world knows them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub positions: Option<String>,
 }
 
-/// One answer of a step, and what came of it.
+/// One answer of a step, and its result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Asked {
     /// The stage that asked; `policy` where the policy has no stages.
     pub stage: String,
-    /// Which one of this stage and step it was, from 1.
+    /// The attempt's number within this stage and step, from 1.
     pub attempt: u32,
-    /// Content address of the question; null where nobody was asked.
+    /// Content address of the question; null if there was none.
     pub request_key: Option<String>,
-    /// The question as it was sent, in the run folder.
+    /// The question as sent, in the run folder.
     pub request: Option<String>,
-    /// The same as people read it, where it is a prompt.
+    /// The question in readable form, if it is a prompt.
     pub prompt: Option<String>,
-    /// What the policy says of it, for people.
+    /// The policy's note about it, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
-    /// The answer, where one came.
+    /// The answer, if one came.
     pub reply: Option<String>,
-    /// What it meant.
+    /// Its meaning.
     pub result: Finding,
-    /// Tokens that the provider says were used.
+    /// Token usage as reported by the provider.
     pub usage: Option<Usage>,
 }
 
-/// What came of a rollout.
+/// The results of a rollout.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct End {
     /// Its figures.
     pub report: Report,
-    /// Positions of all particles in the end, in the run folder, where the world knows.
+    /// Final positions of all particles, in the run folder, if the world knows them.
     #[serde(rename = "final")]
     pub final_positions: Option<String>,
-    /// The expert sequence that it came nearest to, from 1.
+    /// The closest expert sequence, from 1.
     pub nearest_expert: Option<usize>,
     /// All expert sequences that it was compared with.
     pub experts: Option<Vec<ExpertDistance>>,
@@ -197,12 +197,12 @@ pub struct End {
     pub sheet: Option<String>,
 }
 
-/// How far a final state is from one expert result.
+/// The distance of a final state from one expert result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExpertDistance {
     /// The sequence, from 1.
     pub sequence: usize,
-    /// Its particles, in the run folder.
+    /// The expert's particles, in the run folder.
     pub file: String,
     /// Mean distance of particles, millimetres.
     pub distance_mm: f64,
@@ -214,7 +214,7 @@ pub struct ExpertDistance {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Spent {
-    /// The rollout began, or was gone on with.
+    /// The rollout began or was resumed.
     Begin {
         /// Identity of the run.
         run_id: String,
@@ -223,34 +223,34 @@ pub enum Spent {
     Step(StepSpent),
     /// The rollout ended.
     End {
-        /// What all of it took.
+        /// The totals of the rollout.
         report: Box<Took>,
     },
 }
 
-/// What a step took.
+/// Durations and costs of a step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepSpent {
     /// From 1.
     pub step: u32,
-    /// Wall time of render, vision, prompt, parse and verify, seconds; null where no action was asked for.
+    /// Wall time of render, vision, prompt, parse and verify, seconds; null if no action was asked for.
     pub planning_s: Option<f64>,
-    /// Wall time by what it was spent on, seconds.
+    /// Wall time by activity, seconds.
     pub seconds: Map<String, Value>,
-    /// What the answers of this step and those before cost, US dollars; null where a price is not known.
+    /// Cost of the answers up to this step, US dollars; null if a price is unknown.
     pub cost_usd_so_far: Option<f64>,
 }
 
-/// How much the cloth covers at one moment (protocol, section 5); null where the world does not know.
+/// The cloth's coverage at one moment (protocol, section 5); null if the world does not know it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measures {
-    /// Covered share of the flat cloth's area by the source measure: SoftGym's, or that of pictures.
+    /// Covered share of the flat cloth's area by the source measure: SoftGym's, or by pictures.
     pub coverage: Option<f64>,
-    /// The same, measured truly; null of pictures.
+    /// The same by the true measure; null for pictures.
     pub coverage_true: Option<f64>,
-    /// Share of the coverage missing at first that was gained, by the source measure.
+    /// The gained share of the initially missing coverage, by the source measure.
     pub normalized_improvement: Option<f64>,
-    /// The same, measured truly; null of pictures.
+    /// The same by the true measure; null for pictures.
     pub normalized_improvement_true: Option<f64>,
 }
 
@@ -260,11 +260,11 @@ pub struct Measures {
 pub enum CoverageSource {
     /// The particles of a simulated cloth, by SoftGym's measure and by the true one.
     Particles,
-    /// The cloth's pixels, over those in a picture of the flat cloth.
+    /// The cloth's pixels, relative to those in a picture of the flat cloth.
     Picture,
 }
 
-/// The figures of a rollout that are the same in each run of it; null where not applicable.
+/// The figures of a rollout that are the same in every run of it; null if not applicable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// The task's name.
@@ -273,55 +273,55 @@ pub struct Report {
     pub variant: Option<String>,
     /// How it ended.
     pub outcome: Outcome,
-    /// Why it ended before its last step, in words: of an arm, what is verified; null where it did not.
+    /// Why it ended before its last step, in words; for an arm, also what is verified. Null if it did not.
     pub stopped: Option<String>,
-    /// Whether the declared goal was met; null without a goal, and where the world does not know what it is judged on.
+    /// Whether the declared goal was met; null without a goal, or if the world lacks what it is judged on.
     pub goal_reached: Option<bool>,
-    /// What the operator says of it; null where nobody was asked, or nobody answered.
+    /// The operator's judgement; null if nobody was asked or nobody answered.
     pub operator: Option<Judgement>,
     /// Mean distance to the nearest expert result, millimetres.
     pub mean_particle_distance_mm: Option<f64>,
-    /// Whose expert results these are; null where nothing was compared.
+    /// The source of these expert results; null if nothing was compared.
     pub judged_by: Option<JudgedBy>,
-    /// What coverage was measured on, which says what its figures can be compared with; null where nothing was measured.
+    /// What coverage was measured on, and so what its figures can be compared with; null if nothing was measured.
     pub coverage_source: Option<CoverageSource>,
-    /// Covered share of the flat cloth's area in the end, by the source measure: SoftGym's, or that of pictures.
+    /// Final covered share of the flat cloth's area, by the source measure: SoftGym's, or by pictures.
     pub coverage: Option<f64>,
-    /// The same, measured truly.
+    /// The same by the true measure.
     pub coverage_true: Option<f64>,
-    /// Share of the coverage missing at first that was gained, by the source measure.
+    /// The gained share of the initially missing coverage, by the source measure.
     pub normalized_improvement: Option<f64>,
-    /// The same, measured truly.
+    /// The same by the true measure.
     pub normalized_improvement_true: Option<f64>,
     /// Coverage of the start, by the source measure.
     pub coverage_at_start: Option<f64>,
-    /// Coverage of the start, measured truly.
+    /// Coverage of the start, by the true measure.
     pub coverage_true_at_start: Option<f64>,
     /// The measures after each step, skipped ones included.
     pub progress: Vec<Progress>,
     /// Executed steps.
     pub steps: u32,
-    /// Steps in which nothing was executed and the rollout went on.
+    /// Steps without an action after which the rollout went on.
     pub skipped_steps: u32,
-    /// Those steps by what they would have ended the rollout with, e.g. `attempts_exhausted`.
+    /// Skipped steps by the outcome that the rollout would have ended with, e.g. `attempts_exhausted`.
     pub skipped: BTreeMap<String, u32>,
-    /// Executed steps that were further tries, because the result before was not like the subgoal.
+    /// Executed actions that were retries because the previous result did not match the subgoal.
     pub retries: u32,
     /// Requests sent.
     pub queries: u32,
-    /// Refused actions by the check that refused them.
+    /// Number of refused actions by check.
     pub refusals: BTreeMap<String, u32>,
     /// Answers that could not be read.
     pub malformed_replies: u32,
-    /// Who decided, with what a reader of the figures must know.
+    /// The policy, with the caveats that a reader of the figures must know.
     pub policy: String,
-    /// Whether the policy looked at the true places of particles, which no camera shows.
+    /// Whether the policy saw the true positions of particles, which no camera shows.
     pub sees_particles: bool,
-    /// The model that answered; both names where the roles differ, null where no model was asked.
+    /// The model that answered; both names if the roles differ, null if no model was asked.
     pub model: Option<String>,
-    /// Whether that model is an embedded stand-in and no vision-language model.
+    /// Whether that model is a built-in stand-in, not a vision-language model.
     pub model_is_stand_in: bool,
-    /// The seed of the start, where one was given.
+    /// The seed of the start, if given.
     pub seed: Option<u64>,
     /// Hash of the program.
     pub program: String,
@@ -331,34 +331,34 @@ pub struct Report {
     pub params: String,
 }
 
-/// Whose expert results a rollout was compared with.
+/// The source of the expert results that a rollout was compared with.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct JudgedBy {
-    /// Name of the world that they were simulated in.
+    /// Name of the world that simulated them.
     pub world: String,
-    /// Particles along both sides of the cloth, in those results and in what is compared.
+    /// Particles along both sides of the cloth, in those results and in the rollout.
     pub grid: [u32; 2],
 }
 
-/// What a rollout took, which differs between two runs of the same one.
+/// Durations and costs of a rollout, which differ between runs of the same one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Took {
-    /// Mean time per action of render, vision, prompt, parse and verify, seconds: all but the model, the
-    /// motion, and the writing of files. Null where no action was asked for.
+    /// Mean time per action of render, vision, prompt, parse and verify, seconds: everything except the model, the
+    /// motion, and the writing of files. Null if no action was asked for.
     pub planning_s: Option<f64>,
-    /// Calls sent to models over the network, each further try included.
+    /// Calls sent to models over the network, retries included.
     pub calls: u64,
-    /// Those of them that gave no answer and may have been billed.
+    /// Calls without an answer that may have been billed.
     pub possibly_billed: u64,
-    /// Calls that failed, by what went wrong.
+    /// Number of failed calls by fault.
     pub faults: BTreeMap<String, u32>,
-    /// Tokens that the providers say were used.
+    /// Token usage as reported by the providers.
     pub usage: Usage,
-    /// What the answers cost, US dollars; null where a price is not known.
+    /// Cost of the answers, US dollars; null if a price is unknown.
     pub cost_usd: Option<f64>,
-    /// The same with all that may have been billed.
+    /// The same plus everything that may have been billed.
     pub cost_usd_at_most: Option<f64>,
-    /// The same sums, exactly.
+    /// The exact totals.
     #[serde(skip)]
     pub spent: calls::Spent,
     /// The run folder.
@@ -367,7 +367,7 @@ pub struct Took {
     pub run_id: String,
     /// How many expert results were simulated for the score; the others were cached.
     pub experts_simulated: usize,
-    /// Wall time by what it was spent on, seconds.
+    /// Wall time by activity, seconds.
     pub seconds: Map<String, Value>,
     /// Wall time of the whole run, seconds.
     pub wall_s: f64,
@@ -378,36 +378,36 @@ pub struct Took {
 pub struct Progress {
     /// From 1.
     pub step: u32,
-    /// How much the cloth then covers.
+    /// The cloth's coverage after it.
     #[serde(flatten)]
     pub measures: Measures,
 }
 
-/// What the first lines of all versions have in common.
+/// The common part of all versions' first lines.
 #[derive(Deserialize)]
 struct Versioned {
     schema: u32,
 }
 
-/// A run folder, read.
+/// A run folder that was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     /// What was run.
     pub header: Header,
-    /// Its steps, in order; the last may be one that ended it.
+    /// Its steps, in order; the last one may have ended it.
     pub steps: Vec<Step>,
-    /// What came of it; none where it was cut off.
+    /// Its results; `None` if it was interrupted.
     pub end: Option<End>,
-    /// What the steps took, by their number; of a step that was done again, the first time counts.
+    /// Durations and costs of the steps, by number; for a repeated step, the first time counts.
     pub spent: BTreeMap<u32, StepSpent>,
-    /// What all of it took, where it ended.
+    /// The totals, if it ended.
     pub took: Option<Took>,
 }
 
 /// Why a run folder cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RecordError {
-    /// It holds no record of a rollout, or none that has begun.
+    /// It holds no record of a rollout, or one that has not begun.
     #[error("it holds no rollout: {0}")]
     Absent(String),
     /// Another version of the program wrote it.
@@ -427,7 +427,7 @@ pub enum RecordError {
 }
 
 impl Record {
-    /// Reads a run folder; a line that was cut off at the end of a file counts as not written.
+    /// Reads a run folder; a torn line at the end of a file counts as not written.
     pub fn read(folder: &Path) -> Result<Record, RecordError> {
         let damaged = |why: String| RecordError::Damaged {
             file: RECORD_FILE,
@@ -474,7 +474,7 @@ fn read_spent(folder: &Path) -> Result<(BTreeMap<u32, StepSpent>, Option<Took>),
     };
     let path = folder.join(SPENT_FILE);
     let (mut spent, mut took) = (BTreeMap::new(), None);
-    // A copied folder may lack it: no figure of the rollout stands in it.
+    // A copied folder may lack it: it holds none of the rollout's figures.
     if !path.exists() {
         return Ok((spent, took));
     }

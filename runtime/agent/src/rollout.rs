@@ -1,8 +1,8 @@
 //! One rollout, from start to report.
 //!
-//! In: a [`Job`] and an open run folder. Out: a [`Report`]; everything that it says can be recomputed
-//! from the folder. Per step: observe, find keypoints, ask and judge, execute, write the step down.
-//! A model's bad proposal ends a rollout with an [`Outcome`]; only a failing environment is an error.
+//! In: a [`Job`] and an open run folder. Out: a [`Report`], which can be recomputed from the folder. Per step: observe,
+//! find keypoints, ask and judge, execute, record the step. A model's bad proposal ends a rollout with an [`Outcome`];
+//! only a failing environment is an error.
 
 mod covered;
 mod first;
@@ -45,37 +45,37 @@ use writer::Keeper;
 pub use first::{FirstQuestion, first_questions};
 pub use score::Score;
 
-/// What is to be run.
+/// What to run.
 pub struct Job<'a> {
     /// The compiled task.
     pub program: &'a Program,
-    /// Where the cloth lies at first.
+    /// The cloth's start.
     pub start: &'a Start,
     /// The subgoal pictures.
     pub subgoals: &'a SubgoalSet,
-    /// What the stages are told as examples.
+    /// The examples of the stages.
     pub examples: &'a Examples,
-    /// Makes who decides.
+    /// Makes the policy.
     pub make_policy: &'a dyn MakePolicy,
-    /// Caps on what models may be asked, shared with other rollouts of the same run.
+    /// Caps on model calls, shared with other rollouts of the same run.
     pub budget: &'a Budget,
-    /// Where questions and answers are recorded, where that is wanted.
+    /// Records questions and answers, if requested.
     pub recorder: Option<&'a Recorder>,
     /// Makes the world of the rollout.
     pub make_world: &'a MakeWorld<'a>,
-    /// Makes worlds that know their particles, for expert results; an arm's world must not be made to repeat them.
+    /// Makes worlds that know their particles, for expert results; a real arm must not repeat the expert's folds.
     pub make_expert_world: &'a MakeWorld<'a>,
-    /// Where expert results are kept.
+    /// Stores expert results.
     pub cache: &'a Cache,
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
-    /// The most actions, in place of the program's own number.
+    /// The most actions, overriding the program's number.
     pub horizon: Option<u32>,
-    /// Whether a goal that is judged after each step ends the rollout; where not, it is judged on the last state.
+    /// Whether a goal judged after each step ends the rollout; otherwise the goal is judged on the last state.
     pub early_stop: bool,
-    /// Who says at the end whether the task was reached, where somebody is asked.
+    /// Judges at the end whether the task was reached, if somebody is asked.
     pub operator: Option<&'a dyn Operator>,
-    /// Tells apart runs of one job that want independent answers; goes into every request.
+    /// Distinguishes runs of one job that need independent answers; part of every request.
     pub repetition: u32,
 }
 
@@ -86,13 +86,13 @@ impl Job<'_> {
     }
 }
 
-/// A rollout that has ended, as `fabc run --json` prints it.
+/// A finished rollout, as `fabc run --json` prints it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ended {
-    /// What is the same in each run of it.
+    /// The part that is the same in every run.
     #[serde(flatten)]
     pub report: Report,
-    /// What it took this time.
+    /// Durations and costs of this run.
     #[serde(flatten)]
     pub took: Took,
 }
@@ -105,10 +105,10 @@ impl Deref for Ended {
     }
 }
 
-/// What happens while a rollout runs.
+/// An event during a rollout.
 #[derive(Debug)]
 pub enum Event<'a> {
-    /// A question was answered, or not.
+    /// A question was answered, or failed.
     Asked {
         /// From 1.
         step: u32,
@@ -119,49 +119,49 @@ pub enum Event<'a> {
     Stepped {
         /// From 1.
         step: u32,
-        /// How many there are at most.
+        /// The most steps.
         horizon: u32,
         /// What was executed.
         action: &'a Action,
-        /// The checks that were left out to accept it.
+        /// The checks dropped to accept it.
         without: &'a [String],
-        /// What was held.
+        /// The result of the grasp.
         grasp: Grasp,
         /// Wall time of the whole step, seconds.
         seconds: f64,
-        /// What the calls of the rollout came to so far.
+        /// What the rollout's calls added up to so far.
         spent: Spent,
     },
-    /// Nothing was executed in a step, and the rollout goes on.
+    /// A step had no action, and the rollout goes on.
     Skipped {
         /// From 1.
         step: u32,
-        /// How many there are at most.
+        /// The most steps.
         horizon: u32,
-        /// What the rollout would have ended with.
+        /// The outcome that the rollout would have ended with.
         why: Outcome,
     },
-    /// The rollout ends in a step that was not done.
+    /// The rollout ends in an unfinished step.
     Stopped {
         /// From 1.
         step: u32,
-        /// How many there are at most.
+        /// The most steps.
         horizon: u32,
         /// Why, in words.
         why: &'a str,
     },
-    /// Expert results must be simulated before the score is known.
+    /// Expert results must be simulated for the score.
     SimulatingExperts {
         /// How many.
         missing: usize,
         /// Of how many.
         total: usize,
     },
-    /// Something that does not change the result, but that the user should know.
+    /// Something that the user should know, without effect on the result.
     Note(String),
 }
 
-/// Why a rollout could not be carried out or kept.
+/// Why a rollout could not be run or stored.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The run folder cannot be written.
@@ -173,16 +173,16 @@ pub enum RunError {
     /// The policy cannot do this task in this world.
     #[error("{0}")]
     Unfit(String),
-    /// The task cannot be asked of a model that is told of points in its own way, or the program does not fit itself.
+    /// The task does not support a model's point convention, or the program is inconsistent.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The demonstrations cannot be told to a model.
+    /// The demonstrations cannot be shown to a model.
     #[error(transparent)]
     Demos(#[from] DemosError),
-    /// A call could not be noted, or its answer not be kept or found.
+    /// A call could not be noted, or its answer could not be stored or found.
     #[error(transparent)]
     Calls(CallRefused),
-    /// The picture of the start shows nothing to ask about.
+    /// The picture of the start gives nothing to ask about.
     #[error("{0}")]
     Scene(SceneError),
     /// The picture of the flat cloth cannot be compared with the camera's.
@@ -191,7 +191,7 @@ pub enum RunError {
         /// What is wrong, and what would be right.
         why: String,
     },
-    /// The goal is a measure of coverage, and there is nothing to measure it on.
+    /// The goal is a measure of coverage, which cannot be measured here.
     #[error(
         "the task's goal is a measure of coverage, and `{world}` knows neither its cloth's particles nor a picture of the flat cloth: give it one"
     )]
@@ -224,8 +224,8 @@ impl From<PromptError> for RunError {
 
 /// Runs a job to its end and writes everything into `folder`.
 ///
-/// Fails where the world cannot take the start, or the folder cannot be written; any other end is an
-/// [`Outcome`] in the report.
+/// Fails if the world cannot take the start, or the folder cannot be written; any other end is an [`Outcome`] in the
+/// report.
 pub fn run(
     job: &Job<'_>,
     folder: RunFolder,
@@ -280,7 +280,7 @@ pub fn run(
             .folder
             .append(&Line::Step(Box::new(turn.line.clone())))?;
         keeper.count(&turn)?;
-        // A plan that was asked for is no rollout that ends early.
+        // Ending after a requested plan is not ending early.
         if let (Some(why), true) = (&turn.line.stopped, stopped != Some(Outcome::Planned)) {
             progress(Event::Stopped {
                 step: tries.number,
@@ -326,26 +326,26 @@ pub fn run(
     )
 }
 
-/// Which step an action is for.
+/// Assigns actions to steps.
 #[derive(Default)]
 struct Tries {
     /// Actions begun.
     number: u32,
-    /// Steps that are over.
+    /// Steps that are finished.
     done: u32,
-    /// Further actions begun for the step under way.
+    /// Retries begun for the current step.
     retries: u32,
-    /// What the last of its actions came to, where it has to be tried again.
+    /// The result of the last action, if the step must be retried.
     before: Option<StepResult>,
 }
 
 impl Tries {
-    /// Returns the step under way, from 1; none where the rollout is over.
+    /// Returns the current step, from 1; `None` if the rollout is over.
     fn step(&self, job: &Job<'_>) -> Option<u32> {
         (self.done < job.horizon()).then_some(self.done + 1)
     }
 
-    /// Decides whether the step under way is over: its result is like the subgoal, or it was retried enough.
+    /// Decides whether the current step is over: its result matches the subgoal, or it was retried often enough.
     fn after(&mut self, job: &Job<'_>, result: Option<StepResult>) {
         let most = job.program.actions_per_step() - 1;
         self.before = result.filter(|result| !result.is_enough && self.retries < most);

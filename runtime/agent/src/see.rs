@@ -1,7 +1,7 @@
-//! What a task finds and draws on a picture that a user brings; no world, no model.
+//! Finds and draws a task's keypoints and layers on a user's picture; no world, no model.
 //!
-//! In: a program and pictures. Out: the [`Scene`] that a rollout's first step would have there, and a picture of each
-//! stage. Extractors and layers are a rollout's own.
+//! In: a program and pictures. Out: the [`Scene`] of a rollout's first step there, and a picture of each stage.
+//! Extractors and layers are the same as in a rollout.
 
 use crate::scene::{Scene, SceneError, StagePicture};
 use fab_picture::DepthImage;
@@ -11,64 +11,64 @@ use fab_program::facts::ExecutedAction;
 use fab_program::{End, Extractor, PixelPoint, Program, Sight};
 use image::RgbImage;
 
-/// What a user brings.
+/// The user's input.
 #[derive(Clone, Debug)]
 pub struct Brought {
-    /// Colour, of the size that the task's camera takes.
+    /// Colour, in the size of the task's camera.
     pub rgb: RgbImage,
     /// Depth of the same size, metres; 0 means no reading.
     pub depth_m: Option<DepthImage>,
-    /// Where the action before this one ended, for layers that show it.
+    /// The end of the previous action, for layers that show it.
     pub last: Option<LastAction>,
 }
 
-/// The action before this one, pixels.
+/// The previous action, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LastAction {
-    /// Where the cloth was picked, where that is known.
+    /// Where the cloth was picked, if known.
     pub pick: Option<PixelPoint>,
     /// Where it was placed.
     pub place: PixelPoint,
 }
 
-/// What is seen.
+/// The result.
 #[derive(Clone, Debug)]
 pub struct Seen {
     /// The keypoints.
     pub scene: Scene,
     /// A picture of each keypoint and of each layer, in their order.
     pub stages: Vec<StagePicture>,
-    /// What a model would be shown.
+    /// The picture that a model would get.
     pub annotated: RgbImage,
-    /// Layers that need an action before this one, where there is none.
+    /// Layers that need a previous action, if there is none.
     pub left_out: Vec<String>,
 }
 
-/// Why nothing is seen.
+/// Why there is no result.
 #[derive(Debug, thiserror::Error)]
 pub enum SeeError {
-    /// A keypoint is found by depth.
+    /// A keypoint needs depth.
     #[error(
         "`{keypoint}` is found by depth, and the picture comes without it ({right} needs none)"
     )]
     NeedsDepth {
         /// The keypoint.
         keypoint: String,
-        /// What would do without.
+        /// What would work without depth.
         right: &'static str,
     },
-    /// A layer shows where the last action picked.
+    /// A layer shows where the last action picked, which is unknown.
     #[error(
-        "the layer `{layer}` shows where the last action picked, which is not said beside its place"
+        "the layer `{layer}` shows where the last action picked, which was not given with its place"
     )]
     NeedsPick {
         /// The layer.
         layer: String,
     },
-    /// A picture has another size than the camera's.
+    /// A picture's size differs from the camera's.
     #[error(transparent)]
     Size(#[from] WrongSize),
-    /// A keypoint is not found, or a layer not drawn.
+    /// A keypoint was not found, or a layer not drawn.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }
@@ -110,7 +110,7 @@ fn check_depth(program: &Program) -> Result<(), SeeError> {
     })
 }
 
-/// Makes the action that layers show; they know no more of it than its ends.
+/// Makes the action for layers; only its two ends are known.
 fn done(program: &Program, last: LastAction) -> Result<ExecutedAction, SeeError> {
     let of_pick = program
         .layers
@@ -120,7 +120,7 @@ fn done(program: &Program, last: LastAction) -> Result<ExecutedAction, SeeError>
         (None, Some(layer)) => Err(SeeError::NeedsPick {
             layer: layer.name.clone(),
         }),
-        // Where no layer shows the pick, any pixel stands for it.
+        // If no layer shows the pick, any pixel will do.
         (pick, _) => Ok(ExecutedAction {
             proposal: Proposal { fields: Vec::new() },
             pick: pick.unwrap_or(last.place),

@@ -1,7 +1,7 @@
 //! The contact sheet: a rollout on one picture.
 //!
-//! One row per executed step: the subgoal with its arrow, the cloth with the chosen action, the cloth
-//! after it. The headline names the task, the policy and what must be known of it, and the result.
+//! One row per executed step: the subgoal with its arrow, the cloth with the chosen action, the cloth after it. The
+//! headline names the task, the policy with its caveats, and the result.
 
 use crate::record::Report;
 use fab_program::PixelPoint;
@@ -14,7 +14,7 @@ const CAPTION_PX: u32 = 22;
 /// The largest picture in the sheet, and the smallest in a long one.
 const MAX_CELL_PX: u32 = 224;
 const MIN_CELL_PX: u32 = 32;
-/// Below the tallest picture that can be drawn on.
+/// The sheet's greatest height, pixels; just below the largest picture that can be drawn on.
 const MAX_HEIGHT_PX: u32 = 8000;
 const PAPER: Rgb<u8> = Rgb([255, 255, 255]);
 const INK: [u8; 3] = [30, 30, 30];
@@ -26,26 +26,26 @@ pub const SHEET_FILE: &str = "sheet.png";
 /// The rows of a contact sheet.
 #[derive(Debug, Default)]
 pub struct Sheet {
-    /// Each with its step, from 1.
+    /// Each with its step's number, from 1.
     rows: Vec<(u32, [RgbImage; 3])>,
 }
 
 impl Sheet {
-    /// Begins without a row.
+    /// Makes a sheet without rows.
     pub fn new() -> Sheet {
         Sheet::default()
     }
 
-    /// Adds an executed step, from 1.
+    /// Adds an executed step, numbered from 1.
     ///
-    /// The first picture is the subgoal with its arrow; where there is none, the scene with the task's layers.
+    /// The first picture is the subgoal with its arrow; if there is none, the scene with the task's layers.
     pub fn row(&mut self, step: u32, shown: &RgbImage, action: RgbImage, after: RgbImage) {
-        // Shrunk at once: a long rollout with a large camera would fill the memory with pictures.
+        // Shrink at once: the pictures of a long rollout with a large camera would fill the memory.
         let row = [shown, &action, &after].map(|picture| fit(picture, MAX_CELL_PX));
         self.rows.push((step, row));
     }
 
-    /// Draws the sheet; `None` where no step was executed. Fails where the letters cannot be drawn.
+    /// Draws the sheet; `None` if no step was executed. Fails if text cannot be drawn.
     pub fn picture(&self, report: &Report) -> Result<Option<RgbImage>, VisionError> {
         if self.rows.is_empty() {
             return Ok(None);

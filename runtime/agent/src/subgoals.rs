@@ -1,7 +1,7 @@
 //! The pictures that show a fold, step by step.
 //!
-//! In: a program and the folder of its file. Out: `steps + 1` pictures and the arrow of each step,
-//! from the author's files, from pinned ones, or drawn by executing `demonstrate` in a world.
+//! In: a program and the folder of its file. Out: `steps + 1` pictures and the arrow of each step, from the author's
+//! files, from pinned ones, or drawn by executing `demonstrate` in a world.
 
 mod pins;
 
@@ -29,9 +29,9 @@ pub type ArrowPx = [[f64; 2]; 2];
 pub struct SubgoalSet {
     /// One more than there are steps.
     pub pictures: Vec<RgbImage>,
-    /// The arrow that leaves each picture but the last; none where the picture already carries one.
+    /// The arrow from each picture to the next; `None` if the picture already contains one.
     pub arrows: Vec<Option<ArrowPx>>,
-    /// Where they come from.
+    /// Their origin.
     pub origin: Origin,
 }
 
@@ -49,7 +49,7 @@ impl SubgoalSet {
     }
 }
 
-/// Where subgoal pictures come from.
+/// The origin of subgoal pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Origin {
@@ -70,29 +70,29 @@ pub enum Origin {
 /// The pictures around one step.
 #[derive(Clone, Debug)]
 pub struct StepPictures {
-    /// Now and next, bare.
+    /// Current and next, without arrows.
     bare: [RgbImage; 2],
-    /// Now and next, with the arrow of the step.
+    /// Current and next, with the arrow of the step.
     with_arrow: [RgbImage; 2],
 }
 
-/// A step of a demonstration, before it is done.
+/// A step of a demonstration, before its execution.
 #[derive(Clone, Copy)]
 pub struct Demonstrated<'a> {
     /// From 0.
     pub number: usize,
-    /// What is done.
+    /// The fold.
     pub fold: &'a Fold,
-    /// How the cloth lies.
+    /// The cloth before it.
     pub observation: &'a Observation,
-    /// Where it is picked and placed, pixels `[column, row]`; none where the camera does not see that.
+    /// Where it picks and places, pixels `[column, row]`; `None` if the camera does not see that point.
     pub ends_px: [Option<[f64; 2]>; 2],
 }
 
 /// Why there are no pictures.
 #[derive(Debug, thiserror::Error)]
 pub enum SubgoalError {
-    /// A file is not where a task may have it.
+    /// A file is not where a task's files must be.
     #[error(transparent)]
     File(#[from] FileError),
     /// A picture cannot be used.
@@ -103,7 +103,7 @@ pub enum SubgoalError {
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         why: String,
     },
     /// An arrow cannot be drawn.
@@ -124,9 +124,9 @@ impl SubgoalSet {
         }
     }
 
-    /// Returns the program's pictures; `folder` is the one that holds its file.
+    /// Returns the program's pictures; `folder` contains its file.
     ///
-    /// `world` is used only where nothing is pinned; it is reset by it.
+    /// `world` is reset and used only if nothing is pinned.
     pub fn obtain(
         program: &Program,
         folder: &Path,
@@ -149,9 +149,9 @@ impl SubgoalSet {
         }
     }
 
-    /// Draws the demonstration afresh, whatever is pinned; the author's own pictures are loaded.
+    /// Draws the demonstration again, even if pictures are pinned; the author's own pictures are loaded.
     ///
-    /// - `watch`: is shown each step before it is done.
+    /// - `watch`: shown each step before its execution.
     pub fn draw(
         program: &Program,
         folder: &Path,
@@ -168,10 +168,10 @@ impl SubgoalSet {
         }
     }
 
-    /// Returns the pictures around step `number`, from 0; the last step's where there are fewer, none where
-    /// there are none at all.
+    /// Returns the pictures around step `number`, from 0; the last step's if there are fewer, `None` if there are none
+    /// at all.
     ///
-    /// Fails where the arrow cannot be drawn.
+    /// Fails if the arrow cannot be drawn.
     pub fn step(&self, number: usize) -> Result<Option<StepPictures>, VisionError> {
         if self.pictures.is_empty() {
             return Ok(None);
@@ -189,8 +189,8 @@ impl SubgoalSet {
         Ok(Some(StepPictures { bare, with_arrow }))
     }
 
-    /// Returns one picture around step `number`, from 0, as [`SubgoalSet::obtain`] and [`SubgoalSet::step`] would, and
-    /// folds no further than it needs; None where the task has no subgoals.
+    /// Returns one picture around step `number`, from 0, as [`SubgoalSet::obtain`] and [`SubgoalSet::step`] would, with
+    /// no more folds than necessary; `None` if the task has no subgoals.
     pub fn picture(
         program: &Program,
         folder: &Path,
@@ -258,7 +258,7 @@ fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, Sub
     Ok(set)
 }
 
-/// Draws the pictures from the first to number `last`, from 0, and the arrows that leave them.
+/// Draws the pictures up to number `last`, from 0, and the arrows between them.
 fn draw_until(
     last: usize,
     program: &Program,

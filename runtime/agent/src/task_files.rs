@@ -1,7 +1,7 @@
-//! Files that a task names, found below its folder and nowhere else.
+//! Files named by a task, which must be below its folder.
 //!
-//! In: the folder of the task's file and a [`FileRef`]. Out: a path, or why there is none. Links that lead out
-//! of the folder are refused: a task from somebody else must not show a model what lies elsewhere.
+//! In: the folder of the task's file and a [`FileRef`]. Out: a path, or why there is none. Links that lead out of the
+//! folder are refused: a stranger's task must not show a model files from elsewhere.
 
 use fab_picture::png::PictureError;
 use fab_program::FileRef;
@@ -11,28 +11,28 @@ use std::path::{Path, PathBuf};
 /// Why a file of a task cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
-    /// There is no such file.
+    /// The file cannot be read.
     #[error("cannot read `{path}`: {why}")]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         why: String,
     },
-    /// It lies elsewhere.
+    /// The file lies outside the folder.
     #[error("`{path}` leads out of the task's folder, to `{target}`")]
     Outside {
         /// The file.
         path: PathBuf,
-        /// Where it really lies.
+        /// Its real path.
         target: PathBuf,
     },
-    /// It is no picture.
+    /// It is not a picture.
     #[error("the picture of an example cannot be used: {0}")]
     Picture(#[from] PictureError),
 }
 
-/// Returns where a file lies; `folder` is the one that holds the task's file.
+/// Returns the path of a file; `folder` contains the task's file.
 pub fn resolve(folder: &Path, file: &FileRef) -> Result<PathBuf, FileError> {
     let folder = if folder.as_os_str().is_empty() {
         Path::new(".")

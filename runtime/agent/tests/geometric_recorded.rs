@@ -195,8 +195,8 @@ fn straight_folds_are_planned_as_the_expert_did_them() {
     println!("worst of {} steps: {worst:.1} px", steps.len());
 }
 
-/// The recordings at hand may lie at two angles only; turned depth images stand in for the others, with the
-/// stair-stepped edges that make the detector report more than the corners.
+/// The available recordings may have two angles only. Turned depth images stand in for the others; their stair-stepped
+/// edges make the detector report more than the corners.
 #[test]
 #[ignore = "long"]
 fn straight_folds_are_planned_alike_when_the_recorded_cloth_is_turned() {

@@ -1,4 +1,4 @@
-//! A moved camera is noticed, whatever lies on the table, and nothing else is taken for one.
+//! Tests that a moved camera is noticed whatever lies on the table, without false alarms.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 

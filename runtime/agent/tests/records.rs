@@ -1,4 +1,4 @@
-//! The example of `docs/records.md` is read by the types that rollouts write.
+//! Tests that rollouts' own types can read the example of `docs/records.md`.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use fab_agent::journal::RunFolder;
@@ -84,7 +84,7 @@ fn a_torn_record_is_gone_on_with_and_another_version_is_left_alone() {
     let (lines, spent) = examples.split_at(3);
     let [header, step, end] = [0, 1, 2].map(|at| serde_json::from_str::<Line>(&lines[at]).unwrap());
 
-    // Both files cut in the middle of a line: what goes on follows their whole lines.
+    // Both files are cut in the middle of a line: resuming continues after their whole lines.
     std::fs::write(&file, format!("{}\n{{\"type\":\"st", lines[0])).unwrap();
     std::fs::write(&spent_file, format!("{}\n{{\"type\":\"st", spent[0])).unwrap();
     let mut run = RunFolder::reopen(folder.path()).unwrap();

@@ -12,7 +12,7 @@ use roslibrust::ros1::{NodeError, NodeHandle, Publisher, Subscriber};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How many messages of a topic wait, at the most, before the oldest is dropped.
+/// The most messages of a topic that wait before the oldest is dropped.
 const QUEUE: usize = 16;
 
 /// Interval at which a server is probed until it receives from this client.
@@ -24,7 +24,7 @@ pub(super) trait Action: Send + Sync + 'static {
     type Goal: RosMessageType;
     /// The message that carries a result, `…ActionResult`.
     type Result: RosMessageType;
-    /// Returns what a result says of its goal.
+    /// Returns the status in a result.
     fn status(result: &Self::Result) -> &GoalStatus;
 }
 
@@ -59,7 +59,7 @@ impl<A: Action> ActionClient<A> {
         listen(results, Arc::clone(&server), |server, result| {
             server.ledger.update(A::status(result))
         });
-        // Not latched: a node that starts anew must not be handed an old goal.
+        // Not latched: a restarted node must not be handed an old goal.
         let goals = node
             .advertise::<A::Goal>(&format!("{name}/goal"), QUEUE, false)
             .await?;
@@ -74,7 +74,7 @@ impl<A: Action> ActionClient<A> {
         })
     }
 
-    /// Sends a goal, which `message` makes from its name; returns the name.
+    /// Sends a goal, which `message` makes from its id; returns the id.
     pub(super) fn send(&self, message: impl FnOnce(GoalID) -> A::Goal) -> Result<String, String> {
         let id = format!("fabc_{}", unique_number());
         lock(&self.server).ledger.add(&id);
@@ -82,7 +82,8 @@ impl<A: Action> ActionClient<A> {
         Ok(id)
     }
 
-    /// Requests the cancellation of every goal of the server, whoever sent it: in actionlib, a cancellation without an id.
+    /// Requests the cancellation of every goal of the server, whoever sent it: in actionlib, a cancellation without an
+    /// id.
     pub(super) fn cancel_all(&self) -> Result<(), String> {
         publish(&self.cancels, &GoalID::default())
     }
@@ -102,8 +103,8 @@ pub(super) trait Client: Send + Sync {
     fn cancel(&self, id: &str) -> Result<(), String>;
     /// Waits until the server exists and receives from this client; `false` if the deadline comes first.
     ///
-    /// A server lists the cancellation of a goal that it never got, which has no other effect. This is the only response by
-    /// which a client of this library can tell that the server has connected to it.
+    /// A server lists the cancellation of a goal that it never got, which has no other effect. This is the only
+    /// response by which a client of this library can tell that the server has connected to it.
     fn wait_until_connected(&self, deadline: Instant) -> bool;
 }
 
@@ -145,7 +146,7 @@ impl<A: Action> Client for ActionClient<A> {
     }
 }
 
-/// A stamp of zero is replaced by the server's own time, so that two machines' clocks need not agree.
+/// The server replaces a zero stamp by its own time, so two machines' clocks need not agree.
 fn goal_id(id: &str) -> GoalID {
     GoalID {
         id: id.to_owned(),
@@ -153,7 +154,7 @@ fn goal_id(id: &str) -> GoalID {
     }
 }
 
-/// Publishing only puts a message into a queue.
+/// Publishing only queues a message.
 fn publish<T: RosMessageType>(publisher: &Publisher<T>, message: &T) -> Result<(), String> {
     match at_once(publisher.publish(message)) {
         Some(Ok(())) => Ok(()),
@@ -162,7 +163,7 @@ fn publish<T: RosMessageType>(publisher: &Publisher<T>, message: &T) -> Result<(
     }
 }
 
-/// Hands every message of a topic to `take`, until the topic is closed.
+/// Passes every message of a topic to `take`, until the topic is closed.
 fn listen<T: RosMessageType>(
     mut topic: Subscriber<T>,
     server: Arc<Mutex<ServerState>>,
@@ -170,7 +171,7 @@ fn listen<T: RosMessageType>(
 ) {
     tokio::spawn(async move {
         while let Some(message) = topic.next().await {
-            // An error is a message that came too fast or cannot be read, and any message may be lost.
+            // An error is a message that came too fast or cannot be read; losing any single message is tolerated.
             let Ok(message) = message else { continue };
             let mut server = lock(&server);
             server.last_message = Some(Instant::now());

@@ -1,7 +1,7 @@
 //! A camera behind ROS: colour, aligned depth and intrinsics, from three topics.
 //!
-//! In: topics. Out: pictures that were taken after the request, judged by the camera's own stamps. These are compared with
-//! this machine's clock, so a camera whose machine has another time is refused with an explanation.
+//! In: topics. Out: pictures that were taken after the request, judged by the camera's own stamps. These are compared
+//! with this machine's clock, so a camera whose machine has another time is refused with an explanation.
 
 use super::RosError;
 use super::link::{Link, bounded_wait};
@@ -25,7 +25,7 @@ pub struct RosCamera {
     info: Option<String>,
     timeout: Duration,
     buffer: Arc<Mutex<PairBuffer>>,
-    /// Last, since the subscriptions live on its threads.
+    /// Dropped last, because the subscriptions live on its threads.
     _link: Link,
 }
 
@@ -33,7 +33,7 @@ impl RosCamera {
     /// Subscribes to the topics of the settings; whether anything is published shows with the first picture.
     ///
     /// Registering, and each picture later, takes at most `timeout_s` seconds. Without a depth topic the depth is 0
-    /// everywhere, which is no reading; without an info topic the projection is unknown.
+    /// everywhere, which means no reading; without an info topic the projection is unknown.
     pub fn subscribe(settings: &RosSettings, timeout_s: f64) -> Result<RosCamera, RosError> {
         let timeout = bounded_wait(timeout_s);
         let Some(color) = settings.color.clone() else {
@@ -85,7 +85,7 @@ impl RosCamera {
         Err(RosError::Refused { what, why })
     }
 
-    /// Says why no picture came in time.
+    /// Explains why no picture came in time.
     fn missing(&self, buffer: &PairBuffer) -> String {
         let seconds = self.timeout.as_secs_f64();
         let silent = |topic: &str| {
@@ -93,7 +93,7 @@ impl RosCamera {
         };
         let refused = |topic: &str, refused: Refused| {
             let (by_ns, side) = match refused {
-                Refused::Old { by_ns } => (by_ns, "before the picture was asked for"),
+                Refused::Old { by_ns } => (by_ns, "before the picture was requested"),
                 Refused::Ahead { by_ns } => (by_ns, "in the future"),
             };
             let by_s = by_ns as f64 / 1e9;
@@ -195,7 +195,7 @@ async fn follow<T: RosMessageType>(
     buffer: &Arc<Mutex<PairBuffer>>,
     take: impl Fn(&mut PairBuffer, T) + Send + 'static,
 ) -> Result<(), NodeError> {
-    // Two, so that a picture is not lost while the one before is read; more would only be old.
+    // Two, so that a picture is not lost while the previous one is read; more would only be old.
     let mut topic = node.subscribe::<T>(topic, 2).await?;
     let buffer = Arc::clone(buffer);
     tokio::spawn(async move {

@@ -11,15 +11,17 @@ use fab_arm::settings::RosSettings;
 use roslibrust::ros1::{NodeError, NodeHandle};
 use std::time::{Duration, Instant};
 
-/// The topics of a server are connected one after the other, the goals' first; the last was seen to be.
+/// Safety margin after a server was seen to connect to the cancellation topic; its topics connect one after the other,
+/// goals first.
 const CONNECT_SETTLE: Duration = Duration::from_millis(200);
 
 const POLL: Duration = Duration::from_millis(20);
 
-/// Connects to the node of the arm `model`, e.g. `j2n6s200`, and waits until everything that a driver needs was heard.
+/// Connects to the node of the arm `model`, e.g. `j2n6s200`, and waits until everything that a driver needs was
+/// received.
 ///
-/// That is kinova-ros's three servers, its three topics and `in/stop`; with a `trajectory` in the settings that server
-/// too, and then `in/stop` may be missing. Gives up after `timeout_s` seconds, or two more where services do not
+/// That is kinova-ros's three servers, its three topics and `in/stop`; with a `trajectory` in the settings also that
+/// server, and then `in/stop` may be missing. Gives up after `timeout_s` seconds, or two more if services do not
 /// answer, with a message that names what is missing.
 pub fn connect(settings: &RosSettings, model: &str, timeout_s: f64) -> Result<RosPort, RosError> {
     let timeout = bounded_wait(timeout_s);
@@ -54,10 +56,10 @@ pub fn connect(settings: &RosSettings, model: &str, timeout_s: f64) -> Result<Ro
     };
     port.wait_for_topics(deadline)?;
     port.wait_for_servers(deadline)?;
-    // A driver has advertised it by the time that it publishes.
+    // A driver that publishes has already advertised it.
     let stop = format!("{}/in/stop", port.arm);
     let offered = port.link.offers(&stop, SERVICE_TIMEOUT);
-    // An arm whose stop is not found for want of an answer must not be taken for one that has none.
+    // A missing answer about the stop must not be taken for an arm without a stop.
     let offered = offered.ok_or_else(|| {
         RosError::Missing(format!(
             "the master does not say whether there is a service `{stop}`"
@@ -83,7 +85,7 @@ fn names(settings: &RosSettings, model: &str) -> Result<Names, RosError> {
             settings.arm
         ));
     }
-    // kinova-ros reads the numbers at the same places.
+    // kinova-ros reads the digits at the same positions.
     let digit = |at: usize| {
         model
             .chars()

@@ -1,7 +1,7 @@
 //! The states of the goals of one action server.
 //!
-//! In: goals that were sent, and the server's status lists and results. Out: the state of each goal. Any single message may
-//! be lost: a list repeats what a lost result reported, and an active goal that a list no longer names has ended.
+//! In: goals that were sent, and the server's status lists and results. Out: the state of each goal. Any single message
+//! may be lost: a list repeats what a lost result reported, and an active goal that a list no longer names has ended.
 
 use super::messages::actionlib_msgs::{GoalStatus, GoalStatusArray};
 use fab_arm::port::{Ending, GoalState};
@@ -87,7 +87,7 @@ mod tests {
     use crate::messages::actionlib_msgs::GoalID;
     use proptest::prelude::*;
 
-    /// Goals and their codes, as one list of the server names them.
+    /// Goals with their codes, as in one list of the server.
     type Entries = &'static [(&'static str, u8)];
 
     fn status(id: &str, status: u8) -> GoalStatus {
@@ -108,7 +108,7 @@ mod tests {
         }
     }
 
-    /// Feeds these lists to a ledger that has sent `a`; an empty list names no goal at all.
+    /// The goal's state after these lists in a ledger that has sent `a`; an empty list names no goal at all.
     fn after(lists: &[Entries]) -> GoalState {
         let mut ledger = Ledger::default();
         ledger.add("a");
@@ -154,7 +154,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever a server says and in whatever order, a goal that is over stays as it ended.
+        /// Whatever a server reports, in whatever order, an ended goal keeps its ending.
         #[test]
         fn an_ending_is_never_taken_back(codes in prop::collection::vec(prop::option::of(0_u8..12), 0..20)) {
             let mut ledger = Ledger::default();

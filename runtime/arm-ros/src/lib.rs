@@ -1,11 +1,11 @@
 //! The ROS 1 connection: the node of kinova-ros, a joint trajectory controller, a camera's topics.
 //!
-//! In: the `[ros]` section of the settings. Out: a [`RosPort`] and a [`RosCamera`], which make no decisions. Each has its own
-//! ROS node and threads, so its methods are ordinary blocking calls. Message definitions are in `msgs/`; neither a build nor
-//! a run needs a ROS installation. Only this folder names roslibrust.
+//! In: the `[ros]` section of the settings. Out: a [`RosPort`] and a [`RosCamera`], which make no decisions. Each has
+//! its own ROS node and threads, so its methods are ordinary blocking calls. Message definitions are in `msgs/`;
+//! neither a build nor a run needs a ROS installation. Only this folder names roslibrust.
 //!
-//! Other machines find this one under `ROS_HOSTNAME`, else `ROS_IP`, else the machine's own name. The library reads these
-//! variables itself, so a `host` in the settings is only compared with the result.
+//! Other machines find this one under `ROS_HOSTNAME`, else `ROS_IP`, else the machine's own name. The library reads
+//! these variables itself, so a `host` in the settings is only compared with the result.
 
 mod connect;
 mod port;
@@ -25,13 +25,13 @@ pub use camera::RosCamera;
 pub use connect::connect;
 pub use port::RosPort;
 
-/// The Rust types of the messages in `msgs/`, one module a package.
+/// The Rust types of the messages in `msgs/`, one module per package.
 #[allow(missing_docs, dead_code, unused_imports, clippy::all)]
 mod messages {
     include!(concat!(env!("OUT_DIR"), "/messages.rs"));
 }
 
-/// Why a master, a node or a camera cannot be reached.
+/// Why a master, a node or a camera is unreachable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RosError {
     /// Nobody answers at the master's address.
@@ -39,26 +39,26 @@ pub enum RosError {
     Master {
         /// The address, e.g. `http://localhost:11311`.
         address: String,
-        /// What the attempt came to.
+        /// The result of the attempt.
         why: String,
     },
-    /// Others would look for this program at another name than the settings say.
+    /// Other nodes would look for this program under a different name than the settings state.
     #[error(
         "other nodes find this program as `{found}`, and the settings say `{expected}`: set ROS_HOSTNAME={expected} before the start"
     )]
     Host {
-        /// The settings' name.
+        /// The name in the settings.
         expected: String,
-        /// The name that is used.
+        /// The name in use.
         found: String,
     },
-    /// Something that has to be there is not.
+    /// Something required is missing.
     #[error("{0}")]
     Missing(String),
-    /// A setting is absent or of no use.
+    /// A setting is missing or unusable.
     #[error("{0}")]
     Setting(String),
-    /// The master did not take a registration.
+    /// The master refused a registration.
     #[error("{what}: {why}")]
     Refused {
         /// What was tried.
@@ -71,9 +71,9 @@ pub enum RosError {
 /// Packages of ROS 2 that the generator adds to every set of definitions.
 const OF_ROS_2: [&str; 2] = ["builtin_interfaces/", "service_msgs/"];
 
-/// Returns name and MD5 sum of every message and service that is spoken here, in the order of names.
+/// Returns the name and MD5 sum of every message and service used here, in the order of names.
 ///
-/// Nodes talk to each other only where both have the same sum for a topic or service.
+/// Nodes communicate only if both have the same sum for a topic or service.
 pub fn definitions() -> Vec<(&'static str, &'static str)> {
     let messages = messages::MESSAGE_REGISTRY.descriptors().iter();
     let services = messages::SERVICE_REGISTRY.descriptors().iter();
@@ -88,7 +88,7 @@ pub fn definitions() -> Vec<(&'static str, &'static str)> {
 mod tests {
     use super::{RosCamera, RosPort};
 
-    /// A watchdog stops the arm from a thread of its own.
+    /// A watchdog stops the arm from its own thread.
     #[test]
     fn ports_and_cameras_are_send() {
         fn assert_send<T: Send>() {}
@@ -96,7 +96,7 @@ mod tests {
         assert_send::<RosCamera>();
     }
 
-    /// Sums that other programs carry in them, so that an error in a definition is not compared with itself.
+    /// Sums taken from other programs, so that an error in a definition is not compared with itself.
     #[test]
     fn definitions_have_the_sums_that_others_publish() {
         let ours = super::definitions();

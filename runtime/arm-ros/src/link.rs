@@ -1,7 +1,7 @@
-//! A ROS node of this program, with the threads that it runs on.
+//! This program's ROS node, with its threads.
 //!
-//! In: the master's address. Out: a [`Link`], through which ordinary code starts asynchronous work and waits for it with a
-//! time limit.
+//! In: the master's address. Out: a [`Link`], through which ordinary code starts asynchronous work and waits for it
+//! with a time limit.
 
 use super::RosError;
 use fab_arm::settings::RosSettings;
@@ -14,13 +14,13 @@ use std::task::{Context, Poll, Waker};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use tokio::runtime::{Builder, Runtime};
 
-/// The longest that leaving the master may take, in which the process would not end.
+/// The longest that unregistering from the master may delay the end of the process.
 const LEAVE_TIMEOUT: Duration = Duration::from_millis(500);
 
 /// The longest wait, so that no sum of times overflows.
 const LONGEST_S: f64 = 86_400.0;
 
-/// A node of this program.
+/// A ROS node of this program.
 pub(super) struct Link {
     /// `None` only while this is dropped.
     runtime: Option<Runtime>,
@@ -31,7 +31,7 @@ pub(super) struct Link {
 }
 
 impl Link {
-    /// Registers a node, `role` being a part of its name.
+    /// Registers a node; `role` is part of its name.
     pub(super) fn open(
         settings: &RosSettings,
         role: &str,
@@ -75,14 +75,14 @@ impl Link {
             .expect("a link has its node until it is dropped")
     }
 
-    /// Starts work that goes on until the link is dropped.
+    /// Starts work that runs until the link is dropped.
     pub(super) fn spawn(&self, work: impl Future<Output = ()> + Send + 'static) {
         if let Some(runtime) = &self.runtime {
             runtime.spawn(work);
         }
     }
 
-    /// Does work and waits for it; `None` if it takes longer than `timeout`, and then it is given up.
+    /// Does work and waits for it; abandons it and returns `None` if it takes longer than `timeout`.
     ///
     /// Waits on a channel, which unlike `block_on` also works within another runtime.
     pub(super) fn run<F>(&self, timeout: Duration, work: F) -> Option<F::Output>
@@ -92,14 +92,14 @@ impl Link {
         let (sender, receiver) = mpsc::channel();
         self.spawn(async move {
             if let Ok(output) = tokio::time::timeout(timeout, work).await {
-                // Nobody waits any more where the deadline came first.
+                // After the deadline nobody is waiting any more.
                 let _ = sender.send(output);
             }
         });
         receiver.recv_timeout(timeout).ok()
     }
 
-    /// Asks the master whether somebody offers a service; none where it gives no answer.
+    /// Asks the master whether a service is offered; `None` if it does not answer.
     pub(super) fn offers(&self, service: &str, timeout: Duration) -> Option<bool> {
         let (address, name) = (self.settings.master.clone(), self.name.clone());
         let service = service.to_owned();
@@ -139,7 +139,7 @@ impl Link {
 }
 
 impl Drop for Link {
-    /// Leaves the master in a thread that may be blocked, as by a dead master's machine.
+    /// Unregisters in a separate thread, which may block, for example if the master's machine is down.
     fn drop(&mut self) {
         let (Some(runtime), node) = (self.runtime.take(), self.node.take()) else {
             return;
@@ -154,7 +154,7 @@ impl Drop for Link {
     }
 }
 
-/// Returns a number that no other call, and no other process of this machine, is likely to have got.
+/// Returns a number that is practically unique, also among this machine's processes.
 pub(super) fn unique_number() -> String {
     static CALLS: AtomicU64 = AtomicU64::new(0);
     let call = CALLS.fetch_add(1, Ordering::Relaxed);
@@ -164,12 +164,12 @@ pub(super) fn unique_number() -> String {
     format!("{}_{}_{call}", std::process::id(), since_epoch.as_millis())
 }
 
-/// Returns a time to wait, whatever the number of seconds is.
+/// Converts seconds to a wait, whatever their value.
 pub(super) fn bounded_wait(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds.min(LONGEST_S)).unwrap_or_default()
 }
 
-/// Returns the output of work that never waits.
+/// Returns the output of a future that never waits.
 pub(super) fn at_once<F: Future>(work: F) -> Option<F::Output> {
     match pin!(work).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(output) => Some(output),

@@ -1,7 +1,7 @@
 //! Pairs colour and depth pictures that arrive after a request.
 //!
-//! In: messages with stamps, in any order. Out: a colour picture with the depth nearest in time; and for rejected pictures,
-//! how far their stamps were off.
+//! In: messages with stamps, in any order. Out: a colour picture with the depth nearest in time; and for rejected
+//! pictures, how far their stamps were off.
 
 use super::messages::sensor_msgs::{CameraInfo, Image};
 use super::messages::std_msgs::Header;
@@ -14,7 +14,7 @@ pub(super) const PAIR_NS: i64 = 50_000_000;
 /// How far a stamp may be ahead of this machine's clock.
 const AHEAD_NS: i64 = 50_000_000;
 
-/// The most pictures of a kind that wait for their partner.
+/// The most pictures of a kind that wait for their counterpart.
 const MAX_PENDING: usize = 8;
 
 /// Pictures that arrived since the request.
@@ -31,7 +31,7 @@ pub(super) struct PairBuffer {
 #[derive(Default)]
 pub(super) struct Arrived {
     pub(super) pictures: VecDeque<(i64, Image)>,
-    /// The stamp of the last that was too old or too new, relative to when it should have been.
+    /// By how much the last rejected stamp was too old or too far ahead.
     pub(super) refused: Option<Refused>,
 }
 
@@ -126,7 +126,7 @@ pub(super) fn now_ns() -> i64 {
     i64::try_from(since_epoch.as_nanos()).unwrap_or(i64::MAX / 2)
 }
 
-/// ROS counts seconds without a sign, which the message's type has.
+/// ROS counts seconds unsigned, as in the message's type.
 fn stamp_ns(header: &Header) -> i64 {
     let stamp = &header.stamp;
     i64::from(stamp.secs as u32) * 1_000_000_000 + i64::from(stamp.nsecs as u32)
@@ -163,7 +163,7 @@ mod tests {
         }
     }
 
-    /// Returns the stamps of the pair that is found, milliseconds.
+    /// Returns the stamps of the pair found, milliseconds.
     fn pair(colors_ms: &[i64], depths_ms: &[i64], is_last: bool) -> Option<(u32, u32)> {
         let (color, depth) = buffer(colors_ms, depths_ms).pair(true, is_last)?;
         Some((color.width, depth.unwrap().width))
@@ -208,7 +208,7 @@ mod tests {
     }
 
     proptest! {
-        /// A pair is never farther apart than allowed, and no other depth would have been nearer.
+        /// A pair is never farther apart than allowed, and no other depth would have been closer.
         #[test]
         fn a_pair_is_the_nearest_there_is(
             colors in prop::collection::vec(0_i64..400, 0..6),

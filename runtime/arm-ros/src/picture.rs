@@ -7,7 +7,7 @@ use fab_arm::rgbd::Intrinsics;
 use fab_picture::DepthImage;
 use image::{Rgb, RgbImage};
 
-/// The model of distortion whose coefficients are known here; others count only where they are all zero.
+/// The only distortion model with known coefficients; other models are accepted only if all are zero.
 const PLUMB_BOB: &str = "plumb_bob";
 
 /// Reads a colour picture: `rgb8`, `bgr8`, `rgba8`, `bgra8` or `mono8`.
@@ -36,7 +36,7 @@ pub(super) fn color(message: &Image) -> Result<RgbImage, String> {
     ))
 }
 
-/// Reads a depth picture, metres: `16UC1` in millimetres or `32FC1` in metres; what is no reading becomes 0.
+/// Reads a depth picture, metres: `16UC1` in millimetres or `32FC1` in metres; missing readings become 0.
 pub(super) fn depth(message: &Image) -> Result<DepthImage, String> {
     let is_big = message.is_bigendian != 0;
     let read: fn(&[u8], bool) -> f32 = match message.encoding.as_str() {
@@ -77,9 +77,9 @@ pub(super) fn depth(message: &Image) -> Result<DepthImage, String> {
     ))
 }
 
-/// Reads how a camera projects; `None` where it says that it was never calibrated.
+/// Reads a camera's projection; `None` if the message says that it was never calibrated.
 ///
-/// `sensor_msgs` counts pixels from their middles, so its principal point is half a pixel less than [`Intrinsics`]'.
+/// `sensor_msgs` counts pixels from their centres, so its principal point is half a pixel less than [`Intrinsics`]'.
 pub(super) fn intrinsics(
     message: &CameraInfo,
     size_px: [u32; 2],
@@ -127,7 +127,7 @@ pub(super) fn intrinsics(
     }))
 }
 
-/// The pixels of a message whose sizes were found to agree.
+/// The pixels of a message with consistent sizes.
 struct Rows<'a> {
     bytes: &'a [u8],
     step: usize,
@@ -316,7 +316,7 @@ mod tests {
     }
 
     proptest! {
-        /// Any message gives a picture of the size it names or a reason, and never a panic.
+        /// Any message gives a picture of its stated size or a reason, never a panic.
         #[test]
         fn any_message_is_read_or_refused(
             encoding in prop::sample::select(vec!["rgb8", "bgra8", "mono8", "16UC1", "32FC1", "mono16", "", "bayer"]),

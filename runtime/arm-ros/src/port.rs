@@ -1,7 +1,7 @@
 //! An arm behind ROS: the node of kinova-ros, and if the settings name one, a joint trajectory controller.
 //!
-//! In: goals, cancellations, stops. Out: the state of each goal, and the arm's readings. The driver decides what a silence or
-//! an ending means; only a goal for a silent server is refused here, because nothing would accept it.
+//! In: goals, cancellations, stops. Out: the state of each goal, and the arm's readings. The driver decides what a
+//! silence or an ending means; only a goal for a silent server is refused here, because nothing would accept it.
 
 use super::action::{ActionClient, Client};
 use super::link::Link;
@@ -14,7 +14,8 @@ use roslibrust::ros1::ServiceClient;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How long a server may be silent before it counts as gone; actionlib's servers publish their status five times a second.
+/// How long a server may be silent before it counts as gone; actionlib's servers publish their status five times a
+/// second.
 const SILENCE: Duration = Duration::from_secs(1);
 
 /// Time limit of one service call.
@@ -23,7 +24,7 @@ pub(super) const SERVICE_TIMEOUT: Duration = Duration::from_secs(1);
 /// How long goals may take to end after a stop.
 const STOP_SETTLE: Duration = Duration::from_millis(500);
 
-/// The longest that a cancellation is in transit.
+/// The longest transit time of a cancellation.
 const CANCEL_SETTLE: Duration = Duration::from_millis(100);
 
 /// Interval between two repeated stops.
@@ -36,10 +37,10 @@ pub struct RosPort {
     pub(super) clock: Instant,
     pub(super) servers: Servers,
     pub(super) topics: Topics,
-    /// Kept open, so that a stop needs no master; `None` where the node has no such service, or it failed.
+    /// Kept open, so that a stop does not need the master; `None` if the node has no such service, or it failed.
     pub(super) stop: Option<Arc<ServiceClient<Stop>>>,
     pub(super) has_stop: bool,
-    /// Last, since everything above lives on its threads.
+    /// Dropped last, because everything above lives on its threads.
     pub(super) link: Link,
 }
 
@@ -92,7 +93,7 @@ impl RosPort {
         }
     }
 
-    /// Stops by the open connection, else by a new one.
+    /// Stops through the open connection, or else a new one.
     fn call_stop(&mut self) -> Result<(), String> {
         if let Some(client) = self.stop.take()
             && self.call(&client, StopRequest {}).is_ok()
@@ -121,8 +122,8 @@ impl RosPort {
         self.empty_controller()
     }
 
-    /// Cancels every trajectory, whoever sent it: `in/stop` only holds the joints, and the controller would resume once the
-    /// arm is enabled. Only this server is addressed, because a cancellation makes the others enable a stopped arm.
+    /// Cancels every trajectory, whoever sent it: `in/stop` only holds the joints, and the controller would resume once
+    /// the arm is enabled. Only this server is addressed, because a cancellation makes the others enable a stopped arm.
     fn empty_controller(&self) -> Result<(), String> {
         let trajectory = self.servers.trajectory.as_ref();
         trajectory.map_or(Ok(()), ActionClient::cancel_all)
@@ -183,7 +184,7 @@ impl Port for RosPort {
     fn state(&mut self, goal: &GoalId) -> GoalState {
         let servers = self.servers.all().into_iter();
         let state = servers.filter_map(|server| server.state(&goal.0)).next();
-        // A goal of another port was never taken by this one's servers.
+        // A goal of another port was never sent to this one's servers.
         state.unwrap_or(GoalState::Ended(Ending::Rejected))
     }
 
@@ -202,9 +203,9 @@ impl Port for RosPort {
         })
     }
 
-    /// Stops repeatedly until every goal has ended, and once more: kinova-ros handles a cancelled or preempted goal with a
-    /// stop and a start, which would release a stop that came in between. For the same reason goals are cancelled only if
-    /// the service is not available.
+    /// Stops repeatedly until every goal has ended, and once more: kinova-ros handles a cancelled or preempted goal
+    /// with a stop and a start, which would release a stop that came in between. For the same reason goals are
+    /// cancelled only if the service is not available.
     fn stop(&mut self) -> Result<(), PortError> {
         let failed = |arm: &str, why: String| PortError {
             what: format!("the service `{arm}/in/stop`"),

@@ -1,7 +1,7 @@
 //! The action servers of an arm's node, and the goal messages for them.
 //!
-//! In: goals in metres and radians. Out: messages in the units of kinova-ros: metres and unit quaternions, degrees, finger
-//! units; radians for trajectories. A goal that no message can represent is refused here, with a reason.
+//! In: goals in metres and radians. Out: messages in the units of kinova-ros: metres and unit quaternions, degrees,
+//! finger units; radians for trajectories. A goal that no message can represent is refused here, with a reason.
 
 use super::action::Action;
 use super::messages::actionlib_msgs::{GoalID, GoalStatus};
@@ -120,10 +120,10 @@ pub(super) fn fingers(
     })
 }
 
-/// Makes the goal of a trajectory through `points`, which begins when it arrives.
+/// Makes the goal of a trajectory through `points`, which starts on arrival.
 ///
-/// kinova-ros's controller reads the velocities of every point and of the last but one without looking whether they are
-/// there, so a trajectory has at least two points, and each its velocities: the mean over its neighbours, 0 at the ends.
+/// kinova-ros's controller reads the velocities of every point and of the last but one without checking that they
+/// exist, so a trajectory has at least two points, each with velocities: the mean over its neighbours, 0 at the ends.
 pub(super) fn trajectory(
     points: &[Waypoint],
     joints: &[String],
@@ -176,7 +176,7 @@ fn point_message(points: &[Waypoint], index: usize) -> JointTrajectoryPoint {
         let (before, after) = (&points[index - 1], &points[index + 1]);
         (after.joints_rad[joint] - before.joints_rad[joint]) / (after.at_s - before.at_s)
     };
-    // Rounded to a nanosecond as a whole, so that the rest never reaches a second.
+    // Rounded as a whole, so that the nanoseconds never reach a full second.
     let nanoseconds = (point.at_s * 1e9).round() as i64;
     JointTrajectoryPoint {
         positions: point.joints_rad.clone(),
@@ -211,7 +211,7 @@ fn check_count(found: usize, expected: usize, what: &str) -> Result<(), String> 
 
 fn check_finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> Result<(), String> {
     match values.into_iter().find(|value| !value.is_finite()) {
-        Some(value) => Err(format!("it holds `{value}`, which is no number")),
+        Some(value) => Err(format!("it holds `{value}`, which is not a number")),
         None => Ok(()),
     }
 }
@@ -255,7 +255,7 @@ mod tests {
         let faults = [
             (
                 tool_pose(&nowhere, "f").err(),
-                "it holds `NaN`, which is no number",
+                "it holds `NaN`, which is not a number",
             ),
             (
                 joint_angles(&[0.0; 5], 6).err(),
@@ -263,7 +263,7 @@ mod tests {
             ),
             (
                 joint_angles(&[1e300; 6], 6).err(),
-                "it holds `inf`, which is no number",
+                "it holds `inf`, which is not a number",
             ),
             (
                 fingers(&[0.0; 3], 2).err(),

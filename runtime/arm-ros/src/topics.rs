@@ -1,7 +1,7 @@
 //! Receives the arm's readings from its topics.
 //!
-//! In: messages. Out: [`Readings`], each value with its time of receipt. An invalid message is dropped, and the reason kept
-//! for the error if no reading arrives.
+//! In: messages. Out: [`Readings`], each value with its time of receipt. An invalid message is dropped, and the reason
+//! kept for the error if no reading arrives.
 
 use super::messages::geometry_msgs::PoseStamped;
 use super::messages::kinova_msgs::FingerPosition;
@@ -14,10 +14,10 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// How far the length of a quaternion may be from 1.
+/// How far the norm of a quaternion may be from 1.
 const UNIT_TOLERANCE: f64 = 0.01;
 
-/// The names of an arm in messages.
+/// The names of an arm's parts in messages.
 #[derive(Clone, Debug)]
 pub(super) struct Names {
     /// The frame of the base.
@@ -94,7 +94,7 @@ impl Topics {
     }
 }
 
-/// The common parts of the subscriptions.
+/// Common parameters of the subscriptions.
 struct Subscription<'a> {
     node: &'a NodeHandle,
     arm: &'a str,
@@ -109,7 +109,7 @@ impl Subscription<'_> {
         read: impl Fn(&T) -> Result<V, String> + Send + 'static,
         place: fn(&mut Readings) -> &mut Option<Reading<V>>,
     ) -> Result<(), NodeError> {
-        // Only the newest counts, so that no old reading waits in a queue.
+        // Only the newest message counts, so no old reading waits in a queue.
         let mut topic = self
             .node
             .subscribe::<T>(&format!("{}/{name}", self.arm), 1)
@@ -152,7 +152,7 @@ fn tool_pose(message: &PoseStamped, base_frame: &str) -> Result<Isometry3<f64>, 
     if !place.vector.iter().all(|value| value.is_finite()) {
         return Err("holds a number that is not finite".to_owned());
     }
-    // Also false where the length is not a number.
+    // Also false if the norm is NaN.
     if (turn.norm() - 1.0).abs() < UNIT_TOLERANCE {
         return Ok(Isometry3::from_parts(
             place,
@@ -165,7 +165,7 @@ fn tool_pose(message: &PoseStamped, base_frame: &str) -> Result<Isometry3<f64>, 
     ))
 }
 
-/// kinova-ros publishes nine positions and as many names as there are joints and fingers, so names decide.
+/// kinova-ros publishes nine positions, but only as many names as there are joints and fingers, so names decide.
 fn joint_angles(message: &JointState, joints: &[String]) -> Result<Vec<f64>, String> {
     let angle = |joint: &String| {
         let index = message.name.iter().position(|name| name == joint);
@@ -241,7 +241,7 @@ mod tests {
     }
 
     proptest! {
-        /// No reading is ever not finite, and none has other than its number of values.
+        /// Readings are always finite, and each has its exact number of values.
         #[test]
         fn readings_are_finite(values in prop::array::uniform7(any::<f64>()), n_fingers in 0_usize..5) {
             let [x, y, z, a, b, c, d] = values;

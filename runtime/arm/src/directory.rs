@@ -1,8 +1,8 @@
 //! A camera backed by a folder into which another program writes pictures.
 //!
 //! In: a folder of `NAME.png`, each optionally with `NAME.depth.png` (16 bits, millimetres, 0 for no reading), which is
-//! written first. Out: a picture that was written after the request, so that no rollout mistakes a picture from before a
-//! motion for one from after it; or, where nothing moves, the last picture by name.
+//! written first. Out: a picture written after the request, so that no rollout uses a picture from before a motion as
+//! one from after it; or, if nothing moves, the last picture by name.
 
 use super::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
 use fab_picture::DepthImage;
@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-/// The most files of a folder that are looked at.
+/// The most files of a folder that are examined.
 const MAX_FILES: usize = 10_000;
 
-/// How often the folder is looked at while a picture is waited for.
+/// How often the folder is polled while waiting for a picture.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Which picture of a folder the camera returns.
@@ -37,7 +37,7 @@ pub struct DirectoryCamera {
     selection: PictureSelection,
 }
 
-/// Pictures with their lengths and when they were written, by this folder's clock.
+/// Pictures with their sizes and modification times, by this file system's clock.
 type Listed = BTreeMap<PathBuf, (u64, Option<SystemTime>)>;
 
 impl DirectoryCamera {
@@ -183,14 +183,14 @@ mod tests {
                 send.send(level(&mut camera)).unwrap();
             }
         });
-        // A name before that of the old one, at first half written; then the old name with another picture.
+        // A name that sorts before the old one, half written at first; then the old name with another picture.
         let whole = encoded(7);
         put("a.png", &whole[..20]).unwrap();
         std::thread::sleep(4 * LOOK);
         let mut levels = [(0_u8, 0_u8); 2];
         for (index, name) in ["a.png", "b.png"].into_iter().enumerate() {
             let mut sent = 7 + 100 * index as u8;
-            // Written again until it is seen, since nothing says when the camera begins to look.
+            // Written repeatedly until it is seen, because the test cannot tell when the camera starts polling.
             levels[index] = loop {
                 sent += 1;
                 put(name, &encoded(sent)).unwrap();

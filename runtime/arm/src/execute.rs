@@ -1,8 +1,8 @@
 //! Executes the segments of a pick and place, one after the other. Each is confirmed, logged and verified.
 //!
-//! In: segments, all checked against the limits beforehand. Out: what the fingers held, and where they closed and opened;
-//! else the error, the last verified segment, and whether the arm is verified to be stopped. On any error, and on a panic,
-//! the arm is stopped before anything else happens.
+//! In: segments, all checked against the limits beforehand. Out: what the fingers held, and where they closed and
+//! opened; else the error, the last verified segment, and whether the arm is verified to be stopped. On any error, and
+//! on a panic, the arm is stopped before anything else happens.
 
 use super::driver::{Arm, ArmError, ArmState, Halt, HandContents, Opening};
 use super::log::{ArmLog, Entry, LogError};
@@ -177,7 +177,7 @@ impl Execution<'_> {
         }
     }
 
-    /// Returns why motion was not confirmed: a question that an interrupt cut off has no answer.
+    /// Returns why motion was not confirmed: an interrupted question has no answer.
     fn not_confirmed(&self) -> ArmError {
         match self.interrupt.is_raised() {
             true => ArmError::Interrupted,

@@ -1,7 +1,8 @@
 //! The last run that moved an arm, recorded beside the arm's settings.
 //!
-//! In: a settings file, a run folder. Out: `NAME.last-run.json`, and whether a person must recover the arm before the next
-//! run, so that no run starts over an unfinished motion. Two settings files for one arm do not know about each other.
+//! In: a settings file, a run folder. Out: `NAME.last-run.json`, and whether a person must recover the arm before the
+//! next run, so that no run starts over an unfinished motion. Two settings files for one arm do not know about each
+//! other.
 
 use super::log::{ARM_FILE, LogError, RunState, run_state};
 use fab_base::files;
@@ -9,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The longest such file that is read.
+/// The longest such file accepted.
 const MAX_BYTES: u64 = 64 << 10;
 
 /// The contents of the file.
@@ -50,7 +51,7 @@ pub fn file_beside(settings: &Path) -> PathBuf {
 
 /// Records that a run is about to move the arm; its folder must exist.
 pub fn record(settings: &Path, run: &Path) -> Result<(), LogError> {
-    // The next run may be begun in another folder.
+    // The next run may start in another folder.
     let run = fs::canonicalize(run).map_err(|error| LogError {
         path: run.to_owned(),
         why: error.to_string(),
@@ -137,7 +138,7 @@ mod tests {
     const DONE: &str = r#"{"type":"done","at_m":[0.4,0.1,0.02]}"#;
     const RECOVERED: &str = r#"{"type":"recovered","how":"by hand"}"#;
 
-    /// Settings beside a run that has such a journal of the arm; with none, without a journal.
+    /// Settings beside a run with this journal of the arm; without a journal if `None`.
     fn after(journal: Option<&str>) -> (tempfile::TempDir, PathBuf, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
         let (settings, run) = (folder.path().join("robot.toml"), folder.path().join("run"));

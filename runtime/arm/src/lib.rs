@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Lengths are metres and angles radians. The base frame is the arm's own (`link_base`): z points up along the axis of
-//! the first joint. A tool pose is `base_from_tool`; its z axis points out of the hand, so it is minus z of the base when
-//! the hand points down. Nothing here knows about tasks, prompts or language models.
+//! the first joint. A tool pose is `base_from_tool`; its z axis points out of the hand, so it is minus z of the base
+//! when the hand points down. Nothing here knows about tasks, prompts or language models.
 
 pub mod calibration;
 pub mod directory;

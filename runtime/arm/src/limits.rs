@@ -1,7 +1,7 @@
 //! Safety limits on where an arm may be and how fast it may move. They wrap any arm.
 //!
-//! In: motions. Out: the same motions, or a refusal before anything moves; and a stop if the arm violates its limits during
-//! a motion. The limits apply to the tool only: a person has to watch elbow and cables.
+//! In: motions. Out: the same motions, or a refusal before anything moves; and a stop if the arm violates its limits
+//! during a motion. The limits apply to the tool only: a person has to watch elbow and cables.
 
 use super::driver::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
 use super::settings::{KeepOut, Workspace};
@@ -17,7 +17,8 @@ const FINGERS_STAY_M: f64 = 0.010;
 /// Time over which speed is measured, seconds.
 const SPEED_OVER_S: f64 = 0.4;
 
-/// Largest tilt of the hand from straight down, and largest rotation in one motion, radians. Every goal here points down.
+/// Largest tilt of the hand from straight down, and largest rotation in one motion, radians. Every goal here points
+/// down.
 const MAX_TILT_RAD: f64 = 0.2;
 
 /// An arm whose motions are checked against limits.
@@ -177,7 +178,7 @@ fn leaves(zone: &KeepOut, margin_m: f64, [from, to]: &[Point3<f64>; 2]) -> bool 
         from[axis].clamp(zone.min_m[axis], zone.max_m[axis])
     }));
     let away = from - nearest;
-    // The distance to a box is convex along a line: where it does not fall at first, it never does.
+    // The distance to a box is convex along a line: if it does not decrease at first, it never does.
     away.norm() > 0.0 && away.dot(&(to - from)) >= 0.0 && !crosses(zone, margin_m, to, to)
 }
 

@@ -1,7 +1,8 @@
 //! The arm's journal: a synced line before each motion, and one after it was verified.
 //!
-//! In: segments, before and after they run. Out: `arm.jsonl` in the run folder. After a crash it shows which motion may be
-//! unfinished and whether the hand may hold cloth. A line that a crash truncated is ignored; the one before it counts.
+//! In: segments, before and after they run. Out: `arm.jsonl` in the run folder. After a crash it shows which motion may
+//! be unfinished and whether the hand may hold cloth. A line that a crash truncated is ignored; the one before it
+//! counts.
 
 use super::driver::Opening;
 use super::route::{Act, Segment, SegmentName};
@@ -13,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Name of the journal in a run folder.
 pub const ARM_FILE: &str = "arm.jsonl";
 
-/// The longest journal that is read.
+/// The longest journal accepted.
 const MAX_BYTES: u64 = 64 << 20;
 
 /// A line of the journal.

@@ -1,8 +1,8 @@
 //! Plans one pick and place without motion.
 //!
 //! In: settings, the kinematic chain, the tool's pose, two points. Out: a [`Plan`]: each segment with its target, path
-//! length, duration at the configured speed, and joint angles at its end; or the reason why a segment is not allowed or not
-//! possible. Nothing is executed here.
+//! length, duration at the configured speed, and joint angles at its end; or the reason why a segment is not allowed or
+//! not possible. Nothing is executed here.
 
 use super::driver::Opening;
 use super::kinematics::chain::Chain;
@@ -53,7 +53,7 @@ pub struct PlannedSegment {
 impl Plan {
     /// Plans a pick and place with the hand pointing down.
     ///
-    /// - `from`: where the tool is, `base_from_tool`.
+    /// - `from`: the tool's pose, `base_from_tool`.
     /// - `points`: pick and place, metres, base frame.
     pub fn make(
         settings: &Settings,

@@ -64,7 +64,7 @@ pub struct Reading<T> {
     pub at_s: f64,
 }
 
-/// The last readings of an arm; `None` where nothing was received yet.
+/// The last readings of an arm; `None` if nothing was received yet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Readings {
     /// Pose of the tool (`out/tool_pose`), `base_from_tool`.
@@ -104,7 +104,8 @@ pub trait Port {
     /// Requests the cancellation of a goal. The arm's node ends the motion and stays enabled.
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError>;
 
-    /// Stops the arm, which then refuses motion until `start` (`in/stop`). Without that service every goal is cancelled.
+    /// Stops the arm, which then refuses motion until `start` (`in/stop`). Without that service every goal is
+    /// cancelled.
     fn stop(&mut self) -> Result<(), PortError>;
 
     /// Enables a stopped arm (`in/start`). Called only at a person's request.

@@ -11,13 +11,13 @@ use serde::{Deserialize, Serialize};
 pub struct Shot {
     /// Colour, `[height, width]`.
     pub rgb: RgbImage,
-    /// Depth along the optical axis, metres, of the same size and aligned with the colour; 0 is no reading.
+    /// Depth along the optical axis, metres, of the same size and aligned with the colour; 0 means no reading.
     pub depth_m: DepthImage,
-    /// How the camera projects, where it says so.
+    /// The camera's projection, if it reports it.
     pub intrinsics: Option<Intrinsics>,
 }
 
-/// How a camera projects, as `sensor_msgs/CameraInfo` says it.
+/// A camera's projection, in the terms of `sensor_msgs/CameraInfo`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Intrinsics {
@@ -27,7 +27,7 @@ pub struct Intrinsics {
     pub focal_px: [f64; 2],
     /// Where the optical axis meets the picture, pixels: the middle of the pixel in column 3 is at 3.5.
     pub middle_px: [f64; 2],
-    /// Coefficients of distortion (`plumb_bob`: k1, k2, t1, t2, k3); empty for none.
+    /// Distortion coefficients (`plumb_bob`: k1, k2, t1, t2, k3); empty for none.
     #[serde(default)]
     pub distortion: Vec<f64>,
 }
@@ -42,11 +42,11 @@ pub struct RgbdError {
     pub why: String,
 }
 
-/// A camera that gives colour with depth.
+/// A camera that delivers colour with depth.
 pub trait RgbdSource {
     /// Returns its name, e.g. its topic.
     fn name(&self) -> String;
 
-    /// Takes a picture: one that was taken after the call, never one that lay waiting.
+    /// Takes a picture after the call; never returns an older, buffered one.
     fn shoot(&mut self) -> Result<Shot, RgbdError>;
 }

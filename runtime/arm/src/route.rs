@@ -1,8 +1,8 @@
 //! The segments of one pick and place, as in the paper.
 //!
-//! In: two points on the table, and the motion settings. Out: segments in order, each with its name and target. The paper:
-//! approach to 5 mm above the pick, down, grasp, up 5 mm, over, down, release, up. Distances are exact: each segment is one
-//! motion to an absolute pose, where the authors' code counts steps of 50 mm.
+//! In: two points on the table, and the motion settings. Out: segments in order, each with its name and target. The
+//! paper: approach to 5 mm above the pick, down, grasp, up 5 mm, over, down, release, up. Distances are exact: each
+//! segment is one motion to an absolute pose, where the authors' code counts steps of 50 mm.
 
 use super::driver::Opening;
 use super::kinematics::tool_down::tool_down;
@@ -15,20 +15,20 @@ use serde::{Deserialize, Serialize};
 pub struct Segment {
     /// Its name.
     pub name: SegmentName,
-    /// What is done in it.
+    /// The action in it.
     pub act: Act,
 }
 
-/// What is done in a segment.
+/// The action in a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Act {
-    /// The tool goes straight to a pose, `base_from_tool`.
+    /// The tool moves straight to a pose, `base_from_tool`.
     Move(Isometry3<f64>),
     /// The fingers move.
     Hand(Opening),
 }
 
-/// The segments of a pick and place, in their order.
+/// The segments of a pick and place, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SegmentName {
@@ -88,7 +88,7 @@ impl SegmentName {
 
 /// Lists the segments of one pick and place.
 ///
-/// - `from`: where the tool is, `base_from_tool`.
+/// - `from`: the tool's pose, `base_from_tool`.
 /// - `pick`, `place`: points on the cloth and the table, base frame, metres.
 pub fn segments(
     settings: &Settings,

@@ -1,7 +1,7 @@
 //! The settings of one arm over one table: a TOML file that its owner writes once.
 //!
 //! In: text. Out: [`Settings`], every number checked; an error names the key, its value and what would be right. The
-//! camera's pose is measured, and has a file of its own (`fabc calibrate`).
+//! camera's pose is measured, and stored in its own file (`fabc calibrate`).
 
 mod check;
 
@@ -10,7 +10,7 @@ use fab_base::files;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
-/// The longest settings file that is read.
+/// The longest settings file accepted.
 const MAX_BYTES: u64 = 256 << 10;
 
 /// One arm over one table.
@@ -25,23 +25,23 @@ pub struct Settings {
     pub driver: DriverKind,
     /// The file that `fabc calibrate` wrote, relative to this one.
     pub calibration: PathBuf,
-    /// Where the table is.
+    /// The pose of the table.
     pub table: Table,
-    /// Where the tool may be.
+    /// The limits of the tool's position.
     pub workspace: Workspace,
     /// How a pick and place is executed.
     #[serde(default)]
     pub motion: MotionSettings,
     /// What finger positions mean.
     pub fingers: FingerSettings,
-    /// What counts as reached, and how long that may take.
+    /// When a goal counts as reached, and its time limits.
     #[serde(default)]
     pub tolerance: Tolerance,
-    /// Where pictures come from.
+    /// The source of pictures.
     pub camera: CameraSettings,
-    /// How the node that moves the arm is reached; needed for the drivers `kinova` and `trajectory`.
+    /// The connection to the arm's node; needed for the drivers `kinova` and `trajectory`.
     pub ros: Option<RosSettings>,
-    /// The driver `simulated`'s arm and table.
+    /// The arm and table of the driver `simulated`.
     #[serde(default)]
     pub simulated: SimulatedSettings,
 }
@@ -58,19 +58,19 @@ pub enum DriverKind {
     Simulated,
 }
 
-/// Where the table is, in the base frame.
+/// The pose of the table in the base frame.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Table {
     /// Its middle, which is the origin of the world frame; metres, base frame. The height is that of the tool pose at
     /// which the fingertips touch the table.
     pub center_m: [f64; 3],
-    /// How far the world frame is turned about z against the base frame, degrees.
+    /// Rotation of the world frame about z relative to the base frame, degrees.
     #[serde(default)]
     pub turn_deg: f64,
 }
 
-/// Where the tool may be.
+/// The limits of the tool's position.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Workspace {
@@ -83,7 +83,7 @@ pub struct Workspace {
     pub keep_out: Vec<KeepOut>,
     /// Where the tool waits while pictures are taken, out of the camera's view; metres, base frame.
     pub rest_m: [f64; 3],
-    /// The fastest that the tool may be, m/s.
+    /// The highest speed of the tool, m/s.
     #[serde(default = "defaults::max_speed_m_s")]
     pub max_speed_m_s: f64,
     /// The longest single segment, metres.
@@ -95,7 +95,7 @@ pub struct Workspace {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeepOut {
-    /// What is there.
+    /// The obstacle's name.
     pub name: String,
     /// Its least corner, metres, base frame.
     pub min_m: [f64; 3],
@@ -117,32 +117,32 @@ pub struct MotionSettings {
     pub release_m: f64,
     /// Height to which the hand rises after the release, metres.
     pub retreat_m: f64,
-    /// Height over the table at which the hand travels with nothing in it, metres.
+    /// Height above the table at which the empty hand travels, metres.
     pub travel_m: f64,
-    /// Speed of the tool, m/s. The node behind the driver `kinova` uses its own speed: there this only limits how long a
-    /// motion may take.
+    /// Speed of the tool, m/s. The node behind the driver `kinova` uses its own speed; for it this only determines a
+    /// motion's time limit.
     pub speed_m_s: f64,
-    /// How the hand is turned about the vertical, degrees in the base frame.
+    /// Rotation of the hand about the vertical, degrees in the base frame.
     pub hand_turn_deg: f64,
 }
 
-/// The simulated arm and table of the driver `simulated`, which need nothing of a real one.
+/// The simulated arm and table of the driver `simulated`, which needs no real hardware.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulatedSettings {
-    /// Height of the simulated camera over the table, metres.
+    /// Height of the simulated camera above the table, metres.
     pub camera_height_m: f64,
-    /// How far the camera is from the middle of the table, metres along the table's x and y.
+    /// Offset of the camera from the middle of the table, metres along the table's x and y.
     pub camera_offset_m: [f64; 2],
-    /// How far the camera is turned about the vertical, degrees.
+    /// Rotation of the camera about the vertical, degrees.
     pub camera_turn_deg: f64,
     /// Field of view across the picture's shorter side, degrees.
     pub camera_fov_deg: f64,
     /// Side of the camera's square picture, pixels.
     pub camera_px: u32,
-    /// How far from where it was sent the tool comes to rest, metres, at the most.
+    /// Largest distance between a commanded position and where the tool comes to rest, metres.
     pub repeatability_m: f64,
-    /// Draws all chance of the arm.
+    /// Seeds everything random about the arm.
     pub seed: u64,
 }
 
@@ -160,7 +160,7 @@ impl Default for SimulatedSettings {
     }
 }
 
-/// What finger positions mean; the units differ between documents of the vendor, so they are measured.
+/// The meaning of finger positions; the vendor's documents disagree about the units, so they are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FingerSettings {
@@ -170,22 +170,22 @@ pub struct FingerSettings {
     pub open: f64,
     /// Position at which they are closed with nothing between them.
     pub closed: f64,
-    /// How far from `closed` they stop at the least when cloth is between them; without it, nothing is concluded from
+    /// Least distance from `closed` at which they stop if cloth is between them; without it, nothing is concluded from
     /// their position.
     pub cloth: Option<f64>,
-    /// How near to a position counts as there.
+    /// How close to a position counts as there.
     pub tolerance: f64,
 }
 
-/// When a goal counts as reached, and how long that may take.
+/// When a goal counts as reached, and its time limits.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tolerance {
-    /// How far the tool may be from where it was sent, metres. The arm's node itself accepts 10 mm.
+    /// How far the tool may be from its target, metres. The arm's node itself accepts 10 mm.
     pub position_m: f64,
-    /// How far it may be turned, degrees. The arm's node itself accepts 2 degrees.
+    /// How far it may be rotated from its target, degrees. The arm's node itself accepts 2 degrees.
     pub angle_deg: f64,
-    /// How often a goal is sent again when the node reports it as reached and the tool is not there.
+    /// How often a goal is re-sent if the node reports it as reached but the tool is not there.
     pub corrections: u32,
     /// The longest that a segment may take beyond its nominal duration, seconds.
     pub settle_s: f64,
@@ -195,7 +195,7 @@ pub struct Tolerance {
     pub watchdog_s: f64,
 }
 
-/// Where pictures come from.
+/// The source of pictures.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraSettings {
@@ -203,9 +203,9 @@ pub struct CameraSettings {
     pub source: CameraSource,
     /// For `directory`: the folder, relative to this file.
     pub folder: Option<PathBuf>,
-    /// The square of the picture that tasks see: its left and top, and its side, pixels of the camera's own picture.
+    /// The square of the picture that tasks see: its left, top and side, pixels of the camera's own picture.
     pub window_px: [u32; 3],
-    /// How the camera projects, where it does not say so itself.
+    /// The camera's projection, if it does not report it itself.
     pub intrinsics: Option<Intrinsics>,
     /// The camera's own picture of the flat cloth, whole and alone on the table, relative to this file; coverage is
     /// measured against it.
@@ -221,20 +221,19 @@ pub struct CameraSettings {
 pub enum CameraSource {
     /// Topics with `sensor_msgs` messages.
     Ros,
-    /// Pictures that something else writes into a folder, `NAME.png` with `NAME.depth.png`: each time one that was not there
-    /// before.
+    /// Pictures that another program writes into a folder, `NAME.png` with `NAME.depth.png`: each time a new one.
     Directory,
     /// The simulator's camera; with the driver `simulated` only.
     Simulated,
 }
 
-/// How the arm's node and the camera are reached over ROS 1.
+/// The connection to the arm's node and the camera over ROS 1.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RosSettings {
     /// Address of the master, e.g. `http://localhost:11311`.
     pub master: String,
-    /// The name under which this machine is known to the others (`ROS_IP`, `ROS_HOSTNAME`).
+    /// This machine's name for the other nodes (`ROS_IP`, `ROS_HOSTNAME`).
     pub host: Option<String>,
     /// Namespace of kinova-ros's node, e.g. `/j2n6s200_driver`.
     pub arm: String,
@@ -245,7 +244,7 @@ pub struct RosSettings {
     pub joints: Vec<String>,
     /// Topic of the colour picture.
     pub color: Option<String>,
-    /// Topic of the depth picture that is aligned with it: 16 bits, millimetres, 0 for no reading.
+    /// Topic of the aligned depth picture: 16 bits, millimetres, 0 for no reading.
     pub depth: Option<String>,
     /// Topic of the camera's `CameraInfo`.
     pub info: Option<String>,
@@ -312,7 +311,7 @@ impl Settings {
         Settings::parse(&text).map_err(wrong)
     }
 
-    /// Reads settings from text and checks every number; says what is wrong otherwise.
+    /// Reads settings from text and checks every number; fails with the first fault.
     pub fn parse(text: &str) -> Result<Settings, String> {
         let settings = toml::from_str(text).map_err(|error| error.to_string())?;
         check::check(&settings)?;

@@ -11,13 +11,13 @@ use image::{GrayImage, RgbImage};
 pub type DrawPlan =
     fn(&Plan, &RgbImage, &Calibration, &Settings, &Reach) -> Result<RgbImage, String>;
 
-/// Finds places of the first picture in the second; what is hidden or out of it is left out.
+/// Finds places of the first picture in the second; omits hidden ones and those outside it.
 pub type FindAgain = fn(&GrayImage, &[[u32; 2]], &GrayImage) -> Result<Vec<Found>, String>;
 
 /// The vision functions of an arm, provided by the caller; errors are worded for people.
 #[derive(Clone, Copy)]
 pub struct Sight {
-    /// Finds places that can be found again, `[column, row]`; none in a picture without texture.
+    /// Finds places that can be recognised again, `[column, row]`; none in a picture without texture.
     pub marks: fn(&GrayImage) -> Result<Vec<[u32; 2]>, String>,
     /// Finds such places in another picture.
     pub find_again: FindAgain,

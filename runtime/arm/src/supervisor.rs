@@ -1,7 +1,7 @@
 //! The supervisor who confirms motion, and the watchdog that stops the arm if this program hangs.
 //!
-//! In: what is about to move. Out: confirmation, or not. Asking on a terminal is left to the command; here are the traits,
-//! and implementations that need no person, for simulated arms.
+//! In: what is about to move. Out: confirmation, or not. Asking on a terminal is left to the command; here are the
+//! traits, and implementations that need no person, for simulated arms.
 
 use super::route::Segment;
 use fab_world::start::Start;

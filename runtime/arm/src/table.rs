@@ -1,7 +1,7 @@
 //! A simulated cloth under a simulated hand and a camera, for a simulated arm.
 //!
 //! In: the pose of the hand, step by step, and whether it is closed. Out: a cloth that follows it, and the camera's
-//! pictures. The hand takes one particle, as the picker of the simulated world does, and touches nothing on its path.
+//! pictures. The hand grasps one particle, like the picker of the simulated world, and touches nothing on its path.
 
 mod sheets;
 
@@ -18,11 +18,11 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// How far from the fingertips, seen from above, cloth is taken hold of; and how far above or below them. Metres.
+/// How far from the fingertips cloth can be grasped: horizontally, and above or below them. Metres.
 const REACH_ASIDE_M: f64 = 0.012;
 const REACH_UP_M: f64 = 0.015;
 
-/// What is seen no higher than this over the table is the table, metres: cloth lies higher.
+/// Everything up to this height above the table counts as the table, metres: cloth lies higher.
 const TABLE_M: f64 = 0.001;
 
 /// A cloth on a table.
@@ -33,14 +33,14 @@ pub struct ClothTable {
     lens: TopDownCamera,
     camera: SimulatedSettings,
     world_from_base: Isometry3<f64>,
-    /// Where the hand was in the last step, world frame, while it holds cloth.
+    /// The hand's last position, world frame, while it holds cloth.
     holds_at: Option<[f32; 3]>,
     broken: Option<String>,
     is_unseen: bool,
 }
 
 impl ClothTable {
-    /// Sets up a table without cloth; says why the camera cannot be set up.
+    /// Sets up a table without cloth; fails if the camera cannot be set up.
     pub fn new(
         settings: &Settings,
         base_from_world: &Isometry3<f64>,
@@ -89,12 +89,12 @@ impl ClothTable {
         Ok(())
     }
 
-    /// Returns where every particle is; none before a cloth is laid. World frame, metres.
+    /// Returns every particle's position, world frame, metres; `None` before a cloth is laid.
     pub fn particles(&self) -> Option<Vec<[f32; 3]>> {
         self.cloth.as_ref().map(Simulator::positions)
     }
 
-    /// Takes a picture of the same cloth as it lies flat on the table's middle; none before a cloth is laid.
+    /// Takes a picture of the same cloth lying flat in the middle of the table; `None` before a cloth is laid.
     pub fn flat_shot(&self) -> Option<Shot> {
         let grid = self.cloth.as_ref()?.grid();
         Some(self.shot_of(grid, &grid.flat_positions(&self.params)))
@@ -105,7 +105,7 @@ impl ClothTable {
         let anywhere = Grid::new(2, 2, 0.01).map_err(|error| WorldError::Camera {
             why: error.to_string(),
         })?;
-        // What lies so far from the table's middle is in no picture of it.
+        // A cloth this far from the table's middle is outside any picture.
         Ok(self.shot_of(anywhere, &[[1e4, 0.0, 0.0]; 4]))
     }
 
@@ -119,7 +119,7 @@ impl ClothTable {
         [tip.x as f32, tip.y as f32, tip.z as f32]
     }
 
-    /// Returns what the camera sees of a cloth that lies so; positions in the world frame, metres.
+    /// Renders a cloth at the given positions, world frame, metres.
     fn shot_of(&self, grid: Grid, positions: &[[f32; 3]]) -> Shot {
         let SimulatedSettings {
             camera_offset_m: [x, y],
@@ -129,7 +129,7 @@ impl ClothTable {
             camera_px,
             ..
         } = self.camera;
-        // The renderer looks down on the origin, so that the cloth is brought to where the camera is.
+        // The renderer looks down on the origin, so the cloth is moved relative to the camera.
         let world_from_camera = Isometry3::from_parts(
             Translation3::new(x, y, 0.0),
             UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera_turn_deg.to_radians()),
@@ -172,7 +172,7 @@ impl ClothTable {
         }
     }
 
-    /// Returns the particle that the fingers would take: of those within reach the uppermost, nearest of equals.
+    /// Returns the particle that the fingers would grasp: the uppermost within reach, ties going to the nearest.
     fn between(&self, tip: [f32; 3]) -> Option<usize> {
         let positions = self.particles()?;
         let aside_m =

@@ -48,7 +48,7 @@ pub struct ArmWorld {
     base_from_world: Isometry3<f64>,
     arm: Limited<Box<dyn Arm>>,
     camera: Box<dyn RgbdSource>,
-    /// The simulated table, where there is one.
+    /// The simulated table, if there is one.
     table: Option<Rc<RefCell<ClothTable>>>,
     flat: Option<FlatPicture>,
     reach: ArmReach,
@@ -97,8 +97,8 @@ impl ArmWorld {
         ArmWorld { flat, ..self }
     }
 
-    /// Checks that the camera is where it was calibrated. A simulated camera that was calibrated without a picture cannot
-    /// move.
+    /// Checks that the camera is where it was calibrated. A simulated camera that was calibrated without a picture
+    /// cannot move.
     fn check_camera(&mut self, shot: &Shot) -> Result<(), WorldError> {
         let is_fixed = self.table.is_some() && self.parts.calibration.reference.is_none();
         if self.is_camera_checked || is_fixed {
@@ -185,7 +185,7 @@ impl World for ArmWorld {
         match &self.table {
             Some(table) => table.borrow_mut().lay(start)?,
             None if !self.parts.supervisor.confirm_cloth(start) => {
-                return Err(wrong("nobody says that the cloth lies on the table"));
+                return Err(wrong("nobody confirmed that the cloth lies on the table"));
             }
             None => {}
         }

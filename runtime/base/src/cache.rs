@@ -1,7 +1,7 @@
-//! A folder of results that are named by what they were computed from.
+//! A folder of cached results, each named by a hash of its inputs.
 //!
-//! In: a key that covers everything the result depends on. Out: the bytes, if they were kept. A lost
-//! or unwritable cache costs time, never a result.
+//! In: a key that covers everything the result depends on. Out: the cached bytes, if any. A lost or unwritable cache
+//! costs time, never a result.
 
 use crate::{files, npy};
 use sha2::{Digest, Sha256};
@@ -15,19 +15,19 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// Keeps results in `folder`, which is made when first needed.
+    /// Caches results in `folder`, which is created on first use.
     pub fn at(folder: PathBuf) -> Cache {
         Cache {
             folder: Some(folder),
         }
     }
 
-    /// Keeps nothing.
+    /// Caches nothing.
     pub fn none() -> Cache {
         Cache { folder: None }
     }
 
-    /// Returns whether it keeps anything.
+    /// Returns whether results are cached at all.
     pub fn is_kept(&self) -> bool {
         self.folder.is_some()
     }
@@ -36,14 +36,14 @@ impl Cache {
     pub fn key<'p>(parts: impl IntoIterator<Item = &'p str>) -> String {
         let mut hash = Sha256::new();
         for part in parts {
-            // With its length, so that no two lists of parts run together alike.
+            // The length prefix keeps two different lists from hashing as the same bytes.
             hash.update((part.len() as u64).to_le_bytes());
             hash.update(part);
         }
         crate::digest::hex(&hash.finalize())
     }
 
-    /// Returns the particle positions kept under `key`; None where they are not `count` finite ones.
+    /// Returns the particle positions cached under `key`; `None` unless they are `count` finite positions.
     pub fn positions(&self, key: &str, count: usize) -> Option<Vec<[f32; 3]>> {
         let positions = npy::decode(&self.get(key)?)?;
         let whole =
@@ -51,17 +51,17 @@ impl Cache {
         whole.then_some(positions)
     }
 
-    /// Keeps particle positions under `key`; says why where they cannot be kept.
+    /// Caches particle positions under `key`; fails with the reason if they cannot be written.
     pub fn put_positions(&self, key: &str, positions: &[[f32; 3]]) -> Result<(), String> {
         self.put(key, &npy::encode(positions))
     }
 
-    /// Returns the bytes kept under `key`, a string of letters and digits.
+    /// Returns the bytes cached under `key`, a string of letters and digits.
     pub fn get(&self, key: &str) -> Option<Vec<u8>> {
         fs::read(self.folder.as_ref()?.join(key)).ok()
     }
 
-    /// Keeps bytes under `key`; says why where they cannot be kept.
+    /// Caches bytes under `key`; fails with the reason if they cannot be written.
     pub fn put(&self, key: &str, bytes: &[u8]) -> Result<(), String> {
         let Some(folder) = &self.folder else {
             return Ok(());

@@ -1,19 +1,19 @@
-//! Seeded chance that is equal on every machine.
+//! Seeded random numbers, equal on every machine.
 //!
-//! SplitMix64 (Steele, Lea, Flood 2014): whole numbers only. It draws starts, resamples and what a random policy
-//! does; a generator of a library would do, were its numbers promised to stay the same from version to version.
+//! SplitMix64 (Steele, Lea, Flood 2014), in integer arithmetic only. It draws starts, resamples and a random policy's
+//! actions. A library's generator is not used because none promises the same numbers in every version.
 
-/// A stream of numbers that a seed decides.
+/// A random stream determined by a seed.
 #[derive(Clone, Debug)]
 pub struct Chance(u64);
 
 impl Chance {
-    /// Begins the stream of a seed.
+    /// Starts the stream of a seed.
     pub fn seeded(seed: u64) -> Chance {
         Chance(seed)
     }
 
-    /// Begins the stream that belongs to a text: its SHA-256 decides.
+    /// Starts a stream seeded by the SHA-256 of a text.
     pub fn of(text: &str) -> Chance {
         use sha2::{Digest, Sha256};
         let hash = Sha256::digest(text);
@@ -24,7 +24,7 @@ impl Chance {
         )
     }
 
-    /// Returns the next number, each of the 2^64 as likely as the others.
+    /// Returns the next number, uniform over all 2^64.
     pub fn draw(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -33,12 +33,12 @@ impl Chance {
         z ^ (z >> 31)
     }
 
-    /// Returns a number from 0 up to below 1, with 53 random bits.
+    /// Returns a number in `[0, 1)`, with 53 random bits.
     pub fn fraction(&mut self) -> f64 {
         (self.draw() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Returns a whole number below `count`, each as likely as the others to within 2^-32; 0 where `count` is 0.
+    /// Returns an integer below `count`, uniform to within 2^-32; 0 if `count` is 0.
     pub fn below(&mut self, count: usize) -> usize {
         ((u128::from(self.draw()) * count as u128) >> 64) as usize
     }
@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn the_stream_is_that_of_the_published_generator() {
-        // The first numbers that the authors' reference code gives for the seed 1234567.
+        // The first numbers of the authors' reference code for seed 1234567.
         let mut chance = Chance::seeded(1_234_567);
         let expected = [
             6_457_827_717_110_365_317,

@@ -1,8 +1,9 @@
-//! A program of the user's, in any language, that answers lines.
+//! A user's program, in any language, that answers line by line.
 //!
-//! In: a command line, and lines for its stdin. Out: the lines of its stdout, one for each that was sent. It gets a
-//! process group of its own, which ends with this side of it. Whatever it does (hang, die, flood, write half a line),
-//! there is an error that names it, and no wait is without a limit. What the lines mean is left to others.
+//! In: a command line, and lines for its stdin. Out: the lines of its stdout, one for each line sent. The program gets
+//! its own process group, which is killed when the `Child` is dropped. Whatever it does (hang, die, flood, write half a
+//! line), the caller gets an error that names it, and every wait has a limit. What the lines mean is left to the
+//! caller.
 
 use crate::interrupt::Interrupt;
 use serde::Serialize;
@@ -17,22 +18,22 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The longest line that is read, bytes.
+/// The longest line accepted, bytes.
 pub const MAX_LINE_BYTES: usize = 1 << 20;
 
-/// How much of stderr is kept in its file, bytes.
+/// How much of stderr is written to its file, bytes.
 const MAX_STDERR_BYTES: usize = 1 << 20;
 
-/// How much of the end of stderr stands in a message, bytes.
+/// How much of the end of stderr a message quotes, bytes.
 const STDERR_BYTES: usize = 600;
 
-/// How much of a line stands in a message, bytes.
+/// How much of a line a message quotes, bytes.
 const EXCERPT_BYTES: usize = 160;
 
-/// How long a program that is no longer needed may take to end by itself, once its stdin is closed.
+/// How long a program has to exit by itself after its stdin is closed.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// How often a wait looks at the interrupt and at the process.
+/// How often a wait checks the interrupt and the process.
 const TICK: Duration = Duration::from_millis(20);
 
 /// A program and its arguments.
@@ -46,7 +47,7 @@ pub struct CommandLine {
 impl CommandLine {
     /// Splits a command line into words as a shell does; no shell runs it.
     ///
-    /// Fails where it has no word, or a quotation that does not end.
+    /// Fails if it has no words, or an unclosed quotation.
     pub fn parse(text: &str) -> Result<CommandLine, String> {
         match shlex::split(text) {
             None => Err(format!("`{text}` has a quotation that does not end")),
@@ -60,7 +61,7 @@ impl CommandLine {
         }
     }
 
-    /// Returns the words that name files there are: what the program is made of, as far as its command line says.
+    /// Returns the words that name existing files: the program's own files, as far as the command line shows.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let paths = self.words.iter().map(Path::new);
         paths.filter(|path| path.is_file())
@@ -73,7 +74,7 @@ impl fmt::Display for CommandLine {
     }
 }
 
-/// What a program did instead of answering.
+/// Why a program gave no valid answer.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ChildError {
     /// It cannot be started.
@@ -81,7 +82,7 @@ pub enum ChildError {
     NotStarted {
         /// The command line.
         command: String,
-        /// What the system said.
+        /// The system's error.
         why: String,
     },
     /// It ended, or closed its stdout.
@@ -91,7 +92,7 @@ pub enum ChildError {
         command: String,
         /// Its exit status.
         how: String,
-        /// The end of its stderr, as the message's end.
+        /// The end of its stderr, ready to be appended to the message.
         stderr: String,
     },
     /// It ended in the middle of a line.
@@ -99,34 +100,32 @@ pub enum ChildError {
     HalfLine {
         /// The command line.
         command: String,
-        /// What there was of the line.
+        /// The part of the line that arrived.
         line: String,
-        /// The end of its stderr, as the message's end.
+        /// The end of its stderr, ready to be appended to the message.
         stderr: String,
     },
     /// It took too long.
-    #[error("`{command}` did not answer within {limit_s} s and was ended{stderr}")]
+    #[error("`{command}` did not answer within {limit_s} s and was killed{stderr}")]
     Silent {
         /// The command line.
         command: String,
         /// The time limit, seconds.
         limit_s: u64,
-        /// The end of its stderr, as the message's end.
+        /// The end of its stderr, ready to be appended to the message.
         stderr: String,
     },
-    /// It wrote an endless line.
-    #[error(
-        "`{command}` wrote {MAX_LINE_BYTES} bytes without the end of a line and was ended{stderr}"
-    )]
+    /// It wrote a line longer than the limit.
+    #[error("`{command}` wrote {MAX_LINE_BYTES} bytes without a newline and was killed{stderr}")]
     Flooded {
         /// The command line.
         command: String,
-        /// The end of its stderr, as the message's end.
+        /// The end of its stderr, ready to be appended to the message.
         stderr: String,
     },
-    /// It wrote more than one line for a question.
+    /// It wrote more than one line for one question.
     #[error(
-        "`{command}` wrote a line that nobody asked for, `{line}`: one answer is due for each question"
+        "`{command}` wrote an unexpected line, `{line}`: it must write one answer per question"
     )]
     Unasked {
         /// The command line.
@@ -134,8 +133,10 @@ pub enum ChildError {
         /// The line.
         line: String,
     },
-    /// Its answer is none.
-    #[error("`{command}` wrote `{line}`, which is no answer: {why}; an answer is one line of JSON")]
+    /// Its answer is not a valid one.
+    #[error(
+        "`{command}` wrote `{line}`, which is not a valid answer: {why}; an answer is one line of JSON"
+    )]
     NoAnswer {
         /// The command line.
         command: String,
@@ -144,7 +145,7 @@ pub enum ChildError {
         /// What is wrong with it.
         why: String,
     },
-    /// Somebody asked to stop.
+    /// A stop was requested.
     #[error("interrupted")]
     Interrupted,
 }
@@ -156,14 +157,14 @@ enum Output {
     Flood,
 }
 
-/// A running program; it is ended when this is dropped.
+/// A running program; killed when this is dropped.
 #[derive(Debug)]
 pub struct Child {
     command: CommandLine,
     process: process::Child,
-    /// Whether its group was ended; the number may be another's by then.
+    /// Whether its group was killed; the group id may be reused after that.
     is_killed: bool,
-    /// None once stdin is to be closed.
+    /// `None` once stdin is to be closed.
     stdin: Option<Sender<Vec<u8>>>,
     stdout: Receiver<Output>,
     stderr: Arc<Mutex<Vec<u8>>>,
@@ -173,7 +174,7 @@ pub struct Child {
 impl Child {
     /// Starts a program in the working folder.
     ///
-    /// - `stderr`: where what it writes there is added, up to 1 MiB.
+    /// - `stderr`: the file its stderr is appended to, up to 1 MiB.
     pub fn start(command: &CommandLine, stderr: Option<&Path>) -> Result<Child, ChildError> {
         let failed = |why: std::io::Error| ChildError::NotStarted {
             command: command.to_string(),
@@ -196,7 +197,7 @@ impl Child {
         const PIPED: &str = "the stream is a pipe";
         let mut stdin = process.stdin.take().expect(PIPED);
         let (send, lines) = channel::<Vec<u8>>();
-        // A program that does not read must not block who writes.
+        // A program that does not read its stdin must not block the caller.
         thread::spawn(move || {
             while let Ok(line) = lines.recv() {
                 if stdin.write_all(&line).and_then(|()| stdin.flush()).is_err() {
@@ -232,9 +233,9 @@ impl Child {
         self.read(&line)
     }
 
-    /// Sends a line; fails where the program wrote one that is no answer to anything.
+    /// Sends a line; fails if the program has already written one that was not asked for.
     ///
-    /// Panics where the question holds a path that is no UTF-8.
+    /// Panics if the question holds a path that is not UTF-8.
     pub fn send(&mut self, question: &impl Serialize) -> Result<(), ChildError> {
         match self.stdout.try_recv() {
             Err(TryRecvError::Empty) => {}
@@ -251,12 +252,12 @@ impl Child {
         Ok(())
     }
 
-    /// Sends a line, whatever the program has written since.
+    /// Sends a line, even if the program has written something since.
     pub fn tell(&mut self, question: &impl Serialize) {
         let mut line =
             serde_json::to_vec(question).expect("a question has string keys and paths of UTF-8");
         line.push(b'\n');
-        // Where nobody reads any more, the wait for the answer finds out why.
+        // If nobody reads any more, the wait for the answer finds out why.
         if let Some(stdin) = &self.stdin {
             let _ = stdin.send(line);
         }
@@ -280,7 +281,7 @@ impl Child {
                 return Err(ChildError::Interrupted);
             }
             if matches!(self.process.try_wait(), Ok(Some(_)) | Err(_)) {
-                // A process that it started may hold the pipe open; what it wrote last is still on its way.
+                // A process that it started may hold the pipe open, and its last output may still be on the way.
                 self.kill();
                 return match self.stdout.recv_timeout(GRACE) {
                     Ok(Output::Line(line)) => Ok(line),
@@ -299,12 +300,12 @@ impl Child {
         }
     }
 
-    /// Reads an answer.
+    /// Parses an answer.
     pub fn read<A: DeserializeOwned>(&self, line: &[u8]) -> Result<A, ChildError> {
         serde_json::from_slice(line).map_err(|error| self.no_answer(line, error))
     }
 
-    /// Says that a line is no answer.
+    /// Reports a line that is not a valid answer.
     pub fn no_answer(&self, line: &[u8], why: impl fmt::Display) -> ChildError {
         ChildError::NoAnswer {
             command: self.command.to_string(),
@@ -348,7 +349,7 @@ impl Child {
         }
     }
 
-    /// Waits for its end, at most for a while.
+    /// Waits for the program to exit, for at most this long.
     fn wait(&mut self, most: Duration) -> Option<process::ExitStatus> {
         let begun = Instant::now();
         loop {
@@ -359,7 +360,7 @@ impl Child {
         }
     }
 
-    /// Ends the program and everything that it started.
+    /// Kills the program and everything that it started.
     fn kill(&mut self) {
         self.stdin = None;
         if std::mem::replace(&mut self.is_killed, true) {
@@ -374,9 +375,9 @@ impl Child {
         let _ = self.process.wait();
     }
 
-    /// Returns the end of its stderr, as a message goes on with it.
+    /// Returns the end of its stderr, ready to be appended to a message.
     fn last_errors(&mut self) -> String {
-        // What it wrote last is still on its way.
+        // Its last output may still be on the way.
         let begun = Instant::now();
         let is_read = |reader: &Option<thread::JoinHandle<()>>| {
             reader.as_ref().is_none_or(thread::JoinHandle::is_finished)
@@ -401,7 +402,7 @@ impl Drop for Child {
     }
 }
 
-/// Reads lines in a thread of its own, a few ahead of who takes them.
+/// Reads lines in a separate thread, a few ahead of the consumer.
 fn read_lines(source: impl Read + Send + 'static) -> Receiver<Output> {
     let (send, lines) = sync_channel(4);
     thread::spawn(move || {
@@ -428,7 +429,7 @@ fn read_lines(source: impl Read + Send + 'static) -> Receiver<Output> {
     lines
 }
 
-/// Reads stderr in a thread of its own, into its file and a short tail.
+/// Reads stderr in a separate thread, into its file and a short tail.
 fn read_errors(
     mut source: impl Read + Send + 'static,
     mut file: Option<File>,
@@ -441,7 +442,7 @@ fn read_errors(
             let bytes = &buffer[..count];
             let room = MAX_STDERR_BYTES.saturating_sub(kept);
             if let Some(file) = &mut file {
-                // Reading goes on where it cannot be kept: the program must not block.
+                // Keep reading even if the file cannot be written: the program must not block.
                 let _ = file.write_all(&bytes[..count.min(room)]);
             }
             kept += count;
@@ -453,7 +454,7 @@ fn read_errors(
     })
 }
 
-/// Shortens what a program wrote, for a message.
+/// Shortens a program's output for a message.
 pub fn excerpt(line: &[u8]) -> String {
     let text = String::from_utf8_lossy(&line[..line.len().min(EXCERPT_BYTES)]);
     let text = text
@@ -520,12 +521,12 @@ mod tests {
             ),
             (
                 "echo hello",
-                "wrote `hello`, which is no answer: expected value",
+                "wrote `hello`, which is not a valid answer: expected value",
             ),
             ("exec 1>&-; sleep 60", "it closed its stdout and went on"),
             (
                 "yes x | tr -d '\\n'",
-                "wrote 1048576 bytes without the end of a line",
+                "wrote 1048576 bytes without a newline",
             ),
         ] {
             let error = asked(script, SOON).expect_err(script).to_string();
@@ -545,7 +546,7 @@ mod tests {
         thread::sleep(Duration::from_millis(300));
         let error = child
             .ask::<u32>(&2, SOON, &quiet)
-            .expect_err("a line nobody asked for");
+            .expect_err("an unexpected line");
         assert!(matches!(error, ChildError::Unasked { .. }), "{error}");
     }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Hashes the bits of every position: x, y, z of particle 0, then of particle 1, each little-endian.
 ///
-/// That is what the body of their `.npy` file holds, so anybody can recompute it.
+/// The body of their `.npy` file holds the same bytes, so anybody can recompute the hash.
 pub fn of_positions(positions: &[[f32; 3]]) -> String {
     let mut hash = Sha256::new();
     for coordinate in positions.iter().flatten() {
@@ -16,7 +16,7 @@ pub fn of_positions(positions: &[[f32; 3]]) -> String {
     hex(&hash.finalize())
 }
 
-/// Hashes files one after the other, piece by piece; one that cannot be read counts as far as it could.
+/// Hashes files one after the other, in chunks; an unreadable file counts up to the point of failure.
 pub fn of_files<'p>(files: impl Iterator<Item = &'p Path>) -> String {
     let mut hash = Sha256::new();
     let mut piece = [0; 1 << 16];

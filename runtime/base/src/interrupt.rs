@@ -1,7 +1,6 @@
-//! A flag by which a rollout is asked to end early.
+//! A flag that asks a rollout to end early.
 //!
-//! The command sets it on SIGINT; worlds look at it between two steps of theirs, a
-//! rollout before each of its own.
+//! The command sets it on SIGINT. Worlds check it between their steps, a rollout before each of its own.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,12 +10,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Asks everybody who holds a clone to stop soon.
+    /// Asks every holder of a clone to stop soon.
     pub fn raise(&self) {
         self.0.store(true, Ordering::SeqCst);
     }
 
-    /// Returns whether somebody asked to stop.
+    /// Returns whether a stop was requested.
     pub fn is_raised(&self) -> bool {
         self.0.load(Ordering::SeqCst)
     }

@@ -1,7 +1,7 @@
-//! Journals of JSON lines: one whole, synced line after another.
+//! JSON-lines journals, written one whole, synced line at a time.
 //!
-//! A crash loses at most the line under way. What follows the last line end was cut off while it was written: a
-//! [`Reader`] leaves it aside, and the next line that is appended replaces it.
+//! A crash loses at most the line being written. Bytes after the last newline are such a torn line: a [`Reader`]
+//! ignores them, and the next appended line replaces them.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -9,32 +9,32 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::Path;
 
-/// The longest line that is read, bytes.
+/// The longest line accepted, bytes.
 pub const MAX_LINE_BYTES: usize = 16 << 20;
 
-/// Writes a value as the text of a line, without its end.
+/// Serializes a value as one line, without the newline.
 ///
-/// Fails where the value has keys that are no text.
+/// Fails if a map in the value has keys that are not strings.
 pub fn text(line: &impl Serialize) -> io::Result<String> {
     Ok(serde_json::to_string(line)?)
 }
 
 // ---- writing -------------------------------------------------------------------------------------
 
-/// A journal that lines are appended to.
+/// A journal open for appending.
 #[derive(Debug)]
 pub struct Appender {
     file: File,
-    /// Bytes up to the end of the last line that stays.
+    /// Bytes up to the end of the last line to be kept.
     whole_bytes: u64,
-    /// Whether the file may hold more than these.
+    /// Whether the file may hold bytes beyond these.
     has_tail: bool,
 }
 
 impl Appender {
-    /// Opens a journal, which is made where there is none. Nothing in it changes until a line is appended.
+    /// Opens a journal, creating it if necessary. The file does not change until a line is appended.
     ///
-    /// All of it stays until [`Appender::keep`] says less.
+    /// All of its bytes are kept until [`Appender::keep`] says otherwise.
     pub fn open(path: &Path) -> io::Result<Appender> {
         let file = OpenOptions::new().create(true).append(true).open(path)?;
         let whole_bytes = file.metadata()?.len();
@@ -45,31 +45,31 @@ impl Appender {
         })
     }
 
-    /// Makes sure that no other process writes the journal; the system gives the lock back when this one ends.
+    /// Makes sure that no other process writes the journal; the system releases the lock when this process ends.
     ///
-    /// Returns whether it is free. Not every file system has locks; without them the user takes care.
+    /// Returns whether the journal was free. Some file systems have no locks; there the user has to take care.
     pub fn lock(&self) -> bool {
         !matches!(self.file.try_lock(), Err(TryLockError::WouldBlock))
     }
 
-    /// Says how much stays, bytes; what follows is replaced by the next line.
+    /// Sets how many bytes are kept; the next line replaces the rest.
     pub fn keep(&mut self, whole_bytes: u64) {
         self.whole_bytes = whole_bytes;
         self.has_tail = true;
     }
 
-    /// Appends a line, and waits until it is on the disk.
+    /// Appends a line and waits until it is on disk.
     pub fn append(&mut self, line: &impl Serialize) -> io::Result<()> {
         self.append_text(text(line)?)
     }
 
-    /// Appends the text of a line, and waits until it is on the disk.
+    /// Appends an already serialized line and waits until it is on disk.
     pub fn append_text(&mut self, mut line: String) -> io::Result<()> {
         if self.has_tail {
             self.file.set_len(self.whole_bytes)?;
         }
         line.push('\n');
-        // A part of a line that stays where this fails would damage the next one.
+        // If this fails, a partial line may stay, which must not damage the next one.
         self.has_tail = true;
         self.file.write_all(line.as_bytes())?;
         self.file.sync_data()?;
@@ -91,11 +91,11 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// Opens a journal of at most `max_bytes`; says why where it cannot be read.
+    /// Opens a journal of at most `max_bytes`; fails with the reason.
     pub fn open(path: &Path, max_bytes: u64) -> Result<Reader, String> {
         let information = path.metadata().map_err(|error| error.to_string())?;
         if !information.is_file() {
-            return Err("it is no regular file".to_owned());
+            return Err("it is not a regular file".to_owned());
         }
         if information.len() > max_bytes {
             return Err(format!("it is longer than the limit of {max_bytes} bytes"));
@@ -109,7 +109,7 @@ impl Reader {
         })
     }
 
-    /// Reads the next whole line, without its end; says why where it cannot be read.
+    /// Reads the next whole line, without its newline; fails with the reason.
     pub fn next_line(&mut self) -> Result<Option<&[u8]>, String> {
         self.line.clear();
         let mut limited = Read::take(&mut self.file, MAX_LINE_BYTES as u64);
@@ -130,7 +130,7 @@ impl Reader {
         Ok(Some(&self.line))
     }
 
-    /// Reads the next whole line as JSON; says why where it cannot be read, or is damaged.
+    /// Reads the next whole line as JSON; fails with the reason if it cannot be read or is damaged.
     pub fn read<T: DeserializeOwned>(&mut self) -> Result<Option<T>, String> {
         let Some(line) = self.next_line()? else {
             return Ok(None);
@@ -141,12 +141,12 @@ impl Reader {
         }
     }
 
-    /// Returns the number of the line that was read last, from 1.
+    /// Returns the number of the last line read, from 1.
     pub fn number(&self) -> usize {
         self.number
     }
 
-    /// Returns the bytes up to the end of the last whole line that was read.
+    /// Returns the bytes up to the end of the last whole line read.
     pub fn whole_bytes(&self) -> u64 {
         self.whole_bytes
     }
@@ -177,7 +177,7 @@ mod tests {
             appender.append(line).expect("a line");
         }
         let bytes = fs::read(&path).expect("the file");
-        // Cut anywhere, also inside of a letter: whole lines stay, and the next one follows them.
+        // Cut anywhere, even inside a character: whole lines stay, and the next one follows them.
         for cut in 0..=bytes.len() {
             fs::write(&path, &bytes[..cut]).expect("a cut file");
             let (read, whole_bytes) = values(&path);
@@ -210,7 +210,7 @@ mod tests {
         let long = Reader::open(&path, 100).expect_err("a long file");
         assert_eq!(long, "it is longer than the limit of 100 bytes");
         let no_file = Reader::open(folder.path(), 100).expect_err("a folder");
-        assert_eq!(no_file, "it is no regular file");
+        assert_eq!(no_file, "it is not a regular file");
     }
 
     #[test]

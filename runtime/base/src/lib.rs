@@ -1,9 +1,8 @@
-//! What every part of the runtime rests on: journals, files, particle positions, a cache, hashes, threads,
-//! programs that answer lines.
+//! The runtime's foundation: journals, files, particle positions, a cache, hashes, threads, programs that answer lines.
 //!
-//! Nothing here knows of tasks, models, cloths or arms.
+//! Nothing here knows about tasks, models, cloths or arms.
 //!
-//! A journal is written line by line, and read again after a crash:
+//! A journal is written line by line and can be read back after a crash:
 //!
 //! ```
 //! use fab_base::jsonl::{Appender, Reader};

@@ -10,7 +10,7 @@ pub fn encode(positions: &[[f32; 3]]) -> Vec<u8> {
 
 /// Encodes numbers as a little-endian float32 array, row by row.
 ///
-/// - `shape`: its product is the count of the numbers.
+/// - `shape`: its product equals the count of the numbers.
 pub fn encode_floats(shape: &[u64], numbers: impl IntoIterator<Item = f32>) -> Vec<u8> {
     const INVARIANT: &str = "writing to memory does not fail";
     let mut bytes = Vec::new();
@@ -25,12 +25,12 @@ pub fn encode_floats(shape: &[u64], numbers: impl IntoIterator<Item = f32>) -> V
     bytes
 }
 
-/// Checks that a header does not promise more than the file holds.
+/// Checks that a header does not promise more data than the file holds; fails with the reason.
 ///
-/// The decoder reserves memory for the header and multiplies the shape on the file's word, so a
-/// damaged or forged header must not reach it. Says what is wrong.
+/// The decoder trusts the header when it reserves memory and multiplies the shape, so a damaged or forged header must
+/// not reach it.
 pub fn check_header(bytes: &[u8]) -> Result<(), String> {
-    let cut = || "it is no .npy file, or a cut one".to_owned();
+    let cut = || "it is not a .npy file, or it is truncated".to_owned();
     if !bytes.starts_with(b"\x93NUMPY") {
         return Err("it does not begin as a .npy file does".to_owned());
     }
@@ -76,7 +76,7 @@ pub fn decode(bytes: &[u8]) -> Option<Vec<[f32; 3]>> {
     if array.order() != npyz::Order::C {
         return None;
     }
-    // A damaged header may promise more than there is; never reserve memory on its word.
+    // A damaged header may promise more data than there is; never reserve memory on its word.
     if count.checked_mul(12)? > bytes.len() as u64 {
         return None;
     }
@@ -84,7 +84,7 @@ pub fn decode(bytes: &[u8]) -> Option<Vec<[f32; 3]>> {
     Some(numbers.as_chunks::<3>().0.to_vec())
 }
 
-/// Decodes an array of floats of any shape, stored row by row; says why where it is none.
+/// Decodes an array of floats of any shape, stored row by row; fails with the reason.
 ///
 /// Returns the shape and the numbers.
 pub fn decode_floats(bytes: &[u8]) -> Result<(Vec<u64>, Vec<f64>), String> {
@@ -94,7 +94,7 @@ pub fn decode_floats(bytes: &[u8]) -> Result<(Vec<u64>, Vec<f64>), String> {
         return Err("it is stored column by column (Fortran order)".to_owned());
     }
     let shape = array.shape().to_vec();
-    // A header may promise more than the file holds; never reserve memory on its word.
+    // A header may promise more data than the file holds; never reserve memory on its word.
     let mut sides = shape.iter();
     let count = sides.try_fold(1u64, |count, side| count.checked_mul(*side));
     let least = count.and_then(|count| count.checked_mul(4));

@@ -5,13 +5,13 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 
-/// Does the jobs `0..count`, and returns what came of each, in that order.
+/// Runs the jobs `0..count` and returns their results, in that order.
 ///
-/// - `threads`: at least 1; more than there are jobs are not started.
-/// - `job`: returns None where it was stopped; no further job begins then.
-/// - `finished`: told how many jobs have been done, one call at a time.
+/// - `threads`: at least 1; never more threads than jobs are started.
+/// - `job`: returns `None` if it was stopped; no further job starts after that.
+/// - `finished`: called with the number of finished jobs, one call at a time.
 ///
-/// The first failure ends the rest and is returned, and so is a thread that cannot be started.
+/// The first failure stops the remaining jobs and is returned; so is a failure to start a thread.
 pub fn in_parallel<T: Send, E: Send + From<io::Error>>(
     count: usize,
     threads: usize,

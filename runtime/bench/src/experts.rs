@@ -1,7 +1,7 @@
-//! The expert ends that a suite's rollouts are compared with.
+//! The expert end states that a suite's rollouts are compared with.
 //!
-//! In: the suite's programs and laid starts. Out: ends in the cache before any rollout asks for them, and distances
-//! to them. The ends of folds that go a fraction of their way are those of the same sequences, each fold shortened.
+//! In: the suite's programs and laid starts. Out: ends in the cache before any rollout needs them, and distances to
+//! them. For a fold fraction below 1, each fold of the sequence is shortened accordingly.
 
 use super::lay::Laid;
 use super::play::{Phase, Spent, at, place, program_of};
@@ -16,7 +16,7 @@ use fab_world::expert::MakeWorld;
 use fab_world::metrics;
 use std::collections::BTreeSet;
 
-/// The sequences that a program's results are compared with, where each fold ends at a fraction of its way.
+/// Returns a program's sequences for comparison, with each fold ending at a fraction of its length.
 fn sequences(program: &Program, fraction: f64) -> Vec<Sequence> {
     let mut sequences = program.experts.clone();
     for fold in sequences
@@ -28,7 +28,7 @@ fn sequences(program: &Program, fraction: f64) -> Vec<Sequence> {
     sequences
 }
 
-/// The fractions that the suite's columns need.
+/// Returns the fractions that the suite's metrics need.
 fn fractions(bench: &Bench<'_>) -> Vec<f64> {
     let metrics = bench.suite.metrics.iter();
     metrics
@@ -36,7 +36,7 @@ fn fractions(bench: &Bench<'_>) -> Vec<f64> {
         .collect()
 }
 
-/// Simulates every expert end that is not kept yet; returns whether all are there.
+/// Simulates every expert end that is not cached yet; returns whether all are available.
 pub(super) fn simulate(
     bench: &Bench<'_>,
     laid: &Laid,
@@ -75,7 +75,7 @@ pub(super) fn simulate(
             let (entry, start, sequence) = &jobs[index];
             let entry = &bench.entries[*entry];
             let program = program_of(bench, entry, *start)?;
-            // One sequence a job, so that no further thread is started for it.
+            // One sequence per job, so that the job starts no thread of its own.
             let ends = expert::ends(
                 std::slice::from_ref(sequence),
                 &laid[entry.task][*start],
@@ -96,7 +96,7 @@ pub(super) fn simulate(
     Ok(done.iter().all(Option::is_some))
 }
 
-/// Scores the last state of a rollout, however it ended; the start itself where nothing was executed.
+/// Scores the last state of a rollout, however it ended; the start itself if nothing was executed.
 pub(super) fn distances_m(
     bench: &Bench<'_>,
     job: &Job<'_>,

@@ -1,20 +1,20 @@
-//! What a suite would ask in the first step of each of its entries, before anything is asked.
+//! The first questions of a suite's entries, for estimates.
 
 use super::lay::lay_one;
 use super::play::{at, place, program_of};
 use super::{Bench, BenchError};
 use fab_agent::rollout::{FirstQuestion, Job, first_questions};
 
-/// Lays the first start of each entry, and renders what its stages would be sent; in the order of the entries.
+/// Lays the first start of each entry and renders its stages' first questions, in the order of the entries.
 ///
-/// Fails where a start cannot be laid, or the user stops it.
+/// Fails if a start cannot be laid, or the user interrupts.
 pub fn first_questions_of(bench: &Bench<'_>) -> Result<Vec<Vec<FirstQuestion>>, BenchError> {
     let mut all = Vec::with_capacity(bench.entries.len());
     for entry in &bench.entries {
         let place = place(bench, entry, 0);
         let program = program_of(bench, entry, 0)?;
         let task = &bench.tasks[entry.task];
-        // Nobody lays a cloth, and nothing is connected, for the sake of an estimate.
+        // An estimate must not ask anybody to lay a cloth, or connect to anything.
         let make_world = || match &bench.arm {
             Some(arm) => (arm.make_look)(program),
             None => (bench.make_world)(program),

@@ -1,6 +1,6 @@
-//! Lays the starts of a suite, before any of its rollouts.
+//! Lays the starts of a suite before its rollouts.
 //!
-//! In: a bench. Out: a start for each of its points, in positions; where a person lays the cloths, in words alone.
+//! In: a bench. Out: a start for each of its points, as positions; only in words if a person lays the cloths.
 
 use super::on_arm::{self, Cloths};
 use super::play::{Phase, at};
@@ -10,10 +10,10 @@ use fab_base::parallel::in_parallel;
 use fab_world::WorldError;
 use fab_world::start::Start;
 
-/// The starts of every task, laid.
+/// The laid starts of every task.
 pub(super) type Laid = Vec<Vec<Start>>;
 
-/// Lays every start; None where the user stopped it.
+/// Lays every start; `None` if the user interrupts.
 pub(super) fn lay(
     bench: &Bench<'_>,
     progress: &(dyn Fn(Phase, usize, usize) + Sync),
@@ -51,7 +51,7 @@ pub(super) fn lay(
     Ok(Some(starts))
 }
 
-/// Lays one start; where a person does that, the start says how in words alone.
+/// Lays one start; if a person does that, the start only says how in words.
 pub(super) fn lay_one(
     bench: &Bench<'_>,
     task: &Task,
@@ -64,7 +64,7 @@ pub(super) fn lay_one(
     point.lay(world.as_ref(), bench.cache, bench.interrupt)
 }
 
-/// Fails where a start of the suite is one that a model is told as an example.
+/// Fails if a start of the suite is also an example shown to a model.
 pub(super) fn refuse_examples(bench: &Bench<'_>, laid: &Laid) -> Result<(), BenchError> {
     if is_by_hand(bench) {
         return Ok(());

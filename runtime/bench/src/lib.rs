@@ -1,13 +1,12 @@
-//! A suite of many rollouts, and the tables that come of it.
+//! Runs a suite of many rollouts, and makes tables of the results.
 //!
 //! ```text
 //! .toml → Suite ─┐
 //! tasks, models ─┴→ Bench ─→ starts → expert ends → rollouts ─→ Records ─→ Rows ─→ text, JSON, CSV, Markdown
 //! ```
 //!
-//! A rollout is a folder; one that has ended is never run again, and tables are made of what the folders say.
-//! Rollouts run side by side, and no figure but the times depends on how many. Compiling tasks, finding models
-//! and printing are left to the caller.
+//! A rollout is a folder; a finished one is never run again, and tables are made from the folders. Rollouts run in
+//! parallel, and no figure except times depends on how many. The caller compiles tasks, finds models and prints.
 
 pub mod metric;
 pub mod on_arm;
@@ -45,32 +44,32 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use suite::{Method, Suite};
 
-/// Everything that a suite needs.
+/// Everything needed to run a suite.
 pub struct Bench<'a> {
-    /// What is to be measured.
+    /// The suite.
     pub suite: &'a Suite,
     /// The suite's tasks, with their starts.
     pub tasks: Vec<Task>,
-    /// What is done with them: a task and a method each.
+    /// What to run: a task and a method each.
     pub entries: Vec<Entry<'a>>,
-    /// Makes the simulated world of a program; equal programs get equal worlds. It knows starts and expert ends, and
-    /// rollouts are carried out in it where there is no arm.
+    /// Makes the simulated world of a program; equal programs get equal worlds. It is used for starts and expert ends,
+    /// and for rollouts if there is no arm.
     pub make_world: &'a MakeWorldOf<'a>,
-    /// The arm that carries rollouts out, one at a time, where there is one.
+    /// The arm that executes rollouts, one at a time, if there is one.
     pub arm: Option<OnArm<'a>>,
-    /// The world beside the simulated one in which rollouts are carried out, side by side, where there is one.
+    /// A non-bundled world that executes rollouts in parallel, if there is one.
     pub elsewhere: Option<Elsewhere<'a>>,
-    /// Where run folders are made.
+    /// The folder for run folders.
     pub out: PathBuf,
-    /// Jobs side by side; rollouts on an arm, and those that an operator judges, go one at a time.
+    /// Number of parallel jobs; rollouts on an arm, and those judged by an operator, run one at a time.
     pub threads: usize,
-    /// Where crumpled starts and expert ends are kept.
+    /// Stores crumpled starts and expert ends.
     pub cache: &'a Cache,
-    /// Caps on what models may be asked, for the suite as a whole.
+    /// Caps on model calls for the whole suite.
     pub budget: &'a Budget,
-    /// Where questions and answers are recorded, where that is wanted.
+    /// Records questions and answers, if requested.
     pub recorder: Option<&'a Recorder>,
-    /// Who says after each rollout whether its task was reached, where somebody is asked; rollouts then run one at a time.
+    /// Judges after each rollout whether its task was reached, if somebody is asked; rollouts then run one at a time.
     pub operator: Option<&'a dyn Operator>,
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
@@ -79,13 +78,13 @@ pub struct Bench<'a> {
 /// Makes the world of a program.
 pub type MakeWorldOf<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
-/// A world that is not the bundled one, nor an arm.
+/// A world that is neither the bundled simulator nor an arm.
 pub struct Elsewhere<'a> {
-    /// What it says of itself.
+    /// Its description.
     pub about: About,
-    /// Whether it can lay a start again as it lay.
+    /// Whether a start can be laid again exactly.
     pub repeats: bool,
-    /// Makes it for a rollout of a program, whose run folder is given.
+    /// Makes it for a rollout of a program, given the run folder.
     pub make_world: &'a MakeRolloutWorld<'a>,
 }
 
@@ -93,7 +92,7 @@ pub struct Elsewhere<'a> {
 pub type MakeRolloutWorld<'a> =
     dyn Fn(&Program, &Path) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
-/// A task and where its cloth lies at first.
+/// A task and its starts.
 pub struct Task {
     /// Its name.
     pub name: String,
@@ -103,32 +102,32 @@ pub struct Task {
     pub starts: Vec<StartPoint>,
 }
 
-/// A task done by one method.
+/// A task with one method.
 pub struct Entry<'a> {
     /// Index of the task.
     pub task: usize,
     /// The method.
     pub method: &'a Method,
-    /// Makes who decides in a rollout.
+    /// Makes the policy of a rollout.
     pub make_policy: &'a dyn MakePolicy,
-    /// Who that is.
+    /// Describes the policy.
     pub policy: policy::Description,
-    /// The models that it asks, where it asks any.
+    /// The models that it asks, if any.
     pub models: Option<Models<'a>>,
-    /// The variant's program for every grid that a start has.
+    /// The variant's program for every grid among the starts.
     pub programs: BTreeMap<[u32; 2], Program>,
-    /// The subgoal pictures, those of the declared cloth.
+    /// The subgoal pictures of the declared cloth.
     pub subgoals: SubgoalSet,
-    /// What its stages are told as examples.
+    /// The examples of its stages.
     pub examples: Examples,
     /// Rollouts per start, at least 1.
     pub repeats: u32,
 }
 
-/// Why a suite cannot be carried out or kept.
+/// Why a suite cannot be run or stored.
 #[derive(Debug, thiserror::Error)]
 pub enum BenchError {
-    /// A start cannot be laid, or a world not set up.
+    /// A start cannot be laid, or a world cannot be set up.
     #[error("{place}: {error}")]
     World {
         /// Task and start.
@@ -136,7 +135,7 @@ pub enum BenchError {
         /// What went wrong.
         error: WorldError,
     },
-    /// A rollout could not be carried out or kept.
+    /// A rollout could not be run or stored.
     #[error("{place}: {error}")]
     Run {
         /// The run folder.
@@ -144,7 +143,7 @@ pub enum BenchError {
         /// What went wrong.
         error: RunError,
     },
-    /// A folder holds a rollout of something else.
+    /// A folder holds another rollout.
     #[error(
         "`{}` holds another rollout: {why}; name another `--out`, nothing is overwritten", folder.display()
     )]
@@ -154,30 +153,33 @@ pub enum BenchError {
         /// What differs.
         why: String,
     },
-    /// The provider refuses every call, so that all further rollouts would fail alike.
+    /// The provider refuses every call, so all further rollouts would fail the same way.
     #[error(
-        "the provider refuses to answer ({fault}); the journal in `{}` has its words. What has ended is kept, and the same `--out` goes on from there", folder.display()
+        "the provider refuses to answer ({fault}); the journal in `{}` has its message. Finished rollouts are kept, \
+         and the same `--out` continues from there", folder.display()
     )]
     Refused {
-        /// The rollout that found out.
+        /// The first rollout that failed this way.
         folder: PathBuf,
-        /// The name of the fault.
+        /// The fault's name.
         fault: &'static str,
     },
-    /// An arm was left in the middle of a motion by an earlier part of the suite.
+    /// An earlier part of the suite left the arm in the middle of a motion.
     #[error(
-        "the rollout in `{}` left the arm in the middle of a motion: nothing is begun before a person has looked after it; `fabc robot recover {}` says how it was left", folder.display(), folder.display()
+        "the rollout in `{}` left the arm in the middle of a motion: nothing more starts until a person has \
+         recovered it; `fabc robot recover {}` shows the state in which it was left", folder.display(), folder.display()
     )]
     LeftUnclear {
         /// The run folder.
         folder: PathBuf,
     },
-    /// The journal of an arm cannot be read.
-    #[error("how the arm was left is not known: {0}")]
+    /// An arm's journal cannot be read.
+    #[error("the state in which the arm was left is unknown: {0}")]
     ArmLog(#[from] LogError),
-    /// The suite measures what nobody knows of a real cloth.
+    /// The suite measures something that is unknown for a real cloth.
     #[error(
-        "the suite measures `{metric}`, and of a real cloth nobody knows where its particles are: run it in the simulator or on a simulated arm; `physical` is made for a real one"
+        "the suite measures `{metric}`, which needs particle positions, and those of a real cloth are unknown: run \
+         it in the simulator or on a simulated arm; `physical` is made for a real one"
     )]
     NoParticles {
         /// The metric.
@@ -214,7 +216,7 @@ pub enum BenchError {
 }
 
 impl Bench<'_> {
-    /// Returns how many rollouts run side by side: one person sees one at a time, and an arm does one.
+    /// Returns how many rollouts run in parallel: one if an operator judges or an arm executes.
     pub fn side_by_side(&self) -> usize {
         match (&self.arm, self.operator) {
             (None, None) => self.threads,
@@ -224,14 +226,14 @@ impl Bench<'_> {
 }
 
 impl Entry<'_> {
-    /// Returns whether rollouts end at their goal: a free model goes on where a column needs that, and the figures
-    /// with the stop are taken from the same rollouts.
+    /// Returns whether rollouts end at their goal. A free model continues if a metric needs that, and the figures with
+    /// the stop are computed from the same rollouts.
     pub fn stops_early(&self, metrics: &[Metric]) -> bool {
         let is_free = self.policy.models.is_none() || self.policy.is_stand_in();
         !(is_free && metrics.iter().any(|metric| metric.row().is_without_stop))
     }
 
-    /// Returns how many examples the prompts of the task hold: demonstrations, else those that the author wrote.
+    /// Returns the number of examples in the task's prompts: demonstrations, or else those written by the author.
     pub fn data_size(&self) -> usize {
         let program = self.programs.values().next();
         let stages = program.map_or(&[][..], |program| &program.stages);

@@ -1,12 +1,12 @@
-//! What a suite measures: one row for each metric.
+//! The metrics of suites: one row for each.
 //!
-//! Smoothing is measured twice (protocol, section 5): by SoftGym's grid, whose numbers the paper prints and
-//! which decides when a rollout stops, and by the true area. A value with the stop is the one at the first step
-//! that met the goal, frozen from there; a value without is that of a rollout which went on. Measures by pictures, of a cloth
-//! whose particles nobody knows, have metrics of their own: a rollout has values for the one kind or for the other.
+//! Smoothing is measured twice (protocol, section 5): by SoftGym's grid, which the paper's numbers use and which
+//! decides when a rollout stops, and by the true area. A value with the stop is frozen at the first step that met the
+//! goal; a value without it comes from a rollout that continued. Measures by pictures, for cloths with unknown
+//! particles, are metrics of their own: a rollout has values of one kind or the other.
 //!
-//! A row says all that is known of a metric. Suites name it, tables and CSV read it, and the table of `docs/bench.md` is
-//! written from it.
+//! A row holds everything about a metric. Suites refer to it, tables and CSV read it, and the table of `docs/bench.md`
+//! is generated from it.
 
 use super::play::Played;
 use super::record::Step;
@@ -18,7 +18,7 @@ use fab_program::verify::Verdict;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
-/// The coverage from which on the paper counts a cloth on the real table as smooth.
+/// The coverage from which the paper counts a cloth on the real table as smooth.
 const COVERED: f64 = 0.85;
 
 /// A row of [`METRICS`].
@@ -26,38 +26,38 @@ const COVERED: f64 = 0.85;
 pub struct Row {
     /// Its name in suites, JSON and CSV.
     pub name: &'static str,
-    /// The head of its column in tables for people.
+    /// Its column heading in tables for people.
     pub heading: &'static str,
-    /// What its figures count.
+    /// The unit of its figures.
     pub unit: Unit,
-    /// Which figures are the better ones.
+    /// Which direction is better.
     pub better: Better,
-    /// How many digits behind the point are worth printing.
+    /// The number of decimal places printed.
     pub digits: usize,
-    /// How the values of many rollouts become one figure.
+    /// How the values of many rollouts are combined into one figure.
     pub aggregate: Aggregate,
-    /// What coverage must have been measured on for a rollout to have a value; none where that does not matter.
+    /// What coverage must have been measured on for a rollout to have a value; `None` if that does not matter.
     pub measured_on: Option<CoverageSource>,
-    /// Whether it needs a rollout that goes on after its goal was met.
+    /// Whether it needs a rollout that continued after meeting its goal.
     pub is_without_stop: bool,
-    /// The share of its way at which each fold of the experts ends, where experts are what counts.
+    /// The fraction of its length at which each expert fold ends, if the metric uses experts.
     pub fold_fraction: Option<f64>,
-    /// Reads it from a rollout; none where the rollout has no value.
+    /// Reads its value from a rollout; `None` if the rollout has none.
     pub read: fn(&Row, &Reading<'_>) -> Option<f64>,
-    /// What it is, one line.
+    /// Its meaning, in one line.
     pub about: &'static str,
-    /// What a table says below it, where it says something.
+    /// The caption below a table, if any.
     pub caption: Option<&'static str>,
 }
 
-/// What a figure counts.
+/// The unit of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Millimetres.
     Millimetres,
-    /// A share of the whole; improvements may be below 0.
+    /// A fraction; improvements may be below 0.
     Share,
-    /// How many for each action.
+    /// A count per action.
     PerAction,
 }
 
@@ -72,7 +72,7 @@ impl Unit {
     }
 }
 
-/// Which figures are the better ones.
+/// Which direction is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Better {
     /// Higher ones.
@@ -81,27 +81,27 @@ pub enum Better {
     Lower,
 }
 
-/// How the values of many rollouts become one figure.
+/// How the values of many rollouts are combined into one figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aggregate {
-    /// By the statistic that the suite states.
+    /// With the statistic that the suite states.
     AsStated,
-    /// It says of a rollout that something happened or not: the share of those in which it did.
+    /// As the share of rollouts in which something happened.
     Share,
 }
 
-/// What a metric reads of one rollout.
+/// The part of a rollout that a metric reads.
 pub struct Reading<'r> {
     /// The rollout.
     pub played: &'r Played,
     /// The steps that count.
     pub steps: &'r [Step],
-    /// How it ended, with as many steps as count.
+    /// Its outcome with these steps.
     pub outcome: Outcome,
 }
 
 impl Reading<'_> {
-    /// Returns the value after the last step that was taken; a cloth that nothing was done to has improved by nothing.
+    /// Returns the value after the last step taken; without any step the improvement is zero.
     fn last(&self, of: fn(&Step) -> Option<f64>) -> Option<f64> {
         let mut taken = self.steps.iter().rev().filter(|step| step.line.is_taken());
         taken.next().map_or(Some(0.0), of)
@@ -174,7 +174,7 @@ pub const METRICS: &[Row] = &[
         heading: "NI, picture",
         measured_on: Some(CoverageSource::Picture),
         read: |_, reading| reading.last(|step| step.line.measures.normalized_improvement),
-        about: "normalized improvement by pictures, where nobody knows the cloth's particles",
+        about: "normalized improvement by pictures, for a cloth with unknown particles",
         ..PLAIN
     },
     Row {
@@ -233,7 +233,7 @@ pub const METRICS: &[Row] = &[
     },
 ];
 
-/// What rows say that say nothing else.
+/// Default values for a row.
 const PLAIN: Row = Row {
     name: "",
     heading: "",
@@ -257,7 +257,7 @@ const SHARE: Row = Row {
 
 const COVERS: &str = "Covers 0.85: share of the rollouts in which the cloth covers at least 0.85 of its flat area in the end [Wilson's 95 % interval].";
 
-/// Returns how many answers of a step a check refused.
+/// Returns how many answers of a step were refused by a check.
 fn refused(step: &Step) -> usize {
     let is_refused = |asked: &&Asked| {
         matches!(
@@ -301,9 +301,9 @@ impl Metric {
         self.0
     }
 
-    /// Returns its value for a rollout of which the first `cut` steps count.
+    /// Returns its value for a rollout, counting only the first `cut` steps.
     ///
-    /// None where the rollout has no value, or was measured otherwise.
+    /// `None` if the rollout has no value, or was measured on something else.
     pub fn value(self, played: &Played, cut: u32, goal: Option<&Goal>) -> Option<f64> {
         let rollout = &played.rollout;
         if self.0.measured_on.is_some() && self.0.measured_on != rollout.report.coverage_source {
@@ -318,7 +318,7 @@ impl Metric {
         (self.0.read)(self.0, &reading)
     }
 
-    /// Returns whether nothing can be said of it where nobody knows the cloth's particles.
+    /// Returns whether it needs known particles.
     pub fn needs_particles(self) -> bool {
         self.0.measured_on == Some(CoverageSource::Particles) || self.0.fold_fraction.is_some()
     }

@@ -1,8 +1,8 @@
-//! Rollouts of a suite on an arm: one after the other, on cloths that are laid for each.
+//! A suite's rollouts on an arm: one after the other, with a cloth laid for each.
 //!
-//! In: a bench with an arm. Out: what has ended, what was cut off, and the rollout that failed for the
-//! arm's sake or left it otherwise than at rest with an empty hand, after which nothing more is begun. A rollout that was cut off is not gone on with: the table is no longer as
-//! it was. Nothing here moves: that is done by the world of each rollout.
+//! In: a bench with an arm. Out: finished rollouts, interrupted ones, and the rollout that failed because of the arm or
+//! did not leave it at rest with an empty hand; after that one nothing more is started. An interrupted rollout is not
+//! resumed, because the table has changed. Nothing here moves the arm; each rollout's world does that.
 
 use super::lay::Laid;
 use super::metric::Metric;
@@ -20,15 +20,15 @@ use fab_world::start::Start;
 use fab_world::{World, WorldError};
 use std::path::{Path, PathBuf};
 
-/// The arm on which a suite is carried out.
+/// The arm that runs a suite.
 pub struct OnArm<'a> {
-    /// What its world says of itself.
+    /// Its world's description.
     pub about: About,
-    /// How cloths come to lie on its table.
+    /// How cloths get onto its table.
     pub cloths: Cloths,
-    /// Makes the world of a rollout; the folder is that of the run, for the arm's journal.
+    /// Makes the world of a rollout; the folder is the run's, for the arm's journal.
     pub make_world: &'a MakeArmWorld<'a>,
-    /// Makes a simulated world in which that alone can be done which the arm reaches: for questions before a rollout.
+    /// Makes a simulated world with the arm's reach, for questions before a rollout.
     pub make_look: &'a super::MakeWorldOf<'a>,
 }
 
@@ -36,48 +36,48 @@ pub struct OnArm<'a> {
 pub type MakeArmWorld<'a> =
     dyn Fn(&Program, &Path) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
-/// How cloths come to lie on an arm's table.
+/// How cloths get onto an arm's table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cloths {
-    /// The table is simulated, and takes any start.
+    /// The table is simulated, and accepts any start.
     Simulated,
-    /// A person lays them, and nobody knows their particles.
+    /// A person lays them, and their particles are unknown.
     ByHand,
 }
 
-/// The rollout after which no further one was begun, since it did not end as one does.
+/// The rollout after which the suite stopped, because of how it left the arm.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftArm {
     /// The run folder.
     pub folder: PathBuf,
-    /// Whether the arm came to rest with an empty hand, so that a person need not look after it first.
+    /// Whether the arm came to rest with an empty hand, so nobody needs to check it first.
     pub is_clear: bool,
-    /// What the rollout said last.
+    /// The rollout's last message.
     pub why: String,
 }
 
-/// What came of rollouts on an arm.
+/// The results of rollouts on an arm.
 #[derive(Debug, Default)]
 pub(super) struct Done {
-    /// Those that have ended, and whether they were found so.
+    /// Finished rollouts, and whether they were already finished before.
     pub played: Vec<(Played, bool)>,
-    /// The folders of those that were cut off.
+    /// The folders of interrupted rollouts.
     pub cut_off: Vec<PathBuf>,
-    /// Why no further one was begun, where that was so.
+    /// Why no further rollout was started, if so.
     pub stop: Option<Stop>,
-    /// The rollout after which that was so for the arm's sake.
+    /// The rollout that stopped the suite because of the arm.
     pub left: Option<LeftArm>,
 }
 
 impl Cloths {
-    /// Fails where a suite measures what is not known of such cloths.
+    /// Fails if a suite measures something unknown for such cloths.
     pub fn check(self, suite: &Suite) -> Result<(), BenchError> {
         let needs = |metric: &&Metric| metric.needs_particles();
         let metrics = || suite.metrics.iter();
         let unknown = match self {
             Cloths::Simulated => None,
             Cloths::ByHand if metrics().all(|metric| needs(&metric)) => metrics().next(),
-            // Without a distance its column would be that of the start, as if nothing had been done.
+            // Without a distance, its column would show the start's, as if nothing had been done.
             Cloths::ByHand => metrics().find(|metric| metric.row().fold_fraction.is_some()),
         };
         match unknown {
@@ -89,7 +89,7 @@ impl Cloths {
     }
 }
 
-/// Returns the start that a person is asked to lay; its positions are those of the flat cloth, and mean nothing.
+/// Returns the start that a person is asked to lay; its positions are placeholders, those of the flat cloth.
 pub(super) fn by_hand(point: &StartPoint) -> Start {
     Start {
         name: point.in_words(),
@@ -97,7 +97,7 @@ pub(super) fn by_hand(point: &StartPoint) -> Start {
     }
 }
 
-/// Carries rollouts out, until all have ended, or one failed for the arm's sake or left it otherwise than clear.
+/// Runs rollouts until all have ended, or one failed because of the arm or left it in an unclear state.
 pub(super) fn play(
     bench: &Bench<'_>,
     laid: &Laid,
@@ -123,7 +123,7 @@ pub(super) fn play(
             Ended::Stopped(stop) => done.stop = Some(stop),
         }
         let is_clear = !is_unclear(&folder)?;
-        // A camera that was moved, or an arm that does not answer, would fail the next one alike.
+        // A moved camera or an unresponsive arm would make the next rollout fail as well.
         done.left = (has_failed || !is_clear).then(|| left(&folder, is_clear));
         if done.left.is_some() {
             done.stop.get_or_insert(Stop::ArmLeft);
@@ -136,7 +136,7 @@ pub(super) fn play(
     Ok(done)
 }
 
-/// Returns whether a rollout was begun in a folder that an arm could not begin in the same way again.
+/// Returns whether a folder holds a started rollout that an arm could not start again in the same way.
 pub(super) fn has_begun(folder: &Path) -> bool {
     let has_moved = std::fs::metadata(folder.join(ARM_FILE)).is_ok_and(|file| file.len() > 0);
     has_moved || record::has_steps(folder)

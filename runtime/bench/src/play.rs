@@ -1,8 +1,8 @@
-//! Carries out a suite: lays starts, simulates expert ends, runs rollouts, reads what came of them.
+//! Runs a suite: lays starts, simulates expert ends, runs rollouts, reads the results.
 //!
-//! In: a [`Bench`]. Out: [`Played`] rollouts in a fixed order, and what the parts of the work took. Each part goes
-//! over its jobs with as many threads as asked for, and a job starts none of its own: expert ends are there
-//! before the first rollout asks for them.
+//! In: a [`Bench`]. Out: [`Played`] rollouts in a fixed order, and the time spent on each phase. Each phase runs its
+//! jobs on the requested number of threads, and a job starts no threads of its own: expert ends are available before
+//! the first rollout needs them.
 
 use super::lay::{self, Laid};
 use super::on_arm::{self, LeftArm};
@@ -27,44 +27,43 @@ pub struct Played {
     pub entry: usize,
     /// Index of the start among those of the task.
     pub start: usize,
-    /// What its folder says.
+    /// The contents of its folder.
     pub rollout: Rollout,
-    /// Distance of its last state to the nearest expert end, metres, by the fraction of the way that each of the
-    /// experts' folds goes.
+    /// Distance of its last state to the nearest expert end, metres, for each fraction of the experts' folds.
     pub distances_m: Vec<(f64, f64)>,
 }
 
-/// What came of a suite.
+/// The results of a suite.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Results {
     /// Finished rollouts, by entry, start and repetition.
     pub rollouts: Vec<Played>,
-    /// How many there were to be.
+    /// How many rollouts were planned.
     pub planned: usize,
-    /// How many were found finished.
+    /// How many were already finished.
     pub found: usize,
-    /// The folders of rollouts on an arm that were cut off and are not gone on with.
+    /// The folders of interrupted rollouts on an arm, which are not resumed.
     pub cut_off: Vec<PathBuf>,
-    /// The rollout that failed for the arm's sake, or did not bring it to rest with an empty hand, where one did so.
+    /// The rollout that failed because of the arm, or did not leave it at rest with an empty hand, if any.
     pub left: Option<LeftArm>,
-    /// Why rollouts are missing, where some are.
+    /// Why rollouts are missing, if any are.
     pub stopped: Option<Stop>,
     /// Name of the world.
     pub world: String,
     /// Hash of the world's parameters.
     pub params: String,
-    /// What the work took.
+    /// The time spent.
     pub spent: Spent,
 }
 
-/// Why a suite was not carried out to its end.
+/// Why a suite stopped early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
     /// The user stopped it.
     Interrupted,
     /// A cap on calls or cost was reached.
     Capped,
-    /// A rollout failed for the arm's sake, or left it otherwise than at rest with an empty hand.
+    /// A rollout failed because of the arm, or did not leave it at rest with an empty hand.
     ArmLeft,
 }
 
@@ -73,17 +72,17 @@ pub enum Stop {
 pub struct Spent {
     /// Laying and crumpling starts.
     pub starts_s: f64,
-    /// Simulating expert ends that were not kept yet, or finding that all are.
+    /// Simulating missing expert ends, or finding that none are missing.
     pub experts_s: f64,
     /// How many were simulated.
     pub experts_simulated: usize,
-    /// Of how many.
+    /// Out of this total.
     pub experts: usize,
     /// Rollouts and their scores.
     pub rollouts_s: f64,
 }
 
-/// What is being done.
+/// The current phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Starts are laid.
@@ -94,9 +93,9 @@ pub enum Phase {
     Rollouts,
 }
 
-/// Carries out a suite.
+/// Runs a suite.
 ///
-/// `progress` is told how many jobs of a phase are done, and how many there are.
+/// `progress` is told the number of finished jobs and of all jobs in a phase.
 pub fn play(
     bench: &Bench<'_>,
     progress: &(dyn Fn(Phase, usize, usize) + Sync),
@@ -121,7 +120,7 @@ pub fn play(
     let begun = Instant::now();
     let jobs = rollouts(bench);
     results.planned = jobs.len();
-    // What earlier calls of this suite did counts towards its caps.
+    // Earlier calls of this suite count towards its caps.
     for which in &jobs {
         bench
             .budget
@@ -148,7 +147,7 @@ pub fn play(
     Ok(results)
 }
 
-/// Carries rollouts out in the simulator.
+/// Runs rollouts in the simulator.
 fn side_by_side(
     bench: &Bench<'_>,
     laid: &Laid,
@@ -177,7 +176,7 @@ fn interrupted(results: Results) -> Results {
     }
 }
 
-/// Returns what the world of a program says of itself.
+/// Returns the description of a program's world.
 fn about(bench: &Bench<'_>, program: &Program) -> Result<About, WorldError> {
     if let Some(arm) = &bench.arm {
         return Ok(arm.about.clone());
@@ -228,7 +227,7 @@ fn rollouts(bench: &Bench<'_>) -> Vec<Which> {
     all.collect()
 }
 
-/// Returns the folder of a rollout, below the suite's.
+/// Returns the folder of a rollout, below the suite's folder.
 pub(super) fn folder_of(bench: &Bench<'_>, (entry, start, repetition): Which) -> PathBuf {
     let entry = &bench.entries[entry];
     let task = &bench.tasks[entry.task];
@@ -240,13 +239,13 @@ pub(super) fn folder_of(bench: &Bench<'_>, (entry, start, repetition): Which) ->
         .join(name)
 }
 
-/// What came of one rollout.
+/// The result of one rollout.
 pub(super) enum Ended {
-    /// It has ended; was found so, or not.
+    /// It has ended; the flag says whether it was already finished before.
     Played(Box<Played>, bool),
-    /// It was cut off on an arm, and is not gone on with.
+    /// It was interrupted on an arm, and is not resumed.
     CutOff,
-    /// It was stopped, or not begun.
+    /// It was stopped, or not started.
     Stopped(Stop),
 }
 
@@ -282,10 +281,10 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
     };
     let about = about(bench, program).map_err(|error| at(&place(bench, entry, start), error))?;
     let identity = identity(&job, entry, about);
-    // What was cut off there cannot be done again from its start.
+    // An interrupted rollout cannot be repeated from its start there.
     let is_once = bench.arm.is_some() || bench.elsewhere.as_ref().is_some_and(|it| !it.repeats);
     let (rollout, was_found) = match record::find(&folder, &identity) {
-        // What a model or a program failed in is tried again, unless an arm has moved the cloth since.
+        // Failures of a model or a program are retried, unless an arm has moved the cloth since.
         Found::Finished(rollout)
             if is_once
                 || !matches!(
@@ -329,7 +328,7 @@ fn identity(job: &Job<'_>, entry: &Entry<'_>, about: About) -> Identity {
     }
 }
 
-/// Runs a rollout into its folder, or goes on with one that was cut off; says why where it is stopped.
+/// Runs a rollout into its folder, or resumes an interrupted one; returns the reason if it is stopped.
 fn run(
     job: &Job<'_>,
     folder: &Path,
@@ -348,7 +347,7 @@ fn run(
     };
     let open = open.map_err(|error| failed(error.into()))?;
     let rollout::Ended { report, took } = match rollout::run(job, open, &mut |_| {}) {
-        // Nobody lays a cloth for a program that is asked to end.
+        // Nobody lays a cloth for a program that was asked to stop.
         Err(RunError::World(WorldError::Start { .. } | WorldError::Interrupted))
             if job.interrupt.is_raised() =>
         {

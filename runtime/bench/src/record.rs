@@ -1,7 +1,7 @@
-//! What a finished rollout's folder says.
+//! Reads the folder of a finished rollout.
 //!
-//! In: a run folder. Out: a [`Rollout`], or that no rollout has ended there. Tables are made of run folders alone,
-//! whether a rollout was run just now or found finished, so that both give the same figures.
+//! In: a run folder. Out: a [`Rollout`], or that none has ended there. Tables are made from run folders alone, so a
+//! rollout gives the same figures whether it ran just now or was found finished.
 
 use fab_agent::outcome::Outcome;
 use fab_agent::policy;
@@ -14,22 +14,22 @@ use std::path::Path;
 /// A rollout that has ended by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rollout {
-    /// What came of it.
+    /// Its results.
     pub report: Report,
-    /// Its steps, in order; the last may be one that ended it.
+    /// Its steps, in order; the last one may have ended it.
     pub steps: Vec<Step>,
-    /// Where the cloth lay in the end, grid order, world frame, metres; none where nothing was ever executed.
+    /// Final positions, grid order, world frame, metres; `None` if nothing was ever executed.
     pub last: Option<Vec<[f32; 3]>>,
 }
 
 /// One step of a rollout.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Step {
-    /// What was asked, done and measured.
+    /// The questions, the action and the measures.
     pub line: record::Step,
-    /// What it took.
+    /// Durations and costs.
     pub spent: StepSpent,
-    /// What its answers cost, US dollars; none where a price is not known.
+    /// Cost of its answers, US dollars; `None` if a price is unknown.
     pub cost_usd: Option<f64>,
 }
 
@@ -40,7 +40,7 @@ impl Step {
     }
 }
 
-/// What a rollout is a rollout of; two with the same identity have the same figures.
+/// The identity of a rollout; rollouts with the same identity have the same figures.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
     /// Hash of the program.
@@ -51,22 +51,22 @@ pub struct Identity {
     pub code: String,
     /// Digest of the start.
     pub start: String,
-    /// Who decides.
+    /// The policy.
     pub policy: policy::Description,
     /// The most actions.
     pub horizon: u32,
-    /// Whether a goal that is judged after each step ends it.
+    /// Whether a goal judged after each step ends it.
     pub early_stop: bool,
-    /// Which of the start's rollouts it is.
+    /// The number of the rollout among those of the same start.
     pub repetition: u32,
 }
 
-/// What a folder holds.
+/// The contents of a folder.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
-    /// Nothing, or a rollout that was cut off, interrupted, or stopped by a cap.
+    /// Nothing, or a rollout that was interrupted or stopped by a cap.
     Unfinished,
-    /// A rollout of something else; the text says what differs.
+    /// Another rollout; the text says what differs.
     Other(String),
     /// The rollout.
     Finished(Box<Rollout>),
@@ -77,7 +77,7 @@ pub fn find(folder: &Path, wanted: &Identity) -> Found {
     let read = match Record::read(folder) {
         Ok(read) => read,
         Err(RecordError::Absent(_)) => return Found::Unfinished,
-        // Done again, it would be read again as it is now.
+        // A retry would read the same record again.
         Err(error) => return Found::Other(error.to_string()),
     };
     if let Some(difference) = wanted.difference(&read.header) {
@@ -103,7 +103,7 @@ pub fn find(folder: &Path, wanted: &Identity) -> Found {
     let mut cost_usd_before = 0.0;
     let steps = read.steps.into_iter().map(|line| {
         let spent = spent.remove(&line.step).unwrap_or_default();
-        // A step's cost comes after those that were asked for before.
+        // A step's cost is its cumulative cost minus the previous one.
         let cost_usd = spent
             .cost_usd_so_far
             .map(|so_far| so_far - std::mem::replace(&mut cost_usd_before, so_far));
@@ -129,13 +129,13 @@ pub(super) fn has_steps(folder: &Path) -> bool {
     Record::read(folder).is_ok_and(|read| !read.steps.is_empty() || read.end.is_some())
 }
 
-/// Returns why the last step of a rollout was not executed, where it was not.
+/// Returns why the last step of a rollout was not executed, if it was not.
 pub(super) fn last_words(folder: &Path) -> Option<String> {
     Record::read(folder).ok()?.steps.pop()?.stopped
 }
 
 impl Identity {
-    /// Says in what a record's header is of another rollout.
+    /// Says how a record's header differs from this identity.
     fn difference(&self, header: &Header) -> Option<String> {
         let policy = |policy: &policy::Description| {
             serde_json::to_string(policy).expect("a description has string keys")
@@ -150,7 +150,7 @@ impl Identity {
                 header.policy.name.clone(),
                 self.policy.name.clone(),
             ),
-            // The same name, and another model, program or sight behind it.
+            // The name may be the same with another model, program or sight behind it.
             ("policy", policy(&header.policy), policy(&self.policy)),
             (
                 "horizon",
@@ -176,9 +176,9 @@ impl Identity {
 }
 
 impl Rollout {
-    /// Returns the steps that count after `horizon` actions.
+    /// Returns the steps that count within `horizon` actions.
     ///
-    /// With `stop`, those up to and including the first that meets the goal, where that is judged after each step.
+    /// With `stop`, only those up to and including the first that meets the goal, if it is judged after each step.
     pub fn steps_to(&self, horizon: u32, stop: Option<&Goal>) -> &[Step] {
         let within = &self.steps[..self.steps.len().min(horizon as usize)];
         match stop.and_then(|goal| within.iter().position(|step| meets(goal, step))) {
@@ -187,7 +187,7 @@ impl Rollout {
         }
     }
 
-    /// Returns how the rollout would have ended, had it been given `horizon` actions.
+    /// Returns how the rollout would have ended with `horizon` actions.
     pub fn outcome_at(&self, horizon: u32, goal: Option<&Goal>, stop: Option<&Goal>) -> Outcome {
         let judged = goal.filter(|goal| goal.metric.is_judged_each_step());
         let steps = self.steps_to(horizon, stop);
@@ -204,7 +204,7 @@ impl Rollout {
     }
 }
 
-/// Returns whether a goal that is judged after each step is met; as in a rollout, by the source measure.
+/// Returns whether a goal judged after each step is met; as in a rollout, by the source measure.
 fn meets(goal: &Goal, step: &Step) -> bool {
     let value = match goal.metric {
         GoalMetric::Coverage => step.line.measures.coverage,

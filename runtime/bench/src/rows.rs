@@ -1,7 +1,7 @@
-//! The figures of a suite, a row each, and others' figures among them.
+//! The figures of a suite, one row each, including quoted ones.
 //!
-//! In: finished rollouts. Out: [`Row`]s, whose fields JSON and CSV have too. Every finished rollout counts,
-//! however it ended: its last state is what is measured, and `outcomes` says how many ended how.
+//! In: finished rollouts. Out: [`Row`]s, with the same fields as JSON and CSV. Every finished rollout counts, however
+//! it ended: its last state is measured, and `outcomes` counts the outcomes.
 
 use super::metric::{Aggregate, Metric};
 use super::play::{Played, Results};
@@ -15,7 +15,7 @@ use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What is said of a row whose suite is for a real table, by the world that stood in for it.
+/// Notes for a suite meant for a real table, by the world that replaced the table.
 const REHEARSALS: [(&str, &str); 2] = [
     (
         "sim",
@@ -27,7 +27,7 @@ const REHEARSALS: [(&str, &str); 2] = [
     ),
 ];
 
-/// What a figure is.
+/// The meaning of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stated {
     /// A statistic of a method.
@@ -56,58 +56,58 @@ impl Serialize for Stated {
 pub struct Row {
     /// The task.
     pub task: String,
-    /// How it was done, or by whom where it is quoted.
+    /// The method, or the author of a quoted figure.
     pub method: String,
     /// What was measured.
     pub metric: Metric,
-    /// After how many actions at most.
+    /// Greatest number of actions.
     pub horizon: Option<u32>,
     /// Starts.
     pub n: Option<usize>,
     /// Rollouts per start.
     pub repeats: Option<u32>,
-    /// What the figure is: `median`, `mean`, `share`, or the difference of two of these.
+    /// The kind of figure: `median`, `mean`, `share`, or the difference of two of these.
     pub statistic: Stated,
     /// The figure.
     pub value: f64,
     /// Larger quartile distance of a median, standard deviation of a mean.
     pub spread: Option<f64>,
-    /// Where it lies with 95 % confidence.
+    /// Its 95 % confidence interval.
     pub ci95: Option<[f64; 2]>,
-    /// Whether somebody else reports it.
+    /// Whether it is somebody else's figure.
     pub quoted: bool,
-    /// Where that is reported.
+    /// Source of a quoted figure.
     pub source: Option<String>,
     /// Examples in the prompts.
     pub data_size: Option<usize>,
     /// Questions per action.
     pub queries: Option<f64>,
-    /// Wall time per action, seconds, scores left out.
+    /// Wall time per action, seconds, without scoring.
     pub s_per_action: Option<f64>,
-    /// Cost per action; 0 for a stand-in, null where no price is known.
+    /// Cost per action; 0 for a stand-in, null if no price is known.
     pub cost: Option<f64>,
-    /// Rollouts by how they ended, with as many actions as `horizon` says.
+    /// Number of rollouts by outcome, within `horizon` actions.
     pub outcomes: BTreeMap<&'static str, usize>,
-    /// Rollouts that the operator calls not reached, by why.
+    /// Number of rollouts that the operator judged as not reached, by cause.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub causes: BTreeMap<&'static str, usize>,
     /// Wall time of render, vision, prompt, parse and verify per action, seconds.
     pub planning_s: Option<f64>,
-    /// Who decided, with what a reader of the figures must know.
+    /// The policy, with the caveats that a reader of the figures must know.
     pub policy: Option<String>,
-    /// Whether that looked at the true places of particles.
+    /// Whether the policy saw the true positions of particles.
     pub sees_particles: bool,
-    /// The model, where one was asked.
+    /// The model, if one was asked.
     pub model: Option<String>,
-    /// Whether that is a stand-in and no vision-language model.
+    /// Whether that is a stand-in, not a vision-language model.
     pub model_is_stand_in: bool,
-    /// What a reader has to know.
+    /// A caveat for readers.
     pub note: Option<String>,
 }
 
-/// Returns all rows: task by task, methods in the suite's order, then gaps between them, then what others report.
+/// Returns all rows: task by task, methods in the suite's order, then gaps between them, then quoted figures.
 ///
-/// A method none of whose rollouts has finished has no row.
+/// A method without a finished rollout has no row.
 pub fn rows(bench: &Bench<'_>, results: &Results) -> Vec<Row> {
     let mut rows = Vec::new();
     for (number, task) in bench.tasks.iter().enumerate() {
@@ -139,7 +139,7 @@ struct Shown<'b> {
     program: &'b Program,
     /// By start.
     rollouts: Vec<Vec<&'b Played>>,
-    /// What is said where something simulated stood in for the table on which an operator lays the cloth.
+    /// The note if a simulation replaced the table on which an operator lays the cloth.
     rehearsal: Option<&'static str>,
 }
 
@@ -149,7 +149,7 @@ fn rehearsal(world: &str) -> Option<&'static str> {
 }
 
 impl<'b> Shown<'b> {
-    /// None where no rollout has finished.
+    /// `None` if no rollout has finished.
     fn new(
         bench: &'b Bench<'_>,
         results: &'b Results,
@@ -176,11 +176,11 @@ impl<'b> Shown<'b> {
         .filter(|_| !is_empty)
     }
 
-    /// Returns the numbers of actions after which there are figures: how they are called, and where they cut.
+    /// Returns the action counts that have figures: the number to show, and the number at which to cut.
     fn horizons(&self) -> Vec<(u32, u32)> {
         let stated = &self.bench.suite.horizons;
         if stated.is_empty() {
-            // As long as the task lets a rollout be; one that takes a step again may be longer than that.
+            // As long as the task permits; a rollout with retried steps may be longer.
             return vec![(self.program.horizon, u32::MAX)];
         }
         stated.iter().map(|horizon| (*horizon, *horizon)).collect()
@@ -188,7 +188,7 @@ impl<'b> Shown<'b> {
 
     fn metrics(&self) -> impl Iterator<Item = Metric> {
         let stops = self.entry.stops_early(&self.bench.suite.metrics);
-        // How much a folded cloth covers says nothing of the fold.
+        // Coverage of a folded cloth says nothing about the fold.
         let is_fold = self
             .goal()
             .is_some_and(|goal| !goal.metric.is_judged_each_step());

@@ -1,7 +1,7 @@
-//! Where the cloths of a suite lie at first.
+//! The starts of a suite.
 //!
 //! In: a suite's [`Starts`] and a task's cloth, or a folder of recorded positions. Out: [`StartPoint`]s in a fixed
-//! order, which [`StartPoint::lay`] turns into positions. Generated ones are the same on every machine.
+//! order, which [`StartPoint::lay`] converts to positions. Generated starts are the same on every machine.
 
 use super::suite::Starts;
 use fab_base::cache::Cache;
@@ -15,12 +15,13 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The largest manifest that is read.
+/// The largest manifest accepted, bytes.
 const MAX_BYTES: u64 = 64 << 20;
-/// The most starts of one folder.
+/// The most starts in one folder.
 const MOST: usize = 1000;
 
-/// How far a flat cloth that stands for one laid by hand is turned more than the one before: about as a person sees to lay it.
+/// Additional turn of each flat cloth that stands for a hand-laid one, relative to the one before: about the precision
+/// of a person.
 const ASKEW_DEG: f64 = 2.0;
 
 /// A start that is not laid yet.
@@ -68,7 +69,7 @@ pub fn generated(starts: &Starts, cloth: &Cloth) -> Vec<StartPoint> {
                 number: number as u64,
                 cloth: Cloth {
                     dimx,
-                    // Rounded down, as the paper's rectangles are: int(0.8 n) for a task of 55 by 44.
+                    // Rounded down, like the paper's rectangles: int(0.8 n) for a task of 55 by 44.
                     dimy: (dimx * cloth.dimy / cloth.dimx).max(2),
                     ..cloth.clone()
                 },
@@ -105,11 +106,11 @@ pub fn generated(starts: &Starts, cloth: &Cloth) -> Vec<StartPoint> {
     }
 }
 
-/// Reads the recorded starts of a folder that are for a task; none where its manifest lists other tasks alone.
+/// Reads the recorded starts of a folder for a task; `None` if its manifest lists only other tasks.
 ///
-/// A `manifest.json` in the folder lists them, its paths beginning at the folder above: `entries` with `task`,
-/// `id` and `dir` (the start is `init_pos.npy` there), or `states` with `index` and `pos`. Without a manifest, every
-/// `.npy` file of the folder is one, in the order of names, with its description beside it.
+/// A `manifest.json` in the folder lists them, with paths relative to the parent folder: `entries` with `task`, `id`
+/// and `dir` (the start is `init_pos.npy` there), or `states` with `index` and `pos`. Without a manifest, every `.npy`
+/// file of the folder is a start, in the order of names, with its description beside it.
 pub fn recorded(folder: &Path, task: &str) -> Result<Vec<StartPoint>, RecordedError> {
     let wrong = |path: &Path, why: String| RecordedError::Folder {
         path: path.to_owned(),
@@ -163,7 +164,7 @@ fn listed(manifest: &Value, task: &str) -> Result<Vec<(u64, PathBuf)>, String> {
     let all = manifest[key].as_array().map_or(&[][..], Vec::as_slice);
     if all.is_empty() {
         return Err(format!(
-            "its `{key}` are empty; right would be at least one start"
+            "its `{key}` are empty; at least one start is needed"
         ));
     }
     let mut found = Vec::new();
@@ -185,7 +186,7 @@ fn listed(manifest: &Value, task: &str) -> Result<Vec<(u64, PathBuf)>, String> {
     Ok(found)
 }
 
-/// Finds listed files at their real places, which must be below the folder.
+/// Resolves listed files to their real paths, which must be below the folder.
 fn below(folder: &Path, files: Vec<(u64, PathBuf)>) -> Result<Vec<(u64, PathBuf)>, String> {
     let real = fs::canonicalize(folder).map_err(|error| error.to_string())?;
     let above = real.parent().unwrap_or(&real);
@@ -211,7 +212,8 @@ fn positions_in(folder: &Path) -> Result<Vec<PathBuf>, String> {
     }
     if files.is_empty() {
         return Err(
-            "it has no manifest.json and no .npy file; right would be a folder of recorded starts, or of those that `fabc sim crumple -o` writes"
+            "it has no manifest.json and no .npy file; expected a folder of recorded starts, or of those that `fabc \
+             sim crumple -o` writes"
                 .to_owned(),
         );
     }
@@ -219,7 +221,7 @@ fn positions_in(folder: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(files)
 }
 
-/// Writes `DoubleStraight`, as recorded data names a task, like the task: `double_straight`.
+/// Converts a task name of recorded data, such as `DoubleStraight`, to the form `double_straight`.
 fn snake_case(name: &str) -> String {
     let mut text = String::new();
     for letter in name.chars() {
@@ -237,7 +239,7 @@ impl StartPoint {
         [self.cloth.dimx, self.cloth.dimy]
     }
 
-    /// Says how a person is to lay the cloth.
+    /// Describes how a person is to lay the cloth.
     pub fn in_words(&self) -> String {
         let of_task = |number: &u32| match self.cloth.start {
             ClothStart::Crumpled => format!("crumpled by hand, {}", number + 1),
@@ -253,8 +255,8 @@ impl StartPoint {
 
     /// Lays the cloth; a crumpled one comes from the cache or is crumpled in `world`.
     ///
-    /// One that a person lays is crumpled there too, where the world can do that; where it cannot, its positions are those of
-    /// the flat cloth and mean nothing, and the world has the person lay it.
+    /// A start that a person lays is crumpled there too, if the world can do that. If not, its positions are
+    /// placeholders, those of the flat cloth, and the world asks the person to lay it.
     pub fn lay(
         &self,
         world: &dyn World,

@@ -1,20 +1,20 @@
-//! What many rollouts come to: a value, its spread, and a 95 % interval.
+//! Statistics of many rollouts: a value, its spread, and a 95 % interval.
 //!
-//! In: samples by start, since the repeats of one start are no independent ones. Out: the statistics that the
-//! paper prints (median with the larger quartile distance; mean with standard deviation), with a percentile
-//! bootstrap over starts, and Wilson's interval for shares. Equal samples give equal bits.
+//! In: samples by start, because repeats of one start are not independent. Out: the statistics that the paper prints
+//! (median with the larger quartile distance; mean with standard deviation), with a percentile bootstrap over starts,
+//! and Wilson's interval for shares. Equal samples give equal bits.
 
 use fab_base::chance::Chance;
 use serde::{Deserialize, Serialize};
 
-/// How often the starts are drawn anew for an interval.
+/// Number of bootstrap resamples for an interval.
 const RESAMPLES: usize = 10_000;
-/// The seed of those draws; any would do, and one makes tables repeatable.
+/// The seed of the resamples; a fixed one makes tables reproducible.
 const SEED: u64 = 2406_09640;
 /// The 97.5 % point of the normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// What is said of a sample.
+/// A statistic of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Statistic {
@@ -37,20 +37,20 @@ impl Statistic {
     }
 }
 
-/// A statistic of a sample.
+/// The computed statistic of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     /// Median, mean or share.
     pub value: f64,
     /// Its spread; see [`Statistic`].
     pub spread: Option<f64>,
-    /// From where to where it lies with 95 % confidence; none from a single start, except for a share.
+    /// The bounds of its 95 % interval; `None` for a single start, except for a share.
     pub ci95: Option<[f64; 2]>,
 }
 
 /// Summarises samples by start: one list of repeats for each.
 ///
-/// Starts without any sample are left out; `None` where none is left. Non-finite samples are not allowed.
+/// Starts without samples are ignored; `None` if none is left. Non-finite samples are not allowed.
 pub fn summary(statistic: Statistic, by_start: &[Vec<f64>]) -> Option<Summary> {
     let by_start = filled(by_start);
     let value = value_of(statistic, &by_start)?;
@@ -78,7 +78,7 @@ pub fn summary(statistic: Statistic, by_start: &[Vec<f64>]) -> Option<Summary> {
 
 /// Summarises by how much `a` exceeds `b`, both by start and in the same order of starts.
 ///
-/// The interval is a paired one: both are drawn at the same starts. Starts that one of them lacks are left out.
+/// The interval is paired: both are resampled at the same starts. Starts missing in one of them are ignored.
 pub fn gap(statistic: Statistic, a: &[Vec<f64>], b: &[Vec<f64>]) -> Option<Summary> {
     let both = a.iter().zip(b);
     let both = both.filter(|(a, b)| !a.is_empty() && !b.is_empty());
@@ -94,7 +94,7 @@ pub fn gap(statistic: Statistic, a: &[Vec<f64>], b: &[Vec<f64>]) -> Option<Summa
     })
 }
 
-/// Returns a percentile as numpy's default, `linear`, gives it; `share` from 0 to 1.
+/// Returns a percentile by numpy's default method, `linear`; `share` from 0 to 1.
 pub fn percentile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -123,9 +123,9 @@ pub fn standard_deviation(values: &[f64]) -> Option<f64> {
     Some((squares.sum::<f64>() / values.len() as f64).sqrt())
 }
 
-/// Returns Wilson's 95 % interval of a share of `count` independent trials (Wilson 1927), without correction.
+/// Returns Wilson's 95 % interval for a share of `count` independent trials (Wilson 1927), without correction.
 ///
-/// With repeats, `count` is that of the starts: the repeats of a start are not independent.
+/// With repeats, `count` is the number of starts: repeats of a start are not independent.
 pub fn wilson(share: f64, count: usize) -> Option<[f64; 2]> {
     if count == 0 {
         return None;
@@ -163,7 +163,7 @@ fn pick<T: Clone>(all: &[T], indices: &[usize]) -> Vec<T> {
     indices.iter().map(|index| all[*index].clone()).collect()
 }
 
-/// Returns the percentile interval of a statistic over redrawn starts; `of` gets their indices.
+/// Returns the percentile interval of a statistic over resampled starts; `of` gets their indices.
 fn bootstrap(count: usize, of: impl Fn(&[usize]) -> Option<f64>) -> Option<[f64; 2]> {
     if count < 2 {
         return None;

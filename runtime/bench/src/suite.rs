@@ -1,8 +1,8 @@
-//! A suite as data: which tasks, from which starts, by which methods, and what is said of them.
+//! A suite as data: its tasks, starts, methods, and notes.
 //!
-//! In: the text of a `.toml` file. Out: a [`Suite`] within bounds. TOML, because a suite is a flat list of names
-//! and numbers with a comment beside some: it needs no grammar of its own, and its reader points at lines. What
-//! the names mean (tasks, variants, models) is found out later, by whoever has files.
+//! In: the text of a `.toml` file. Out: a validated [`Suite`]. TOML, because a suite is a flat list of names and
+//! numbers with some comments: it needs no grammar of its own, and errors have line numbers. Names (of tasks, variants,
+//! models) are resolved later, by code with access to files.
 
 use super::metric::Metric;
 use super::statistics::Statistic;
@@ -18,86 +18,86 @@ const MOST: u32 = 1000;
 pub struct Suite {
     /// One sentence for people.
     pub about: String,
-    /// Stands under the table, before what stands under every one.
+    /// A note under the table, above the standard one.
     #[serde(default)]
     pub note: String,
-    /// What is said of distances and improvements.
+    /// The statistic of distances and improvements.
     pub statistic: Statistic,
-    /// What is measured, a column each.
+    /// The metrics, a column each.
     pub metrics: Vec<Metric>,
-    /// After how many actions; a rollout is as long as the last. Empty: as the task says.
+    /// Numbers of actions to evaluate at; a rollout is as long as the last. Empty: the task's own.
     #[serde(default)]
     pub horizons: Vec<u32>,
-    /// Rollouts per start of a model that varies.
+    /// Rollouts per start for a model that varies.
     #[serde(default = "one")]
     pub repeats: u32,
-    /// Where the cloth lies at first.
+    /// The starts.
     pub starts: Starts,
-    /// The same of single tasks, by their names, where it is not as `starts` says.
+    /// Starts of single tasks, by name, overriding `starts`.
     #[serde(default, rename = "starts_of")]
     pub own_starts: BTreeMap<String, Starts>,
     /// Task files, relative to the suite's own.
     pub tasks: Vec<String>,
-    /// How a task is done, a row each.
+    /// The methods, a row each.
     #[serde(rename = "method")]
     pub methods: Vec<Method>,
     /// Differences between two methods at the same starts.
     #[serde(default, rename = "gap")]
     pub gaps: Vec<Gap>,
-    /// What others report.
+    /// Others' figures.
     #[serde(default, rename = "quoted")]
     pub quotes: Vec<Quote>,
 }
 
-/// Where the cloth lies at first; generated, and the same on every machine.
+/// The starts of a suite; generated, and the same on every machine.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "lie", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Starts {
     /// Every size turned by every angle; the number of a start is `angles * size + angle`.
     Flat {
-        /// Particles along the cloth's x; its other side keeps the task's ratio, rounded down.
+        /// Particles along the cloth's x; the other side keeps the task's ratio, rounded down.
         sides: Vec<u32>,
         /// Counter-clockwise as seen from above, degrees.
         turns_deg: Vec<f64>,
     },
-    /// Lifted and dropped by seed. Start `i` has `sides[i % n]` by `sides[i / n % n]` particles and the seed
+    /// Lifted and dropped at random. Start `i` has `sides[i % n]` by `sides[i / n % n]` particles and the seed
     /// `first_seed + i`.
     Crumpled {
         /// Particles along either side.
         sides: Vec<u32>,
-        /// How many.
+        /// Number of starts.
         count: u32,
-        /// The seed of the first.
+        /// The seed of the first one.
         first_seed: u64,
     },
-    /// By hand, as the task says: flat or crumpled. A simulator, where the suite is rehearsed, crumples by the start's
-    /// number as the seed, and turns a flat cloth by two degrees more each time.
+    /// Laid by hand, as the task says: flat or crumpled. In a simulated rehearsal, start `i` is crumpled with seed `i`,
+    /// or turned by two degrees more than the one before.
     Operator {
-        /// How many.
+        /// Number of starts.
         count: u32,
     },
 }
 
-/// How a task is done.
+/// A method of doing a task.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Method {
     /// Its name in tables and folders.
     pub name: String,
-    /// The variant of the task; none: the task itself.
+    /// The variant of the task; `None`: the task itself.
     pub variant: Option<String>,
-    /// Who decides; none: the policy of the command line.
+    /// The policy; `None`: that of the command line.
     pub policy: Option<String>,
-    /// The only model that it is for; none: the one of the command line.
+    /// The only model that it applies to; `None`: that of the command line.
     pub model: Option<String>,
-    /// Rollouts per start, where they are not the suite's.
+    /// Rollouts per start, overriding the suite's number.
     pub repeats: Option<u32>,
-    /// Whether a task without that variant is left out, and not an error.
+    /// Whether a task without that variant is skipped instead of being an error.
     #[serde(default)]
     pub optional: bool,
-    /// What a reader has to know of the row.
+    /// A caveat for readers of the row.
     pub note: Option<String>,
-    /// What a reader has to know of the row where a stand-in answers.
+    /// A caveat for readers of the row if a stand-in answers.
     pub stand_in_note: Option<String>,
 }
 
@@ -107,9 +107,9 @@ pub struct Method {
 pub struct Gap {
     /// Its name in tables.
     pub name: String,
-    /// The method from which is subtracted.
+    /// The minuend.
     pub of: String,
-    /// The method that is subtracted.
+    /// The subtrahend.
     pub over: String,
 }
 
@@ -119,28 +119,28 @@ pub struct Gap {
 pub struct Quote {
     /// The task's name.
     pub task: String,
-    /// Whose it is.
+    /// Its author or method.
     pub method: String,
     /// What was measured.
     pub metric: Metric,
-    /// After how many actions, where that was said.
+    /// Number of actions, if reported.
     pub horizon: Option<u32>,
-    /// What it is.
+    /// Its kind.
     pub statistic: Statistic,
     /// The figure.
     pub value: f64,
-    /// Its spread, where one was said.
+    /// Its spread, if reported.
     pub spread: Option<f64>,
-    /// Of how many rollouts, where that was said; gives a share Wilson's interval.
+    /// Number of rollouts, if reported; gives a share Wilson's interval.
     pub n: Option<u32>,
-    /// Where it stands.
+    /// Its source.
     pub source: String,
 }
 
 /// Why a suite cannot be used.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum SuiteError {
-    /// It is no TOML, or of another shape; the text names line and column.
+    /// It is not TOML, or has another structure; the text names line and column.
     #[error("{0}")]
     Shape(String),
     /// A value is out of bounds.
@@ -204,13 +204,13 @@ impl Suite {
         for quote in &self.quotes {
             let finite = quote.spread.into_iter().chain([quote.value]);
             if !finite.into_iter().all(f64::is_finite) {
-                return wrong("quoted.value", "it is no finite number".to_owned());
+                return wrong("quoted.value", "it is not a finite number".to_owned());
             }
             quote.n.map_or(Ok(()), |n| within("quoted.n", n))?;
             if quote.statistic == Statistic::Share && !(0.0..=1.0).contains(&quote.value) {
                 return wrong(
                     "quoted.value",
-                    format!("{} is no share from 0 to 1", quote.value),
+                    format!("{} is not a share from 0 to 1", quote.value),
                 );
             }
         }
@@ -219,7 +219,8 @@ impl Suite {
             let distance = |metric: &&Metric| metric.row().fold_fraction.is_some();
             if let Some(metric) = self.metrics.iter().find(distance) {
                 let why = format!(
-                    "`{}` compares with simulated ends of the same start, and nobody knows how a cloth lies that is laid by hand",
+                    "`{}` compares with simulated ends of the same start, and the particle positions of a cloth laid \
+                     by hand are unknown",
                     metric.row().name
                 );
                 return wrong("metrics", why);
@@ -231,7 +232,7 @@ impl Suite {
         self.starts.check()
     }
 
-    /// Returns where the cloth of a task lies at first.
+    /// Returns the starts of a task.
     pub fn starts_of(&self, task: &str) -> &Starts {
         self.own_starts.get(task).unwrap_or(&self.starts)
     }
@@ -310,7 +311,7 @@ fn within(key: &str, count: u32) -> Result<(), SuiteError> {
     }
 }
 
-/// Holds a name to what every file system takes and a terminal prints.
+/// Restricts a name to what every file system accepts and a terminal can print.
 fn file_name(key: &str, name: &str) -> Result<(), SuiteError> {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
     if (1..=64).contains(&name.len()) && name.chars().all(plain) {

@@ -1,7 +1,7 @@
 //! Rows as tables: aligned text for a terminal, Markdown, CSV.
 //!
-//! In: [`Row`]s. Out: text. Tables for people have a line per method and number of actions, and a column per
-//! measure; CSV has a line per row. Every table ends with what its figures are and are not.
+//! In: [`Row`]s. Out: text. Tables for people have a line per method and number of actions, and a column per measure;
+//! CSV has a line per row. Every table ends with notes on what its figures mean and do not mean.
 
 use super::metric::Metric;
 use super::rows::{Row, Stated};
@@ -10,7 +10,7 @@ use super::suite::Suite;
 use fab_agent::record::CoverageSource;
 use std::collections::BTreeMap;
 
-/// Stands under every table that quotes somebody.
+/// The note under every table with quoted figures.
 const COMPARISON: &str = "Quoted rows are others' figures and stand for themselves. Ours come from our simulator and our experts, theirs from PyFleX: this is a comparison and not a ranking.";
 
 /// Writes the tables for a terminal.
@@ -34,7 +34,7 @@ pub fn markdown(title: &str, suite: &Suite, rows: &[Row]) -> String {
     blocks.join("\n\n") + "\n"
 }
 
-/// Writes every row as a line of comma-separated values (RFC 4180), below a line of names.
+/// Writes every row as a line of comma-separated values (RFC 4180), after a header line.
 pub fn csv(rows: &[Row]) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let mut lines = vec![
@@ -82,10 +82,10 @@ fn escaped(cell: &str) -> String {
     }
 }
 
-/// A table, its head first.
+/// A table with its header first.
 type Lines = Vec<Vec<String>>;
 
-/// Returns two tables for each task: the figures, and what they took.
+/// Returns two tables for each task: the figures, and the effort.
 fn tables(suite: &Suite, rows: &[Row]) -> Vec<(String, Lines)> {
     let mut tasks: Vec<&str> = rows.iter().map(|row| row.task.as_str()).collect();
     tasks.dedup();
@@ -98,7 +98,7 @@ fn tables(suite: &Suite, rows: &[Row]) -> Vec<(String, Lines)> {
     tables
 }
 
-/// Groups rows by what stands on one line of a table: a method and a number of actions.
+/// Groups rows by table line: a method and a number of actions.
 fn lines<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<Vec<&'r Row>> {
     let mut lines: Vec<Vec<&Row>> = Vec::new();
     for row in rows {
@@ -131,7 +131,7 @@ fn figures(suite: &Suite, lines: &[Vec<&Row>]) -> Lines {
     table
 }
 
-/// Says what the rollouts of each line took, and how they ended.
+/// Describes the effort and outcomes of each line's rollouts.
 fn effort(lines: &[Vec<&Row>]) -> Lines {
     let head = [
         "method",
@@ -153,7 +153,7 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
     let number = |value: Option<f64>, digits: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
     };
-    // Differences and others' figures took nothing here.
+    // Differences and quoted figures have no effort.
     for row in lines
         .iter()
         .map(|line| line[0])

@@ -1,4 +1,4 @@
-//! The table of metrics in `docs/bench.md` is written from their rows.
+//! Tests that the table of metrics in `docs/bench.md` matches the rows.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use fab_bench::metric::{Better, METRICS, Metric};

@@ -1,4 +1,4 @@
-//! The statistics of tables, against numbers that numpy and scipy gave, and by their laws.
+//! Tests of the tables' statistics, against results of numpy and scipy, and by their laws.
 #![allow(clippy::unwrap_used)]
 
 use fab_bench::statistics;
@@ -55,13 +55,13 @@ fn assert_near(found: f64, wanted: f64, what: &str) {
     );
 }
 
-/// Compares an interval with one of other draws, to within a share of its length.
+/// Compares an interval with one from other resamples, to within a fraction of its length.
 fn assert_alike(found: Option<[f64; 2]>, wanted: Option<[f64; 2]>, what: &str) {
     let Some([low, high]) = wanted else {
         return;
     };
     let [found_low, found_high] = found.unwrap();
-    // The mean of five values has coarse steps, and 10 000 draws find the next one.
+    // The mean of five values has coarse steps, and 10 000 resamples may hit the next one.
     let tolerance = 0.08 * (high - low);
     let off = (found_low - low).abs().max((found_high - high).abs());
     assert!(off <= tolerance, "{what}: {found:?}, not {wanted:?}");
@@ -151,7 +151,7 @@ fn nothing_comes_of_nothing() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
 
-    /// Intervals hold their value, move and stretch with the data, and are the same whenever they are asked for.
+    /// Intervals contain their value, shift and scale with the data, and are reproducible.
     #[test]
     #[ignore = "long"]
     fn summaries_move_with_the_data(
@@ -178,7 +178,7 @@ proptest! {
         }
     }
 
-    /// A start whose rollout is repeated with the same end says no more than once.
+    /// Repeating a start's rollout with the same result changes no mean.
     #[test]
     fn equal_repeats_change_no_mean(values in prop::collection::vec(0.0..1.0f64, 3..15)) {
         let once: Vec<Vec<f64>> = values.iter().map(|value| vec![*value]).collect();

@@ -1,4 +1,4 @@
-//! Suites as data: what is refused, and where generated and recorded starts lie.
+//! Tests of suites as data: what is rejected, and the positions of generated and recorded starts.
 #![allow(clippy::unwrap_used)]
 
 use fab_base::cache::Cache;

@@ -1,8 +1,8 @@
 //! Models that answer prompts, behind one trait.
 //!
-//! In: a [`Request`], complete in itself: a model gets nothing else, neither the task's name nor the
-//! simulator's state. Out: a [`Reply`]. Reading the answer is `fab_program::reply`, judging it
-//! `fab_program::verify`, asking again `fab_agent::policy`.
+//! In: a self-contained [`Request`]: a model gets nothing else, neither the task's name nor the simulator's state. Out:
+//! a [`Reply`]. Reading the answer is the job of `fab_program::reply`, judging it of `fab_program::verify`, asking
+//! again of `fab_agent::policy`.
 
 pub mod calls;
 pub mod lowering;
@@ -26,42 +26,41 @@ pub trait Model: Send + Sync {
     /// Returns what stands behind the name.
     fn nature(&self) -> Nature;
 
-    /// Returns whether equal questions may be answered otherwise at another [`Request::repetition`].
+    /// Returns whether equal questions may get different answers at another [`Request::repetition`].
     ///
-    /// A suite repeats the rollouts of such a model, and runs others once.
+    /// A suite repeats the rollouts of such a model, and runs those of others once.
     fn varies(&self) -> bool {
         true
     }
 
-    /// Returns how the model is told of places in a picture, and in which size it gets pictures.
+    /// Returns how the model gets points of a picture, and in which size it gets pictures.
     ///
-    /// One that passes questions on to another model passes on that model's lowering too.
+    /// A model that forwards questions to another one returns that model's lowering.
     fn lowering(&self) -> Lowering {
         Lowering::PIXELS
     }
 
-    /// Returns which settings are left out although a stage states them.
+    /// Returns the settings that are omitted although a stage states them.
     fn omits(&self) -> Vec<&'static str> {
         Vec::new()
     }
 
     /// Answers a request.
     ///
-    /// Tells `calls` of everything that it sends for the answer. Fails where no answer could be had; an unhelpful
-    /// answer is a [`Reply`] like any other.
+    /// Reports every network call to `calls`. Fails if there is no answer; an unhelpful answer is a normal [`Reply`].
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError>;
 }
 
-/// What a run records of a model: two that differ in it are not the same.
+/// What a run records about a model: models with different descriptions are different models.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Description {
     /// Its name.
     pub name: String,
     /// What stands behind it.
     pub nature: Nature,
-    /// How it is told of places in pictures.
+    /// How it gets points of pictures.
     pub lowering: Lowering,
-    /// The parameters that are left out of its requests.
+    /// The parameters omitted from its requests.
     pub omits: Vec<String>,
 }
 
@@ -82,7 +81,7 @@ impl Description {
 pub struct Models<'a> {
     /// Answers stages that show pictures.
     pub vision: &'a dyn Model,
-    /// Answers stages of words alone.
+    /// Answers text-only stages.
     pub text: &'a dyn Model,
 }
 
@@ -95,7 +94,7 @@ impl<'a> Models<'a> {
         }
     }
 
-    /// Returns the name for reports; both names where the roles differ.
+    /// Returns the name for reports; both names if the roles differ.
     pub fn name(&self) -> String {
         match self.vision.name() == self.text.name() {
             true => self.vision.name().to_owned(),
@@ -103,7 +102,7 @@ impl<'a> Models<'a> {
         }
     }
 
-    /// Returns what stands behind them: a stand-in where one of them is one.
+    /// Returns what stands behind them: a stand-in if either is one.
     pub fn nature(&self) -> Nature {
         match [self.vision.nature(), self.text.nature()].contains(&Nature::StandIn) {
             true => Nature::StandIn,
@@ -111,7 +110,7 @@ impl<'a> Models<'a> {
         }
     }
 
-    /// Returns whether equal questions may be answered otherwise at another repetition.
+    /// Returns whether equal questions may get different answers at another repetition.
     pub fn varies(&self) -> bool {
         self.vision.varies() || self.text.varies()
     }
@@ -121,7 +120,7 @@ impl<'a> Models<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Nature {
-    /// An embedded program in a model's place; results say so.
+    /// A built-in program in place of a model; results say so.
     StandIn,
     /// A vision-language model.
     Model,
@@ -134,24 +133,24 @@ pub struct Request {
     pub role: ModelRole,
     /// The conversation so far, oldest first.
     pub messages: Vec<Message>,
-    /// Sampling temperature, where the task states one.
+    /// Sampling temperature, if the task states one.
     pub temperature: Option<f64>,
-    /// Nucleus sampling, where the task states it.
+    /// Nucleus sampling, if the task states it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub top_p: Option<f64>,
-    /// The longest answer, tokens, where the task states one.
+    /// The longest answer, tokens, if the task states a limit.
     pub max_tokens: Option<u32>,
-    /// Tells apart equal questions that want independent answers.
+    /// Distinguishes equal questions that need independent answers.
     pub repetition: u32,
-    /// The action of the rollout that is asked for, from 1, so that a question that comes again later is another one.
+    /// The rollout's action that the question is for, from 1; makes a later, otherwise equal question distinct.
     pub step: u32,
-    /// The JSON Schema of the answer, with the values that the scene offers, where the stage reads the action.
+    /// The JSON Schema of the answer, with the scene's values, if the stage reads the action.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schema: Option<serde_json::Value>,
 }
 
 impl Request {
-    /// Makes the question of a first step, for once, with no setting stated and no schema.
+    /// Makes a first-step, single-repetition question without settings or schema.
     pub fn new(role: ModelRole, messages: Vec<Message>) -> Request {
         Request {
             role,
@@ -165,7 +164,7 @@ impl Request {
         }
     }
 
-    /// Returns the request's identity: SHA-256 over its JSON, in which an image stands as its own hash.
+    /// Returns the request's identity: SHA-256 over its JSON, in which an image is replaced by its hash.
     pub fn key(&self) -> String {
         let bytes = serde_json::to_vec(self).expect("a request holds strings and finite numbers");
         fab_base::digest::hex(&Sha256::digest(bytes))
@@ -195,7 +194,7 @@ impl Message {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Speaker {
-    /// The frame of the conversation.
+    /// The system prompt.
     System,
     /// fabc.
     User,
@@ -213,7 +212,7 @@ pub enum Part {
     Image(Png),
 }
 
-/// An encoded picture; in journals it stands as the hash of its bytes.
+/// An encoded picture; journals replace it by the hash of its bytes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Png {
     bytes: Arc<[u8]>,
@@ -252,16 +251,16 @@ impl Serialize for Png {
 pub struct Reply {
     /// What the model wrote.
     pub text: String,
-    /// What the provider says that it used.
+    /// The usage reported by the provider.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub usage: Option<Usage>,
-    /// What that cost, billionths of a US dollar, where the price is known.
+    /// Its cost, billionths of a US dollar, if the price is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<Usd>,
 }
 
 impl Reply {
-    /// Makes an answer that used nothing: one that was not bought.
+    /// Makes an answer without usage: one that was not bought.
     pub fn text(text: impl Into<String>) -> Reply {
         Reply {
             text: text.into(),
@@ -271,7 +270,7 @@ impl Reply {
     }
 }
 
-/// Why no answer could be had.
+/// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
     /// The request cannot be answered by this model.
@@ -282,14 +281,14 @@ pub enum ModelError {
         /// What is missing or wrong.
         why: String,
     },
-    /// Calls were made, and the last one failed as said.
+    /// Calls were made, and the last one failed with this fault.
     #[error("model `{model}` gave no answer ({fault}): {why}")]
     Failed {
         /// The model's name.
         model: String,
         /// What went wrong last.
         fault: Fault,
-        /// The same in words, and how often it was tried; without any key.
+        /// The failure in words, with the number of attempts; without any API key.
         why: String,
     },
     /// A call was not sent.

@@ -1,8 +1,7 @@
-//! How one model is told of places in a picture: its coordinates, and the size of the pictures that it works on.
+//! How one model gets points of a picture: its coordinates, and the size of its pictures.
 //!
-//! In: what is known of the model, as data. Out: the [`Pointing`] of prompts, schema and reader for a camera's
-//! picture, and pictures in the size that they are sent in. Converting a coordinate is `fab_program::pointing`; drawing
-//! numbers is `vision`.
+//! In: the model's properties, as data. Out: the [`Pointing`] of prompts, schema and reader for a camera's picture, and
+//! pictures in the size that is sent. `fab_program::pointing` converts coordinates; `vision` draws numbers.
 
 use super::{Model, ModelRole};
 use crate::Models;
@@ -19,50 +18,50 @@ use std::num::NonZeroU32;
 /// The longest side of a picture that is sent, pixels.
 const MAX_SENT_PX: u32 = 8192;
 
-/// How one model is told of places in a picture.
+/// How one model gets points of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lowering {
-    /// What stands for a point.
+    /// How a point is written.
     pub points: Points,
-    /// What coordinates count.
+    /// The unit of coordinates.
     pub unit: CoordinateUnit,
-    /// Which comes first.
+    /// Which coordinate comes first.
     pub order: Order,
-    /// What becomes of a picture before it is sent.
+    /// How a picture is resized before it is sent.
     pub resize: Resize,
 }
 
-/// What stands for a point.
+/// How a point is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Points {
-    /// Its coordinates.
+    /// As its coordinates.
     Coordinates,
-    /// A number: the offered points are numbered in prompts and on pictures of the scene.
+    /// As a number: the offered points are numbered in prompts and on pictures of the scene.
     Marks,
 }
 
-/// What becomes of a picture before it is sent, so that the model works on the very pixels that were sent.
+/// How a picture is resized before it is sent, so the model works on exactly the pixels that were sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Resize {
-    /// Nothing.
+    /// Not at all.
     Never,
-    /// It is shrunk, keeping its shape, until no side is longer; a smaller one stays.
+    /// It is shrunk, keeping its aspect ratio, until no side is longer; smaller pictures stay as they are.
     Within {
         /// The longest side, pixels.
         side_px: NonZeroU32,
     },
-    /// Each side goes to the nearest multiple, as Qwen2.5-VL does to every picture that it is sent.
+    /// Each side is rounded to the nearest multiple, as Qwen2.5-VL does with every picture.
     Multiples {
-        /// Of which number of pixels.
+        /// Multiple of this many pixels.
         of_px: NonZeroU32,
     },
 }
 
 impl Lowering {
-    /// What tasks are written for: `(x, y)` in pixels of the camera's picture.
+    /// The convention of tasks: `(x, y)` in pixels of the camera's picture.
     pub const PIXELS: Lowering = Lowering {
         points: Points::Coordinates,
         unit: CoordinateUnit::Pixels,
@@ -70,7 +69,7 @@ impl Lowering {
         resize: Resize::Never,
     };
 
-    /// Returns the size that a picture of this one is sent in; both `[width, height]`, pixels.
+    /// Returns the size in which a picture is sent; both `[width, height]`, pixels.
     pub fn sent(&self, size: [u32; 2]) -> [u32; 2] {
         let sides = match self.resize {
             Resize::Never => return size,
@@ -93,7 +92,7 @@ impl Lowering {
         sides.map(|side| side.clamp(1, MAX_SENT_PX))
     }
 
-    /// Returns a picture as it is sent.
+    /// Resizes a picture for sending.
     pub fn resized<'p>(&self, picture: &'p RgbImage) -> Cow<'p, RgbImage> {
         let size: [u32; 2] = picture.dimensions().into();
         let [width, height] = self.sent(size);
@@ -104,7 +103,7 @@ impl Lowering {
         Cow::Owned(imageops::resize(picture, width, height, filter))
     }
 
-    /// Returns how points of a camera's picture of this size, `[width, height]`, are written.
+    /// Returns how points are written for a camera's picture of this size, `[width, height]`.
     pub fn pointing(&self, size: [u32; 2]) -> Pointing {
         let frame = Frame {
             unit: self.unit,
@@ -149,7 +148,7 @@ impl fmt::Display for Lowering {
     }
 }
 
-/// Returns why a task cannot be asked of these models, before anything is sent.
+/// Returns why a task cannot be given to these models, before anything is sent.
 pub fn check(program: &Program, models: Models<'_>) -> Result<(), PointingError> {
     program.stages.iter().try_for_each(|stage| {
         let pointing = pointing_of(program, models.of(stage.model));
@@ -157,7 +156,8 @@ pub fn check(program: &Program, models: Models<'_>) -> Result<(), PointingError>
     })
 }
 
-/// Says which stages do not say how their points are written, where that is not in pixels; it is said for them.
+/// Names the stages that do not state how points are written although the model does not use pixels; the convention is
+/// stated for them.
 pub fn note(program: &Program, models: Models<'_>) -> Option<String> {
     let open = |role: ModelRole| {
         let stages = program.stages.iter().filter(move |stage| {

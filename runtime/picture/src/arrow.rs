@@ -1,7 +1,7 @@
 //! The black arrow of a subgoal picture.
 //!
-//! In: which pixels are near black. Out: the arrow's tail and tip, or why there is not exactly one. An arrow
-//! is a straight stroke with a ring at one end; where the cloth lies does not matter here.
+//! In: the near-black pixels. Out: the arrow's tail and tip, or why there is not exactly one. An arrow is a straight
+//! stroke with a ring at one end; the cloth's position does not matter here.
 
 use crate::hull::{self, Point};
 use crate::regions::{self, Grid, Patch};
@@ -23,29 +23,29 @@ pub struct Arrow {
 pub enum ArrowFault {
     /// Nothing looks like an arrow.
     None,
-    /// More than one thing does.
+    /// More than one thing looks like an arrow.
     Many,
 }
 
-/// The brightest that an arrow's pixel may be, 8-bit levels. Creases of the recorded cloths stay above 90.
+/// The brightest pixel that can belong to an arrow, 8-bit levels. Creases of the recorded cloths stay above 90.
 const BLACK: u8 = 48;
 
 /// Radius of the ring and width of all strokes, pixels of a 224 px picture; both are drawn in whole pixels.
 const RING_RADIUS_PX: f64 = 3.0;
 const STROKE_PX: f64 = 2.0;
 
-/// The shortest arrow, from the ring's centre to the tip, pixels of a 224 px picture; shorter ones are all
-/// ring and head.
+/// The shortest arrow, from the ring's centre to the tip, pixels of a 224 px picture; shorter ones are nothing but ring
+/// and head.
 const SHORTEST_PX: f64 = 9.0;
 
-/// Least share of the line from ring to tip that is black.
+/// Least share of the line from ring to tip that must be black.
 const LEAST_LINE: f64 = 0.9;
 
-/// The most black patches, and holes in one, that are looked at; they bound the work on a picture of noise.
+/// The most black patches, and holes in one patch, that are examined; bounds the work on a noise picture.
 const MAX_PATCHES: usize = 64;
 const MAX_HOLES: usize = 64;
 
-/// Collects the pixels that an arrow could be drawn with.
+/// Collects the pixels dark enough to belong to an arrow.
 pub fn near_black(picture: &RgbImage) -> Grid {
     Grid::from_fn(picture.width(), picture.height(), |column, row| {
         picture
@@ -58,7 +58,7 @@ pub fn near_black(picture: &RgbImage) -> Grid {
 
 /// Finds the only arrow among black pixels.
 ///
-/// `scale` is the size of the arrow's strokes against those in a 224 px picture, at least 1.
+/// `scale` is the stroke size relative to a 224 px picture, at least 1.
 pub fn find(ink: &Grid, scale: f64) -> Result<Arrow, ArrowFault> {
     let pen = Pen::at(scale);
     let mut patches = regions::components(ink);
@@ -77,7 +77,7 @@ pub fn find(ink: &Grid, scale: f64) -> Result<Arrow, ArrowFault> {
     let Some(((tail, tip), patch)) = found else {
         return Err(ArrowFault::None);
     };
-    // Of two crossing arrows only one may lead straight to the farthest pixel, but both have their rings.
+    // When two arrows cross, perhaps only one leads straight to the farthest pixel, but both have rings.
     if n_rings > 1 {
         return Err(ArrowFault::Many);
     }
@@ -106,9 +106,8 @@ struct Ring {
 /// Directions in which a ring is probed.
 const N_DIRECTIONS: u32 = 24;
 
-/// Least number of directions with ink on the ring's radius beyond those with ink just outside of it. A ring
-/// has about 19, the line taking the others. A head whose strokes are long enough to enclose a pixel is inked
-/// outside as well.
+/// Least number of directions with ink on the ring's radius minus those with ink just outside it. A ring has about 19;
+/// the line takes the others. A head whose strokes are long enough to enclose a pixel has ink outside as well.
 const LEAST_RINGED: i32 = 15;
 
 impl Pen {
@@ -142,7 +141,7 @@ impl Pen {
                 rings.extend(self.ring_around(hole, ink));
             }
         }
-        // Where its strokes meet, a long arrow's head can pass for a ring; its own ring is the better one.
+        // A long arrow's head can pass for a ring where its strokes meet; the real ring scores better.
         let is_head = |ring: &Ring| {
             rings.iter().any(|other| {
                 let is_tip = |tip| hull::distance(tip, ring.center) <= 3.0 * self.ring_radius;
@@ -161,7 +160,7 @@ impl Pen {
     fn ring_around(&self, hole: Point, ink: &Grid) -> Option<Ring> {
         const STEPS: i32 = 12;
         let step_px = 0.5 * self.scale;
-        // A ring is wide enough to fit equally well in several places; the middle of them is taken.
+        // The ring's stroke is wide enough to fit equally well in several places; take their middle.
         let (mut most, mut equals) = (LEAST_RINGED, Vec::new());
         for (down, right) in (-STEPS..=STEPS).flat_map(|d| (-STEPS..=STEPS).map(move |r| (d, r))) {
             let center = [
@@ -184,7 +183,7 @@ impl Pen {
         (!equals.is_empty()).then_some(Ring { center, quality })
     }
 
-    /// Counts the pixels inside a ring that have no ink, in pixels of a 224 px picture.
+    /// Counts the pixels without ink inside a ring, in pixels of a 224 px picture.
     fn n_bare_inside(&self, center: Point, ink: &Grid) -> f64 {
         let reach = self.ring_radius as i32;
         let offsets =
@@ -216,7 +215,7 @@ impl Pen {
     }
 }
 
-/// In how many directions from a point there is ink at a distance.
+/// Counts the directions from a point in which there is ink at the given distance.
 fn inked_directions(ink: &Grid, center: Point, radius: f64) -> i32 {
     let is_inked = |direction: &u32| {
         let angle = std::f64::consts::TAU * f64::from(*direction) / f64::from(N_DIRECTIONS);

@@ -1,9 +1,9 @@
 //! A camera over the table: pixel and depth to world, world to pixel.
 //!
-//! In: where the camera is and how it projects, or how its pixels lie on the table. Out: coordinates. World points are
-//! metres, right-handed, z up; pixels are `[column, row]` from the top left corner of the image, in which the pixel in
-//! column 3 spans 3 to 4 and has its centre at 3.5. Whether a pixel shows cloth is `fab_vision`'s business, how the
-//! place of a real camera is measured that of `fab_arm::calibration`.
+//! In: the camera's pose and projection, or how its pixels lie on the table. Out: coordinates. World points are metres,
+//! right-handed, z up; pixels are `[column, row]` from the top left corner of the image, where column 3 spans 3 to 4
+//! and has its centre at 3.5. `fab_vision` decides whether a pixel shows cloth; `fab_arm::calibration` measures the
+//! pose of a real camera.
 
 mod lens;
 mod pinhole;
@@ -22,37 +22,37 @@ use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Unit, UnitQuaternion,
 /// A camera that looks at the table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// How pixels and points belong together.
+    /// How pixels and world points correspond.
     pub projection: Projection,
     /// Width and height of the image, pixels.
     pub size_px: [u32; 2],
 }
 
-/// How pixels and points belong together.
+/// How pixels and world points correspond.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Projection {
-    /// The camera's place is known: a pixel is a ray, and a depth says how far along it the point is.
+    /// The camera's pose is known: a pixel is a ray, and a depth gives the distance along it.
     Pinhole {
-        /// Pose. In the camera's own frame x is image right, y image down, z the optical axis.
+        /// Camera pose. In the camera's own frame x is image right, y image down, z the optical axis.
         world_from_camera: Isometry3<f64>,
-        /// What is between a ray and its pixel.
+        /// How rays map to pixels.
         lens: Lens,
     },
-    /// Only the table's plane is known: every pixel shows the point of the plane there, and every point is taken to
-    /// lie on it; depth is left aside.
+    /// Only the table's plane is known: every pixel shows the plane's point there, and every point is assumed to lie on
+    /// it; depth is ignored.
     Plane(Plane),
 }
 
 impl Camera {
-    /// Places a camera above the world's origin that looks straight down.
+    /// Places a camera above the world's origin, looking straight down.
     ///
     /// - `height_m`: of the optical centre above the table.
     /// - `fov_rad`: field of view across the square image, between 0 and pi.
     /// - `image_px`: side of the image.
-    /// - `up`: which way of the table is up in it.
+    /// - `up`: which table axis is up in the image.
     pub fn top_down(height_m: f64, fov_rad: f64, image_px: u32, up: ImageUp) -> Self {
-        // A half turn points the camera down; about X it leaves right at +X, about the diagonal it takes right
-        // to -Y and down to -X.
+        // A half turn points the camera down. About X it keeps image right at +X; about the diagonal it maps image
+        // right to -Y and image down to -X.
         let axis = match up {
             ImageUp::Y => Vector3::x_axis(),
             ImageUp::X => Unit::new_normalize(Vector3::new(1.0, -1.0, 0.0)),
@@ -74,8 +74,8 @@ impl Camera {
 
     /// Projects a world point into the image, `[column, row]`.
     ///
-    /// The result may lie outside the image. `None` for points that are not in front of the camera. A camera of which
-    /// only the plane is known shows every point where it shows the one of the plane below it.
+    /// The result may lie outside the image. `None` for points that are not in front of the camera. A plane-only camera
+    /// projects every point onto the plane vertically first.
     pub fn pixel_from_world(&self, point: Point3<f64>) -> Option<[f64; 2]> {
         match &self.projection {
             Projection::Pinhole {
@@ -86,10 +86,10 @@ impl Camera {
         }
     }
 
-    /// Returns the world point that a pixel shows, `depth_m` being measured along the optical axis.
+    /// Returns the world point that a pixel shows at `depth_m`, measured along the optical axis.
     ///
-    /// `None` where the depth is no reading (zero, negative, not finite) or the pixel is not finite. A camera of which
-    /// only the plane is known returns the point of the plane, whatever the depth.
+    /// `None` if the depth is not a reading (zero, negative, not finite) or the pixel is not finite. A plane-only
+    /// camera ignores the depth and returns the plane's point.
     pub fn world_from_pixel(&self, pixel: [f64; 2], depth_m: f64) -> Option<Point3<f64>> {
         match &self.projection {
             Projection::Pinhole {
@@ -104,9 +104,9 @@ impl Camera {
         }
     }
 
-    /// Returns the point of the table that a pixel shows: at height 0, or on the plane that was measured.
+    /// Returns the table point that a pixel shows: at height 0, or on the measured plane.
     ///
-    /// `None` where the pixel does not look down at the table.
+    /// `None` if the pixel does not look down at the table.
     pub fn table_from_pixel(&self, pixel: [f64; 2]) -> Option<Point3<f64>> {
         match &self.projection {
             Projection::Pinhole {
@@ -120,9 +120,11 @@ impl Camera {
         }
     }
 
-    /// Returns which way of the table a way in the image is, at a pixel; as long as the way in the image.
+    /// Returns the table direction that corresponds to an image direction at a pixel; its length is that of the image
+    /// direction.
     ///
-    /// Level, for what is carried along it keeps its height. `None` where the pixel does not look down at the table.
+    /// The result is level, because a carried cloth keeps its height. `None` if the pixel does not look down at the
+    /// table.
     pub fn table_direction(
         &self,
         at_px: [f64; 2],
@@ -133,7 +135,7 @@ impl Camera {
         } = &self.projection
         {
             let rotation = world_from_camera.rotation;
-            // The axes of an image that is seen from straight above are ways of the table, everywhere in it.
+            // Seen from straight above, the image axes are table axes everywhere in the image.
             if (rotation * Vector3::z() + Vector3::z()).norm() < STRAIGHT_DOWN {
                 return Some(rotation * Vector3::new(right, down, 0.0));
             }
@@ -148,10 +150,10 @@ impl Camera {
     }
 }
 
-/// How far from straight down an optical axis may be and count as straight down, radians: more than rounding.
+/// How far an optical axis may deviate from vertical and still count as vertical, radians: more than rounding.
 const STRAIGHT_DOWN: f64 = 1e-9;
 
-/// Returns the middle of a whole pixel, as [`Camera::world_from_pixel`] takes it.
+/// Returns the centre of a whole pixel, in the coordinates of [`Camera::world_from_pixel`].
 pub fn center_of(pixel: PixelPoint) -> [f64; 2] {
     [f64::from(pixel.u) + 0.5, f64::from(pixel.v) + 0.5]
 }

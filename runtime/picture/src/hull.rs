@@ -1,14 +1,14 @@
 //! Convex outlines of points in the plane.
 //!
-//! In: points. Out: their hull, and whether and how far other points are from it. Of two axes only that they are square to
-//! each other is known here.
+//! In: points. Out: their hull, and whether other points are in it and how far from it. The only assumption about the
+//! two axes is that they are perpendicular.
 
 /// A point or direction.
 pub type Point = [f64; 2];
 
-/// Returns the convex hull of points, anti-clockwise, without points on its edges.
+/// Returns the convex hull of points, counter-clockwise, without points on its edges.
 ///
-/// Fewer than three points remain where the points have no area. The order of the input does not matter.
+/// Fewer than three points remain if the input has no area. The order of the input does not matter.
 pub fn around(points: impl IntoIterator<Item = Point>) -> Vec<Point> {
     let mut sorted: Vec<Point> = points
         .into_iter()
@@ -24,7 +24,7 @@ pub fn around(points: impl IntoIterator<Item = Point>) -> Vec<Point> {
     outline
 }
 
-/// One side of the hull, without its last point, which starts the other side.
+/// Builds one side of the hull, without its last point, which starts the other side.
 fn half_hull(sorted: impl Iterator<Item = Point>) -> Vec<Point> {
     let mut chain: Vec<Point> = Vec::new();
     for point in sorted {
@@ -40,14 +40,14 @@ fn half_hull(sorted: impl Iterator<Item = Point>) -> Vec<Point> {
     chain
 }
 
-/// Returns the distance from a point to the rim of a hull, on either side of it; infinite for an empty hull.
+/// Returns the distance from a point to the boundary of a hull, inside or outside; infinite for an empty hull.
 pub fn distance_to_outline(hull: &[Point], point: Point) -> f64 {
     edges(hull)
         .map(|(a, b)| distance_to_segment(point, a, b))
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Tells whether a point lies in a hull or on its rim.
+/// Returns whether a point lies in a hull or on its boundary.
 pub fn is_inside(hull: &[Point], point: Point) -> bool {
     hull.len() >= 3 && edges(hull).all(|(a, b)| cross(minus(b, a), minus(point, a)) >= 0.0)
 }
@@ -58,7 +58,7 @@ pub fn distance(a: Point, b: Point) -> f64 {
     right.hypot(up)
 }
 
-/// Returns the sides of a hull, each from its point to the next.
+/// Returns the sides of a hull, each from one point to the next.
 pub fn edges(hull: &[Point]) -> impl Iterator<Item = (Point, Point)> {
     hull.iter()
         .copied()
@@ -76,12 +76,12 @@ fn distance_to_segment(point: Point, a: Point, b: Point) -> f64 {
     distance(offset, [run[0] * share, run[1] * share])
 }
 
-/// Returns the way from `b` to `a`.
+/// Returns the vector from `b` to `a`.
 pub fn minus(a: Point, b: Point) -> Point {
     [a[0] - b[0], a[1] - b[1]]
 }
 
-/// Returns the scalar product.
+/// Returns the dot product.
 pub fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }

@@ -1,8 +1,8 @@
 //! Pictures and the cameras that take them: colour, depth, sets of pixels, PNG files.
 //!
-//! In: files, readings of a camera, points of the world. Out: pictures, [`Mask`]s and coordinates. Points of the world are
-//! metres, right-handed, z up; pixels are `[column, row]` from the top left corner. What a picture shows is left to
-//! `fab-vision`.
+//! In: files, camera readings, world points. Out: pictures, [`Mask`]s and coordinates. World points are metres,
+//! right-handed, z up; pixels are `[column, row]` from the top left corner. `fab-vision` interprets what a picture
+//! shows.
 //!
 //! ```
 //! use fab_picture::camera::Camera;
@@ -43,11 +43,11 @@ pub use mask::{Mask, centroid, depth_mask, has_reading, mask_picture};
 /// A value that is not a positive finite number means "no reading".
 pub type DepthImage = image::ImageBuffer<image::Luma<f32>, Vec<f32>>;
 
-/// Where a mark is in another picture.
+/// The position of a mark in another picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
-    /// The mark, `[column, row]`, middle of its pixel.
+    /// The mark, `[column, row]`, the middle of its pixel.
     pub at_px: [f64; 2],
-    /// How far from there it was found, `[right, down]`, pixels.
+    /// Its offset from there, `[right, down]`, pixels.
     pub moved_px: [f64; 2],
 }

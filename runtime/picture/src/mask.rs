@@ -1,7 +1,6 @@
 //! Which pixels show cloth.
 //!
-//! In: a depth image and a depth limit. Out: a [`Mask`], and its centre. An empty mask is an answer, not an
-//! error.
+//! In: a depth image and a depth limit. Out: a [`Mask`], and its centre. An empty mask is an answer, not an error.
 
 use super::{DepthImage, Located};
 use fab_program::PixelPoint;
@@ -43,7 +42,7 @@ impl Mask {
         self.height
     }
 
-    /// Tells whether a pixel belongs to the set; pixels outside the picture never do.
+    /// Returns whether a pixel belongs to the set; pixels outside the picture never do.
     pub fn contains(&self, point: PixelPoint) -> bool {
         match (u32::try_from(point.u), u32::try_from(point.v)) {
             (Ok(column), Ok(row)) if column < self.width && row < self.height => {
@@ -53,7 +52,7 @@ impl Mask {
         }
     }
 
-    /// Tells whether no pixel belongs to the set.
+    /// Returns whether the set has no pixels.
     pub fn is_empty(&self) -> bool {
         self.area_px == 0
     }
@@ -65,7 +64,7 @@ impl Mask {
 
     /// Returns the pixel of the set that is nearest to a point, by Euclidean distance.
     ///
-    /// Of equally near pixels it is the one highest up, then farthest left. `None` if the set is empty.
+    /// Ties go to the topmost pixel, then the leftmost. `None` if the set is empty.
     pub fn nearest(&self, point: PixelPoint) -> Option<PixelPoint> {
         if self.contains(point) {
             return Some(point);
@@ -78,7 +77,7 @@ impl Mask {
             }
             for pixel in self.row(row) {
                 let du = i64::from(pixel.u) - i64::from(point.u);
-                // Saturating: squares of two 33-bit numbers can exceed 64 bits when added.
+                // Saturating: the sum of two squared 33-bit numbers can exceed 64 bits.
                 let squared = (du * du).saturating_add(dv * dv);
                 if best.is_none_or(|(least, _)| squared < least) {
                     best = Some((squared, pixel));
@@ -109,7 +108,7 @@ impl Mask {
     }
 }
 
-/// Collects the pixels that are nearer to the camera than `below_m`, metres, exclusive.
+/// Collects the pixels closer to the camera than `below_m`, metres, exclusive.
 ///
 /// Pixels without a reading are background.
 pub fn depth_mask(depth: &DepthImage, below_m: f64) -> Mask {
@@ -127,15 +126,15 @@ pub fn mask_picture(mask: &Mask) -> GrayImage {
     })
 }
 
-/// Tells a distance from the values that depth cameras write where they saw nothing.
+/// Returns whether a depth is a reading, not one of the values that depth cameras write for "nothing seen".
 pub fn has_reading(depth_m: f32) -> bool {
     depth_m.is_finite() && depth_m > 0.0
 }
 
 /// Returns the mean of a mask's pixels; `None` if it is empty.
 ///
-/// Its pixel is cut off, as in the paper's code (protocol, section 6), and so lies half a pixel up and left of the
-/// mean; where it was located is the mean itself.
+/// The pixel is truncated, as in the paper's code (protocol, section 6), so it lies half a pixel up and left of the
+/// mean; the exact point is the mean itself.
 pub fn centroid(mask: &Mask) -> Option<Located> {
     let (mut columns, mut rows) = (0_u64, 0_u64);
     for pixel in mask.pixels() {

@@ -1,4 +1,4 @@
-//! What a camera gives: a world's, or one whose pictures a user brings.
+//! What a camera delivers: a world's camera, or the user's own with pictures from files.
 
 use crate::DepthImage;
 use crate::camera::Camera;
@@ -18,7 +18,7 @@ pub struct Observation {
     pub time_s: f64,
 }
 
-/// A picture of another size than the task's camera takes.
+/// A picture whose size differs from the task's camera.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the {what} has {} x {} px, and the task's camera takes {camera_px} x {camera_px} px: scale it to that, or \
@@ -34,7 +34,7 @@ pub struct WrongSize {
 }
 
 impl Observation {
-    /// Takes a picture for one of the task's camera; without depth, no pixel has a reading.
+    /// Makes an observation by the task's camera from a picture; without depth, no pixel has a reading.
     pub fn of_picture(
         camera: &program::Camera,
         rgb: RgbImage,

@@ -9,9 +9,9 @@ use image::{
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// The longest side of a picture that is read, pixels.
+/// The longest side of a picture accepted, pixels.
 pub const MAX_SIDE_PX: u32 = 4096;
-/// The largest file that is read, bytes.
+/// The largest file accepted, bytes.
 const MAX_BYTES: u64 = 64 << 20;
 
 /// Why a picture cannot be used.
@@ -22,30 +22,30 @@ pub enum PictureError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         why: String,
     },
-    /// The file is no PNG picture, or a damaged one.
+    /// The file is not a PNG picture, or is damaged.
     #[error("`{path}` is not a readable PNG picture: {why}")]
     NotAPicture {
         /// The file.
         path: PathBuf,
-        /// What the decoder said.
+        /// The decoder's error.
         why: String,
     },
     /// A depth picture is not grey.
     #[error(
-        "`{path}` is a picture in {found} and no depth picture; one is grey, with 255 levels a metre in 8 bits or \
+        "`{path}` is a picture in {found}, not a depth picture; those are grey, with 255 levels a metre in 8 bits or \
          with millimetres in 16"
     )]
     NotDepth {
         /// The file.
         path: PathBuf,
-        /// Its kind of colour.
+        /// Its colour type.
         found: String,
     },
     /// The picture is too large.
-    #[error("`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels are read")]
+    #[error("`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels are accepted")]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -59,10 +59,10 @@ pub fn load(path: &Path) -> Result<RgbImage, PictureError> {
     decode(&read(path)?, path)
 }
 
-/// Reads a depth picture: 8-bit grey counts 255 levels a metre, 16-bit grey millimetres; 0 is no reading.
+/// Reads a depth picture: 8-bit grey has 255 levels per metre, 16-bit grey is millimetres; 0 means no reading.
 ///
-/// Returns metres. The first is what the recorded data and `fabc sim render --depth` have, the second what depth
-/// cameras write. Fails for a picture in colour too.
+/// Returns metres. The recorded data and `fabc sim render --depth` have 8 bits; depth cameras write 16. Fails for
+/// colour pictures, too.
 pub fn load_depth(path: &Path) -> Result<DepthImage, PictureError> {
     let bytes = read(path)?;
     match decoded(&bytes, path)? {
@@ -75,7 +75,7 @@ pub fn load_depth(path: &Path) -> Result<DepthImage, PictureError> {
     }
 }
 
-/// Turns grey levels into metres.
+/// Converts grey levels to metres.
 fn metres<T>(levels: &ImageBuffer<Luma<T>, Vec<T>>, levels_per_m: f32) -> DepthImage
 where
     T: Primitive + Into<f32>,
@@ -94,7 +94,7 @@ fn read(path: &Path) -> Result<Vec<u8>, PictureError> {
     })
 }
 
-/// Returns the width and height, pixels, that the head of a PNG file states; None where it is no such file.
+/// Returns the width and height, pixels, from a PNG file's header; `None` if it is not a PNG file.
 pub fn size(bytes: &[u8]) -> Option<[u32; 2]> {
     let reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
     let (width, height) = reader.into_dimensions().ok()?;

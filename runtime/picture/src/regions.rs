@@ -1,6 +1,6 @@
-//! Which parts of a picture belong together: the table by its colours, patches by their connection.
+//! Splits a picture into regions: the table by its colours, patches by connectivity.
 //!
-//! In: pictures. Out: colours and sets of pixels. Nothing here knows what is cloth and what is arrow.
+//! In: pictures. Out: colours and sets of pixels. Nothing here distinguishes cloth from arrow.
 
 use image::RgbImage;
 use std::collections::BTreeMap;
@@ -49,12 +49,12 @@ impl Grid {
         self.inside.iter().filter(|&&inside| inside).count()
     }
 
-    /// Tells whether a pixel belongs to the set; those outside the picture do not.
+    /// Returns whether a pixel belongs to the set; pixels outside the picture do not.
     pub fn contains(&self, column: u32, row: u32) -> bool {
         column < self.width && row < self.height && self.inside[self.index(column, row)]
     }
 
-    /// Tells whether a pixel or one of its eight neighbours belongs to the set.
+    /// Returns whether a pixel or one of its eight neighbours belongs to the set.
     pub fn touches(&self, column: u32, row: u32) -> bool {
         let near = |at: u32| at.saturating_sub(1)..=at.saturating_add(1);
         near(row).any(|row| near(column).any(|column| self.contains(column, row)))
@@ -80,10 +80,10 @@ impl Grid {
     }
 }
 
-/// Pixels that hang together, as (column, row).
+/// Connected pixels, as (column, row).
 pub type Patch = Vec<(u32, u32)>;
 
-/// Splits a set into its patches of pixels that touch, corners included.
+/// Splits a set into its connected patches; pixels that touch at a corner are connected.
 ///
 /// The patches are in the order of their topmost, then leftmost pixel.
 pub fn components(set: &Grid) -> Vec<Patch> {
@@ -102,9 +102,9 @@ pub fn components(set: &Grid) -> Vec<Patch> {
     )
 }
 
-/// Returns the patches of pixels that a patch encloses, in the order of their topmost, then leftmost pixel.
+/// Returns the holes of a patch, in the order of their topmost, then leftmost pixel.
 ///
-/// Where two of its pixels touch at a corner, a patch is closed.
+/// Pixels of the patch that touch only at a corner still close it.
 pub fn holes(patch: &Patch) -> Vec<Patch> {
     let columns = || patch.iter().map(|&(column, _)| column);
     let rows = || patch.iter().map(|&(_, row)| row);
@@ -114,7 +114,7 @@ pub fn holes(patch: &Patch) -> Vec<Patch> {
     let (Some(top), Some(bottom)) = (rows().min(), rows().max()) else {
         return Vec::new();
     };
-    // One pixel of margin all round, so that everything outside hangs together.
+    // One pixel of margin all round connects everything outside.
     let mut own = Grid::new(right - left + 3, bottom - top + 3);
     for &(column, row) in patch {
         own.insert(column - left + 1, row - top + 1);
@@ -123,7 +123,7 @@ pub fn holes(patch: &Patch) -> Vec<Patch> {
         !own.contains(column, row)
     });
     let mut holes = split(&gaps, &[(0, -1), (-1, 0), (1, 0), (0, 1)]);
-    // The outside is the first, since it holds the top left pixel.
+    // The outside comes first, because it holds the top left pixel.
     holes.remove(0);
     for hole in &mut holes {
         for (column, row) in hole {
@@ -165,10 +165,10 @@ fn split(set: &Grid, steps: &[(i32, i32)]) -> Vec<Patch> {
     patches
 }
 
-/// Width of the frame of pixels that shows the table alone, pixels.
+/// Width of the border assumed to show only table, pixels.
 const BORDER_PX: u32 = 2;
 
-/// Least share of the border that a colour of the table takes up.
+/// Smallest share of the border that a table colour takes up, one part in this many.
 const LEAST_SHARE: usize = 33;
 
 /// Returns the colours of the pictures' borders, red, green, blue: one for a plain table, more for a checkered one.
@@ -199,14 +199,14 @@ pub fn border_colours(pictures: &[&RgbImage]) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// How dark and how bright a table colour may appear, as factors. A fold's soft shadow dims the recorded
-/// tables to 0.70 of their brightness.
+/// How dark and how bright a table colour may appear, as factors. A fold's soft shadow dims the recorded tables to 0.70
+/// of their brightness.
 const SHADING: std::ops::RangeInclusive<f64> = 0.65..=1.1;
 
-/// How far a shaded table colour may be off, 8-bit levels; the recorded tables are off by at most 2.
+/// How far a shaded table colour may deviate, 8-bit levels; the recorded tables deviate by at most 2.
 const TINT: f64 = 24.0;
 
-/// Tells whether a colour is one of the table's, possibly in shadow: a shadow dims a colour, it does not tint it.
+/// Returns whether a colour is one of the table's, possibly in shadow: a shadow dims a colour but does not tint it.
 pub fn is_table(rgb: [u8; 3], table: &[[f64; 3]]) -> bool {
     let rgb = rgb.map(f64::from);
     table.iter().any(|colour| {

@@ -1,10 +1,10 @@
-//! What a run would ask and cost, before anything is sent.
+//! Estimates the calls and cost of a run before anything is sent.
 //!
-//! In: the first messages of each stage, how often they may be asked, and what is known of the models. Out: bounds on
-//! calls, tokens and money, and the names of what is not known. The lower bound takes each step to be answered at
-//! once, and each step to be taken; a rollout that reaches its goal early or fails asks less. The upper bound counts
-//! every question, with the corrections before it, the longest answers, and [`SAFETY`] times the estimated input; a
-//! call that is sent again after a failure of the network is not in it.
+//! In: the first messages of each stage, how often they may be asked, and the models' known facts. Out: bounds on
+//! calls, tokens and money, and a list of unknowns. The lower bound assumes that every step is taken and answered at
+//! once; a rollout that reaches its goal early or fails asks less. The upper bound counts every question, with all
+//! previous corrections, the longest answers, and [`SAFETY`] times the estimated input; it excludes calls that are
+//! repeated after a network failure.
 
 use crate::catalogue::{Date, Profile, SAFETY, Tokens, tokens};
 use fab_model::calls::Usage;
@@ -14,37 +14,37 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// A correction is taken to have at most so many tokens; those of the shipped tasks have up to 60.
+/// Assumed upper limit on the tokens of a correction; those of the shipped tasks have up to 60.
 const CORRECTION_TOKENS: u64 = 200;
 
-/// A stage and its first messages, as they would be sent in the first step.
+/// A stage and its first messages, as sent in the first step.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
     /// Name of the stage.
     pub stage: &'a str,
-    /// What is known of the model that is asked.
+    /// The profile of the model.
     pub profile: &'a Profile,
-    /// What is sent at first.
+    /// The first messages.
     pub messages: &'a [Message],
-    /// The JSON Schema of the answer, where one is sent.
+    /// The JSON Schema of the answer, if one is sent.
     pub schema: Option<&'a serde_json::Value>,
-    /// The longest answer, tokens, where the task states one.
+    /// The longest answer, tokens, if the task states a limit.
     pub max_tokens: Option<u32>,
 }
 
-/// What a correction shows.
+/// The contents of a correction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Correction {
     /// Words alone.
     Words,
-    /// The refused action too, drawn on a picture as large as the largest that the stage shows.
+    /// Also the refused action, drawn on a picture as large as the stage's largest.
     Picture,
 }
 
-/// How often which questions may be asked.
+/// Questions and how often they may be asked.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
-    /// The stages of a step, in order; what one answers may be told to the later ones.
+    /// The stages of a step, in order; later ones may quote earlier answers.
     pub questions: &'a [Question<'a>],
     /// Steps of a rollout.
     pub horizon: u32,
@@ -52,32 +52,32 @@ pub struct Plan<'a> {
     pub actions_per_step: u32,
     /// The most questions per stage and action.
     pub attempts: u32,
-    /// What a correction shows.
+    /// The contents of a correction.
     pub correction: Correction,
-    /// How many rollouts.
+    /// Number of rollouts.
     pub rollouts: u64,
-    /// The day whose prices count.
+    /// The date that determines the prices.
     pub today: Date,
 }
 
-/// What a run would ask and cost.
+/// The estimated calls and cost of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// How many calls.
+    /// Number of calls.
     pub calls: Bounds<u64>,
-    /// Tokens of all questions; the upper bound is None where a part of it is not known.
+    /// Tokens of all questions; the upper bound is `None` if a part of it is unknown.
     pub input_tokens: Bounds<u64>,
     /// Tokens of all answers.
     pub output_tokens: Bounds<u64>,
-    /// What all calls cost, billionths of a US dollar.
+    /// Cost of all calls, billionths of a US dollar.
     pub cost: Bounds<Usd>,
-    /// What is not known, in words.
+    /// The unknowns, in words.
     pub unknown: Vec<String>,
     /// The same per stage.
     pub stages: Vec<StageEstimate>,
 }
 
-/// Two bounds, None where a part of one is not known.
+/// Two bounds, `None` if a part of one is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Bounds<T> {
     /// The lower one.
@@ -87,7 +87,7 @@ pub struct Bounds<T> {
 }
 
 impl Estimate {
-    /// Adds up what several parts of a run would ask and cost.
+    /// Sums the estimates of several parts of a run.
     pub fn total(parts: impl IntoIterator<Item = Estimate>) -> Estimate {
         let none = Bounds {
             at_least: Some(0),
@@ -131,27 +131,27 @@ impl<T: Copy> Bounds<T> {
     }
 }
 
-/// What a stage would ask and cost.
+/// The estimated calls and cost of a stage.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StageEstimate {
     /// Its name.
     pub stage: String,
-    /// `PROVIDER:NAME` of the model that is asked.
+    /// `PROVIDER:NAME` of the model.
     pub model: String,
     /// Estimated tokens of its first question in a step.
     pub first_question: Option<Tokens>,
-    /// How many calls.
+    /// Number of calls.
     pub calls: Bounds<u64>,
     /// Tokens of all its questions.
     pub input_tokens: Bounds<u64>,
     /// Tokens of all its answers.
     pub output_tokens: Bounds<u64>,
-    /// What its calls cost, billionths of a US dollar.
+    /// Cost of its calls, billionths of a US dollar.
     pub cost: Bounds<Usd>,
 }
 
 impl Plan<'_> {
-    /// Bounds what the run would ask and cost.
+    /// Estimates the run.
     pub fn estimate(&self) -> Estimate {
         let mut unknown = BTreeSet::new();
         let mut told = Some(0);
@@ -189,7 +189,7 @@ impl Plan<'_> {
         }
     }
 
-    /// Bounds one stage; `told`: the most tokens of earlier stages' answers that its question may hold.
+    /// Estimates one stage; `told` is the most tokens of earlier answers that its question may quote.
     fn stage(
         &self,
         question: &Question<'_>,
@@ -227,7 +227,7 @@ impl Plan<'_> {
                 .map(|input| input.saturating_mul(most_actions)),
         };
         let output_tokens = Bounds {
-            // An answer has at least one.
+            // An answer has at least one token.
             at_least: calls.at_least,
             at_most: question
                 .max_tokens
@@ -258,8 +258,8 @@ impl Plan<'_> {
         }
     }
 
-    /// Returns the most input tokens of all attempts at one action: each question repeats the ones before it, their
-    /// answers and their corrections.
+    /// Returns the most input tokens of all attempts at one action: each question repeats the previous ones with their
+    /// answers and corrections.
     fn most_input(
         &self,
         question: &Question<'_>,

@@ -1,4 +1,4 @@
-//! Bounds of small plans, counted by hand, and those that are played out.
+//! Tests of the bounds: small plans counted by hand, and plans played through.
 
 use super::*;
 use crate::catalogue::Catalogue;
@@ -64,7 +64,7 @@ fn where_each_question_is_asked_once_the_bounds_differ_by_the_answers_and_the_sa
         (Some(30), Some(30))
     );
     assert_eq!(found.input_tokens.at_least, Some(15 * 159 + 15 * 100));
-    // The second stage may be told the 50 tokens that the first one answers.
+    // The second stage may quote the 50 tokens of the first one's answer.
     assert_eq!(
         found.input_tokens.at_most,
         Some(SAFETY * (15 * 159 + 15 * 150))

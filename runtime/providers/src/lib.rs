@@ -1,6 +1,6 @@
-//! Models of providers: their wires, what is known of each, what a run will cost, and a server that answers like one.
+//! Provider models: wire formats, known facts, cost estimates, and a server that imitates a provider.
 //!
-//! In: a [`fab_model::Request`], and what the catalogue knows of the model. Out: a reply, or a fault by its name. Each call
+//! In: a [`fab_model::Request`], and the catalogue's facts about the model. Out: a reply, or a named fault. Each call
 //! is noted before it is sent. Only `remote` sends over the network, and only `serve` listens.
 
 pub mod catalogue;

@@ -1,8 +1,8 @@
-//! Finds out how a model says where something is, before money is spent on rollouts.
+//! Probes how a model states positions, before money is spent on rollouts.
 //!
-//! In: a model, told of places as its [`Lowering`] says. Out: a [`Probe`], the distances in pixels between dots whose
-//! places are known and the places that the answers name, read in that frame and in every other. Pictures are drawn
-//! here; they are sent, and asked about, as in rollouts. What is to be believed afterwards is left to the user.
+//! In: a model, which gets points as its [`Lowering`] says. Out: a [`Probe`]: the pixel distances between dots at known
+//! positions and the positions in the answers, interpreted in the stated convention and in every other one. Pictures
+//! are drawn here, and sent as in rollouts. The conclusion is left to the user.
 
 use fab_base::chance::Chance;
 use fab_model::calls::{Calls, Usage, Usd};
@@ -18,7 +18,7 @@ mod reading;
 #[cfg(test)]
 mod tests;
 
-/// What the dots are called, and their colours.
+/// Names and colours of the dots.
 const DOTS: [(&str, [u8; 3]); 6] = [
     ("red", [220, 30, 30]),
     ("green", [20, 150, 40]),
@@ -27,39 +27,39 @@ const DOTS: [(&str, [u8; 3]); 6] = [
     ("black", [15, 15, 15]),
     ("magenta", [215, 40, 200]),
 ];
-/// The colour of what lies between them.
+/// The background colour.
 const GROUND: [u8; 3] = [225, 225, 225];
 /// Sides of the square pictures before they are resized, pixels: those of the shipped tasks' cameras.
 pub const SIDES_PX: [u32; 2] = [224, 720];
 /// The longest answer, tokens; six lines have about 60, and models that think aloud need more.
 const MAX_TOKENS: u32 = 1000;
-/// Sides of the pictures that Qwen2.5-VL resizes to, and answers in pixels of, are multiples of so many pixels.
+/// Qwen2.5-VL resizes pictures to multiples of this many pixels, and answers in pixels of the result.
 const MULTIPLES_OF_PX: NonZeroU32 = NonZeroU32::new(28).expect("28 is not 0");
 
-/// What a model answered, held against what was drawn.
+/// A model's answers compared with what was drawn.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Probe {
     /// The model's name.
     pub model: String,
-    /// How the questions told it of places.
+    /// The lowering used in the questions.
     pub asked: Lowering,
-    /// The errors of answers read so; None where no answer could be read.
+    /// The errors under that lowering; `None` if no answer could be read.
     pub error: Option<ErrorPx>,
-    /// The same for every way that was tried, the best first.
+    /// The errors under every convention tried, best first.
     pub tried: Vec<Tried>,
-    /// Dots that were drawn.
+    /// Number of dots drawn.
     pub dots: usize,
-    /// Those of them that an answer named a place for.
+    /// Number of dots with a position in an answer.
     pub read: usize,
-    /// What was asked and answered, a picture each.
+    /// Question and answer for each picture.
     pub pictures: Vec<Asked>,
-    /// What the provider says that all questions used, where it said so.
+    /// Total usage as reported by the provider, if any.
     pub usage: Option<Usage>,
-    /// What they cost, where that is known.
+    /// Total cost, if known.
     pub cost: Option<Usd>,
 }
 
-/// The errors of answers read in one way.
+/// The errors of answers interpreted in one convention.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tried {
     /// The lowering of a model that answers so.
@@ -68,57 +68,57 @@ pub struct Tried {
     pub error: ErrorPx,
 }
 
-/// Distances between dots and answers, pixels of the picture before it was resized: the camera's.
+/// Distances between dots and answers, pixels of the picture before it was resized, that is, the camera's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorPx {
     /// Their mean.
     pub mean: f64,
-    /// The one in the middle; of an even number the mean of both.
+    /// Their median; of an even number, the mean of the middle two.
     pub median: f64,
     /// The largest.
     pub max: f64,
 }
 
-/// One picture, and what the model said of it.
+/// One picture, and the model's answer about it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Asked {
     /// Side of the picture before it was resized, pixels.
     pub side_px: u32,
-    /// Where each dot is in it, column and row.
+    /// Position of each dot in it, column and row.
     pub dots: Vec<Dot>,
     /// The answer.
     pub reply: String,
 }
 
-/// A dot, and what was said of it.
+/// A dot, and the answer about it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Dot {
     /// Its colour.
     pub colour: &'static str,
     /// Its middle: column and row.
     pub at: [u32; 2],
-    /// The two numbers of the answer, in their order.
+    /// The two numbers of the answer, in order.
     pub said: Option<[f64; 2]>,
 }
 
 impl Probe {
-    /// Returns the lowering that fits best; None where no answer could be read.
+    /// Returns the best-fitting lowering; `None` if no answer could be read.
     ///
-    /// Of equally good ones it is the one that was asked for.
+    /// The stated one wins ties.
     pub fn best(&self) -> Option<Lowering> {
         self.tried.first().map(|best| best.lowering)
     }
 
-    /// Returns whether the answers fit as asked for better than in any other way, and each dot was named.
+    /// Returns whether the stated convention fits better than any other, and each dot was named.
     pub fn agrees(&self) -> bool {
         self.read == self.dots && self.best() == Some(self.asked)
     }
 }
 
-/// Shows a model dots at seeded places and compares what it says of them.
+/// Shows a model dots at seeded positions and compares its answers.
 ///
-/// Asks one question for each of [`SIDES_PX`], for coordinates even where rollouts ask for numbers of points. Fails
-/// where the model gives no answer to one.
+/// Asks one question for each of [`SIDES_PX`], always for coordinates, even if rollouts use numbered points. Fails if
+/// the model gives no answer to one.
 pub fn probe(model: &dyn Model, seed: u64, calls: &mut dyn Calls) -> Result<Probe, ModelError> {
     let asked = Lowering {
         points: Points::Coordinates,
@@ -153,7 +153,7 @@ pub fn probe(model: &dyn Model, seed: u64, calls: &mut dyn Calls) -> Result<Prob
             Some(Tried { lowering, error })
         })
         .collect();
-    // A stable sort: the one that was asked for is the first one, and stays so among equals.
+    // The sort is stable and the stated convention comes first, so it wins ties.
     tried.sort_by(|one, other| one.error.mean.total_cmp(&other.error.mean));
     let all = || pictures.iter().flat_map(|picture| &picture.dots);
     Ok(Probe {
@@ -172,7 +172,7 @@ pub fn probe(model: &dyn Model, seed: u64, calls: &mut dyn Calls) -> Result<Prob
     })
 }
 
-/// Returns every way in which models are known to answer, the one that was asked for first.
+/// Returns every known convention of models, the stated one first.
 fn lowerings(asked: Lowering) -> Vec<Lowering> {
     let plain = CoordinateUnit::ALL
         .into_iter()
@@ -200,7 +200,7 @@ fn error_of(tried: Lowering, asked: Lowering, pictures: &[Asked]) -> Option<Erro
     for picture in pictures {
         let size = [picture.side_px; 2];
         let frame = Frame {
-            // The model got the picture as asked for, and may have resized that once more.
+            // The model got the picture in the stated size, and may have resized it again.
             sent: tried.sent(asked.sent(size)),
             ..*tried.pointing(size).frame()
         };
@@ -231,7 +231,7 @@ fn error_of(tried: Lowering, asked: Lowering, pictures: &[Asked]) -> Option<Erro
     })
 }
 
-/// Draws a place for each dot: clear of the edges and of each other.
+/// Draws a position for each dot: clear of the edges and of each other.
 fn places(side_px: u32, chance: &mut Chance) -> Vec<[u32; 2]> {
     // The picture in three columns and two rows, a dot in each, within its middle two thirds.
     let cell = [side_px / 3, side_px / 2];

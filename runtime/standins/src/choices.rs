@@ -1,21 +1,21 @@
-//! What a request offers: the values of each field, as its schema lists them.
+//! The choices that a request offers: the values of each field, from its schema.
 //!
-//! In: a [`Request`]. Out: the fields in the schema's order. For stand-ins that choose from what is offered and
-//! look at nothing else.
+//! In: a [`Request`]. Out: the fields in the schema's order. For stand-ins that look at nothing but the offered
+//! choices.
 
 use fab_model::{Part, Request, Speaker};
 use fab_program::PixelPoint;
 use serde_json::{Map, Value};
 
-/// A field of an answer and what it may be.
+/// A field of an answer and its permitted values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Field {
     pub name: String,
-    /// As an answer writes them; empty where the schema gives a pattern.
+    /// In the notation of answers; empty if the schema gives a pattern.
     pub values: Vec<String>,
 }
 
-/// Returns the fields of an action; none where the request does not ask for one.
+/// Returns the fields of an action; empty if the request does not ask for one.
 pub(super) fn fields(request: &Request) -> Vec<Field> {
     let schema = request.schema.as_ref();
     let properties = schema.and_then(|schema| schema["properties"].as_object());
@@ -40,7 +40,7 @@ pub(super) fn answer(values: Vec<(String, String)>) -> String {
     Value::Object(object).to_string()
 }
 
-/// Reads `(x, y)`, whole pixels.
+/// Reads `(x, y)`, integer pixels.
 pub(super) fn point(text: &str) -> Option<PixelPoint> {
     let inside = text.trim().strip_prefix('(')?.strip_suffix(')')?;
     let (u, v) = inside.split_once(',')?;
@@ -50,7 +50,7 @@ pub(super) fn point(text: &str) -> Option<PixelPoint> {
     })
 }
 
-/// Returns the text of the last turn of the user's; empty where there is none.
+/// Returns the text of the user's last turn; empty if there is none.
 pub(super) fn last_asked(request: &Request) -> String {
     let mut users = request.messages.iter().rev();
     let Some(last) = users.find(|message| message.speaker == Speaker::User) else {

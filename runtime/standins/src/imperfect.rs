@@ -1,10 +1,10 @@
-//! `imperfect`: a stand-in that errs as often as it says, and so shows what verification is worth.
+//! `imperfect`: a stand-in that errs at a stated rate, to show the value of verification.
 //!
-//! In: a [`Request`]. Out: what `geometric` answers, or with the declared probability something wrong: a quarter
-//! of the errors each a pick near the last place point, the opposite direction (pick and place swapped where there
-//! is none), a point that is not listed, and words that cannot be read. Each question for an action draws anew,
-//! by its own content, its step, its repetition and the seed; questions for words are passed on. It shows how much the
-//! checks catch of errors like these, and nothing about the errors that a vision-language model makes.
+//! In: a [`Request`]. Out: the answer of `geometric`, or with the stated probability a wrong one. A quarter of the
+//! errors each are a pick near the last place point, the opposite direction (pick and place swapped if there is none),
+//! an unlisted point, and unreadable words. Each question for an action draws by its own content, its step, its
+//! repetition and the seed; questions for words are passed on. It shows how many such errors the checks catch, and
+//! nothing about the errors of a vision-language model.
 
 use super::Geometric;
 use super::choices::{self, Field};
@@ -13,7 +13,7 @@ use fab_model::calls::Calls;
 use fab_model::{Model, ModelError, Nature, Part, Reply, Request, Speaker};
 use fab_program::PixelPoint;
 
-/// How far a point that is not listed lies from the one that should have been named, pixels.
+/// Distance of an unlisted point from the right one, pixels.
 const ASTRAY_PX: i32 = 29;
 
 /// The stand-in.
@@ -24,7 +24,7 @@ pub struct Imperfect {
     seed: u64,
 }
 
-/// What is wrong with an answer.
+/// A kind of error in an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Slip {
     NearLastPlace,
@@ -36,7 +36,7 @@ enum Slip {
 impl Imperfect {
     /// Makes the stand-in that errs with probability `rate`; its name is `imperfect:RATE:SEED`.
     ///
-    /// `None` where the rate is not from 0 to 1.
+    /// `None` unless the rate is from 0 to 1.
     pub fn new(rate: f64, seed: u64) -> Option<Imperfect> {
         (0.0..=1.0).contains(&rate).then(|| Imperfect {
             name: format!("imperfect:{rate}:{seed}"),
@@ -71,7 +71,7 @@ impl Model for Imperfect {
         let slip = slips[chance.below(slips.len())];
         let wrong = Answer::read(&right.text, fields)
             .and_then(|answer| answer.spoilt(slip, request, &mut chance));
-        // What cannot be read in the right answer cannot be spoilt either, but an error was drawn.
+        // An unreadable right answer cannot be spoilt either, but an error was drawn.
         let text = wrong.unwrap_or_else(|| "I would pull it a little to the side.".to_owned());
         Ok(Reply::text(text))
     }
@@ -96,7 +96,7 @@ impl Answer {
         found.collect::<Option<Vec<_>>>().map(Answer)
     }
 
-    /// Returns the answer with a slip in it; `None` for one that cannot be read.
+    /// Returns the answer with an error in it; `None` for the unreadable kind.
     fn spoilt(mut self, slip: Slip, request: &Request, chance: &mut Chance) -> Option<String> {
         let mut points = self.0.iter().enumerate();
         let pick = points.position(|(_, (_, value))| choices::point(value).is_some())?;
@@ -143,8 +143,8 @@ impl Answer {
     }
 }
 
-/// Returns the listed point nearest to where the prompt says that the cloth was placed last, and not the right one;
-/// any other listed point where the prompt says nothing of the kind.
+/// Returns the listed point nearest to the last place point according to the prompt, but not the right one; any other
+/// listed point if the prompt does not state it.
 fn near_last_place(
     field: &Field,
     right: &str,
@@ -164,7 +164,7 @@ fn near_last_place(
     nearest.map(|text| (*text).clone())
 }
 
-/// Returns a point astray of the right one that is not listed.
+/// Returns an unlisted point near the right one.
 fn off_the_list(field: &Field, right: &str, chance: &mut Chance) -> Option<String> {
     let right = choices::point(right)?;
     let first = chance.below(4);
@@ -177,12 +177,12 @@ fn off_the_list(field: &Field, right: &str, chance: &mut Chance) -> Option<Strin
     unlisted.next()
 }
 
-/// How many lines after one that speaks of the last action may give its point.
+/// How many lines after a mention of the last action may give its point.
 const LINES_ON: usize = 2;
 
-/// Reads where the cloth was placed last: the first point from a line on that speaks of the last or previous action.
+/// Reads the last place point: the first point at or after a line that mentions the last or previous action.
 ///
-/// The question is the longest of the user's turns that name every listed point; corrections and examples name others.
+/// The question is the longest user turn that names every listed point; corrections and examples name others.
 fn last_place(field: &Field, request: &Request) -> Option<PixelPoint> {
     let users = request
         .messages

@@ -1,8 +1,8 @@
-//! Stand-ins for models: they answer prompts without a key, a network or knowledge of the task.
+//! Stand-ins for models: they answer prompts without an API key, a network or knowledge of the task.
 //!
-//! In: a [`fab_model::Request`], as any model gets it. Out: a reply. [`Geometric`] works from pictures and words,
-//! [`Random`] draws from what is offered, [`Imperfect`] makes the mistakes of another. Their figures are those of stand-ins,
-//! and each table says so.
+//! In: a [`fab_model::Request`], like any model. Out: a reply. [`Geometric`] works from pictures and words, [`Random`]
+//! draws from the offered choices, [`Imperfect`] adds errors to another stand-in. Every table labels their figures as
+//! those of stand-ins.
 
 pub mod geometric;
 pub mod imperfect;

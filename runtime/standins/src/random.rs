@@ -1,8 +1,8 @@
-//! `random`: a stand-in that looks at nothing and draws each field of an action from what is offered.
+//! `random`: a stand-in that ignores the prompt and draws each field of an action from the offered choices.
 //!
-//! In: a [`Request`]. Out: an answer in JSON, each offered value as likely as its others. The request's own
-//! content, its step and repetition among it, and the seed decide the draw: equal requests get equal answers. A question for
-//! words is answered with words that say nothing. `fab_agent::policy::Random` draws likewise, and gets no prompt.
+//! In: a [`Request`]. Out: an answer in JSON, with each offered value equally likely. The request's content, including
+//! its step and repetition, and the seed determine the draw: equal requests get equal answers. Questions for words get
+//! words without content. `fab_agent::policy::Random` draws in the same way, without a prompt.
 
 use super::choices::{self, Field};
 use fab_base::chance::Chance;
@@ -19,7 +19,7 @@ pub struct Random {
 }
 
 impl Random {
-    /// Makes the stand-in of a seed.
+    /// Makes the stand-in for a seed.
     pub fn seeded(seed: u64) -> Random {
         Random {
             name: format!("random answers, seed {seed}"),
@@ -56,7 +56,7 @@ impl Model for Random {
     }
 }
 
-/// Draws a value; where any pixel may be named, one of the last picture's.
+/// Draws a value; if any pixel may be named, a pixel of the last picture.
 fn draw(field: &Field, request: &Request, chance: &mut Chance) -> Option<String> {
     if !field.values.is_empty() {
         return Some(field.values[chance.below(field.values.len())].clone());
@@ -72,7 +72,7 @@ fn draw(field: &Field, request: &Request, chance: &mut Chance) -> Option<String>
     Some(format!("({u}, {v})"))
 }
 
-/// Fills every line that the question asks for, such as `- Instructions: …`, with words that say nothing.
+/// Fills every line that the question asks for, such as `- Instructions: …`, with words without content.
 fn idle_words(request: &Request) -> String {
     let asked = choices::last_asked(request);
     let labels = asked.lines().filter_map(|line| {

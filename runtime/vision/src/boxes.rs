@@ -1,6 +1,6 @@
 //! Upright boxes around masks.
 //!
-//! In: a mask, or a box as its left-top and right-bottom pixels, both part of it. Out: boxes, points, distances.
+//! In: a mask, or a box as its left-top and right-bottom pixels, both inclusive. Out: boxes, points, distances.
 
 use fab_picture::Mask;
 use fab_program::PixelPoint;
@@ -21,10 +21,10 @@ pub fn bounding_box(mask: &Mask) -> Option<[PixelPoint; 2]> {
 
 /// Returns the middle pixel of a box: `floor((right - left) / 2) + left`, likewise for rows.
 ///
-/// That is the paper's rounding (protocol, section 4, item 3): of two middle pixels the left or upper one.
+/// This is the paper's rounding (protocol, section 4, item 3): of two middle pixels, the left or upper one.
 pub fn box_center(corners: [PixelPoint; 2]) -> PixelPoint {
     let [low, high] = sorted(corners);
-    // As `floor((low + high) / 2)`, which is the same number and cannot overflow in 64 bits.
+    // `floor((low + high) / 2)` is the same number and cannot overflow in 64 bits.
     let middle = |a: i32, b: i32| (i64::from(a) + i64::from(b)).div_euclid(2) as i32;
     PixelPoint::new(middle(low.u, high.u), middle(low.v, high.v))
 }
@@ -36,7 +36,7 @@ pub fn box_distance_px(point: PixelPoint, corners: [PixelPoint; 2]) -> f64 {
     point.distance_px(nearest)
 }
 
-/// Returns left-top and right-bottom, whichever two opposite corners are given.
+/// Returns left-top and right-bottom for any two opposite corners.
 pub(super) fn sorted([a, b]: [PixelPoint; 2]) -> [PixelPoint; 2] {
     [
         PixelPoint::new(a.u.min(b.u), a.v.min(b.v)),

@@ -1,7 +1,7 @@
 //! Colours of single pixels: masks by hue, saturation and value, and the grey that detectors see.
 //!
-//! In: an RGB picture. Out: a [`Mask`], grey levels, or other colours. No picture library rounds here: what comes out
-//! follows from a pixel's three bytes alone.
+//! In: an RGB picture. Out: a [`Mask`], grey levels, or other colours. No picture library does the rounding: results
+//! depend on a pixel's three bytes alone.
 
 use fab_picture::Mask;
 use image::RgbImage;
@@ -9,9 +9,9 @@ use std::cell::Cell;
 
 /// Collects the pixels whose colour lies within three ranges, both ends included.
 ///
-/// `hue_deg` is in degrees, 0 to 360 with red at 0, yellow at 60; a range that ends below its beginning passes
-/// through 360, and one that touches 360 includes 0. `saturation` and `value` run from 0 to 1. Greys have hue 0
-/// and saturation 0, black has value 0 too. A range that holds a NaN includes nothing.
+/// `hue_deg` is in degrees, 0 to 360 with red at 0, yellow at 60; a range whose end is below its start passes through
+/// 360, and one that touches 360 includes 0. `saturation` and `value` run from 0 to 1. Greys have hue 0 and saturation
+/// 0, black has value 0 too. A range that holds a NaN includes nothing.
 pub fn color_mask(
     rgb: &RgbImage,
     hue_deg: [f64; 2],
@@ -34,7 +34,7 @@ pub fn color_mask(
             // Red is at both ends of the scale.
             && (has_hue(hue) || (hue == 0.0 && has_hue(360.0)))
     };
-    // Most pixels have the colour of the one before.
+    // Most pixels have the same colour as the one before.
     let last = Cell::new(([0; 3], is_within([0; 3])));
     Mask::from_fn(rgb.width(), rgb.height(), |column, row| {
         let color = rgb.get_pixel(column, row).0;
@@ -70,12 +70,12 @@ fn hsv([red, green, blue]: [u8; 3]) -> [f64; 3] {
 
 /// Returns a copy of a picture in which a mask's pixels are white.
 ///
-/// The smoothing paper's detector does not look at the edge between a cloth's two colours; it is shown the pink
-/// underside in white (protocol, section 4, item 2).
+/// The smoothing paper's detector must ignore the edge between a cloth's two colours, so it is shown the pink underside
+/// in white (protocol, section 4, item 2).
 pub fn painted_white(rgb: &RgbImage, mask: &Mask) -> RgbImage {
     let mut painted = rgb.clone();
     for pixel in mask.pixels() {
-        // A mask of a smaller or larger picture paints what both have.
+        // If the mask has another size than the picture, only their common part is painted.
         if let Some(level) = painted.get_pixel_mut_checked(pixel.u as u32, pixel.v as u32) {
             level.0 = [255; 3];
         }
@@ -83,14 +83,14 @@ pub fn painted_white(rgb: &RgbImage, mask: &Mask) -> RgbImage {
     painted
 }
 
-/// Takes blue, green and red for hue, saturation and value, and returns the colour that these stand for.
+/// Reads a blue, green, red triple as hue, saturation and value, and returns the colour that it then means.
 ///
-/// That is the mistake of the paper's code: it converts BGR by `COLOR_HSV2RGB` and takes the result for BGR again
-/// (protocol, section 4, item 2), so what comes out as red goes on as blue. Hue counts halves of a degree.
+/// This reproduces a mistake in the paper's code: it converts BGR by `COLOR_HSV2RGB` and treats the result as BGR again
+/// (protocol, section 4, item 2), so the result's red is used as blue. Hue counts halves of a degree.
 ///
-/// OpenCV's function is not called: it cuts fractions off in blocks of pixels as wide as the processor's registers,
-/// and rounds in the rest of a row. This cuts them off, in the order of operations of the blocks, in single
-/// precision.
+/// OpenCV's function is not called: it truncates fractions in pixel blocks as wide as the processor's registers, and
+/// rounds in the rest of a row. This function always truncates, in single precision and in the blocks' order of
+/// operations.
 pub(super) fn misread([red, green, blue]: [u8; 3]) -> [u8; 3] {
     let sixths = f32::from(blue) * (6.0 / 180.0);
     let (saturation, value) = (
@@ -112,11 +112,11 @@ pub(super) fn misread([red, green, blue]: [u8; 3]) -> [u8; 3] {
     [b, g, r].map(|level| (level * 255.0) as u8)
 }
 
-/// Returns how far a colour is from grey, in 255 levels: three times its saturation, at most all of them.
+/// Returns how far a colour is from grey, in 255 levels: three times its saturation, clamped.
 ///
-/// More than a third is plainly coloured: without that bound a cloth with a bright and a pale side, one 0.4 and the other fully saturated, falls
-/// in two before it is told from the table. Saturation is a share of the value, so in the dark it follows the camera's noise;
-/// below a tenth of the scale it counts as none.
+/// Above a third a colour is plainly coloured. Without that limit, a cloth with a bright and a pale side, one fully
+/// saturated and the other at 0.4, would be split in two instead of separated from the table. Saturation is relative to
+/// the value, so in the dark it is camera noise; below a tenth of the value scale it counts as zero.
 pub(super) fn saturation_level(color: [u8; 3]) -> u8 {
     const PLAIN: f64 = 1.0 / 3.0;
     const DARK: f64 = 0.1;
@@ -133,6 +133,6 @@ pub(super) fn saturation_level(color: [u8; 3]) -> u8 {
 /// because its parameters differ between the releases that this crate builds with.
 pub(super) fn gray_level([red, green, blue]: [u8; 3]) -> u8 {
     let [r, g, b] = [red, green, blue].map(u32::from);
-    // The weights add up to 2^15, so white gives 255 and nothing more.
+    // The weights add up to 2^15, so white gives exactly 255.
     ((9_798 * r + 19_235 * g + 3_735 * b + (1 << 14)) >> 15) as u8
 }

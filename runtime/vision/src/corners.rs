@@ -1,8 +1,8 @@
 //! Corners of the cloth in an observation.
 //!
-//! In: a depth image and a picture, the cloth's mask, a [`CornerSearch`]. Out: pixels of the camera image,
-//! strongest corner first. The detector looks at an 8-bit picture of the cloth against black (protocol, sections
-//! 4 and 6); [`corners`] has that picture made, [`corners_of_gray`] is the bare detector.
+//! In: a depth image and a picture, the cloth's mask, a [`CornerSearch`]. Out: pixels of the camera image, strongest
+//! corner first. The detector looks at an 8-bit picture of the cloth on black (protocol, sections 4 and 6); [`corners`]
+//! makes that picture, [`corners_of_gray`] is the bare detector.
 
 use super::sight::detector_picture;
 use super::{MAX_SIDE_PX, VisionError, bounding_box, check_size};
@@ -32,23 +32,23 @@ pub struct CornerSearch {
     pub response: Response,
 }
 
-/// How far a detected corner may be off the cloth and still be taken for one of its pixels, pixels of the
-/// camera image. Shrinking moves a corner by up to two camera pixels; one more for rounding.
+/// How far off the cloth a detected corner may be and still snap to a cloth pixel, pixels of the camera image.
+/// Downscaling moves a corner by up to two camera pixels; one more is for rounding.
 const SNAP_PX: f64 = 3.0;
 
 /// Finds the cloth's corners, strongest first.
 ///
 /// The detector sees the depth in centimetres, the mask in white or `rgb` in grey, as `search.of` says, and 0 for
-/// everything that is not cloth. Where its picture has the camera's size, corners are pixels as it found them.
+/// everything that is not cloth. If its picture has the camera's size, corners are returned as found.
 ///
-/// Else what it sees is scaled to `search.image_px` squared (bicubic), and a corner is scaled back by pixel
-/// centres. On a smaller picture that is known to one pixel of it only, and a rounded response lies inside the
-/// cloth, so the corner is then located on the camera's own picture: where the outline's edges around it meet. Its
-/// pixel is rounded and moved into the image. Where that leaves it off the cloth by at most 3 px, it is moved to
-/// the nearest cloth pixel; one that is farther off stays where it was found.
+/// Otherwise its picture is scaled to `search.image_px` squared (bicubic), and corners are scaled back by pixel
+/// centres. On a smaller picture a corner is known only to one of its pixels, and a rounded response lies inside the
+/// cloth, so the corner is then refined on the camera's own picture, to the point where the outline's edges around it
+/// meet. The result is rounded and moved into the image. If it is off the cloth by at most 3 px, it is moved to the
+/// nearest cloth pixel; if farther, it stays.
 ///
-/// An empty mask has no corners. Fails if a picture or a setting is out of range, or the sizes of picture,
-/// mask and depth image differ.
+/// An empty mask has no corners. Fails if a picture or a setting is out of range, or if picture, mask and depth image
+/// differ in size.
 pub fn corners(
     depth: &DepthImage,
     rgb: &RgbImage,
@@ -113,10 +113,11 @@ pub fn corners(
     Ok(located.into_iter().map(corner).collect())
 }
 
-/// Returns left, top, width and height of the part of a picture outside of which a detector sees black alone.
+/// Returns left, top, width and height of the part of a picture that can influence the detector; outside it everything
+/// is black.
 ///
-/// A response depends on half the square that is averaged, a gradient's pixel and a stronger neighbour's; the margin is
-/// ample.
+/// A response depends on half the averaging square plus one pixel each for the gradient and for a stronger neighbour;
+/// the margin is ample.
 fn window(mask: &Mask, around: [PixelPoint; 2], search: &CornerSearch) -> [u32; 4] {
     let margin_px = search.block_px + 4;
     let [low, high] = around;
@@ -135,8 +136,8 @@ fn window(mask: &Mask, around: [PixelPoint; 2], search: &CornerSearch) -> [u32; 
 
 /// Moves corners to where the mask's edges around them meet (OpenCV's `cornerSubPix`).
 ///
-/// `coarseness_px` is how many pixels of the mask one pixel of the detector's picture spans. A corner that
-/// would leave its window, as on a straight edge, stays where it was.
+/// `coarseness_px` is how many pixels of the mask one pixel of the detector's picture spans. A corner that would leave
+/// its window, which happens on a straight edge, stays where it was.
 fn locate(
     corners: Vec<[f32; 2]>,
     mask: &Mask,
@@ -202,7 +203,7 @@ pub fn corners_of_gray(
     Ok(found.iter().map(|point| [point.x, point.y]).collect())
 }
 
-/// Refuses settings that OpenCV would misread; to it, no corners at most means no limit.
+/// Rejects settings that OpenCV would misread, such as 0 corners, which it takes as no limit.
 fn check_search(search: &CornerSearch) -> Result<(), VisionError> {
     let side = f64::from(search.image_px);
     let harris_k = match search.response {

@@ -1,7 +1,7 @@
 //! Marks in pictures: subgoal arrows, proposed actions, detected points, labels.
 //!
-//! In: a picture and where to draw. Out: the same picture, changed. Marks may reach outside the picture and
-//! are cut off there; one at a position that is not finite is left out.
+//! In: a picture and where to draw. Out: the same picture, changed. Marks are clipped at the picture's edge; a mark at
+//! a non-finite position is omitted.
 
 use super::{VisionError, check_size};
 use fab_program::PixelPoint;
@@ -16,7 +16,7 @@ const BLACK: Rgb = [0, 0, 0];
 const GREEN: Rgb = [0, 255, 0];
 const PURPLE: Rgb = [128, 0, 128];
 
-/// Side of the pictures in which the paper's arrow has a ring of radius 3 and lines 2 px wide, pixels.
+/// Picture side at which the paper's arrow has a ring of radius 3 and lines 2 px wide, pixels.
 const ARROW_DRAWN_AT_PX: f64 = 224.0;
 
 /// Length of an arrowhead's strokes as a fraction of the arrow; OpenCV's default.
@@ -27,9 +27,9 @@ const MAX_LABEL: usize = 200;
 
 /// Draws the black arrow of a subgoal picture: a ring at the tail, a line, a head at the tip.
 ///
-/// `tail` and `tip` are `[column, row]`, cut off to whole pixels. At 224 px the ring has radius 3 and all
-/// strokes are 2 px wide (protocol, section 6); in larger pictures both grow with the longer side, in smaller
-/// ones they stay, or the ring would close up.
+/// `tail` and `tip` are `[column, row]`, truncated to whole pixels. At 224 px the ring has radius 3 and all strokes are
+/// 2 px wide (protocol, section 6). In larger pictures both grow with the longer side; in smaller ones they stay, or
+/// the ring would close up.
 pub fn draw_arrow(
     picture: &mut RgbImage,
     tail: [f64; 2],
@@ -37,7 +37,7 @@ pub fn draw_arrow(
 ) -> Result<(), VisionError> {
     let side_px = f64::from(picture.width().max(picture.height()));
     let scale = (side_px / ARROW_DRAWN_AT_PX).max(1.0);
-    // Widths are cut off rather than rounded, so that the inside of the ring stays open.
+    // Widths are truncated, not rounded, so the inside of the ring stays open.
     let (radius_px, stroke_px) = ((3.0 * scale).round() as i32, (2.0 * scale) as i32);
     let (Some(tail), Some(tip)) = (whole(tail), whole(tip)) else {
         return Ok(());
@@ -62,7 +62,7 @@ pub fn draw_action(
     ring(&mut canvas, place, 5, 2, PURPLE)
 }
 
-/// Draws a filled dot at each point, `radius_px` 0 being a single pixel and 100 the most.
+/// Draws a filled dot at each point; `radius_px` 0 is a single pixel, 100 the maximum.
 pub fn draw_points(
     picture: &mut RgbImage,
     points: &[PixelPoint],
@@ -79,8 +79,8 @@ pub fn draw_points(
 
 /// Writes one line of text whose baseline starts at `at`.
 ///
-/// `height_px` is that of a capital letter, 4 to 100. Characters outside ASCII appear as question marks;
-/// text after 200 characters is left out.
+/// `height_px` is the height of a capital letter, 4 to 100. Characters outside ASCII appear as question marks; text
+/// after 200 characters is omitted.
 pub fn draw_label(
     picture: &mut RgbImage,
     text: &str,
@@ -118,7 +118,7 @@ pub(super) trait Canvas: opencv::core::ToInputOutputArray {}
 
 impl<T: opencv::core::ToInputOutputArray> Canvas for T {}
 
-/// Lends the picture's pixels to OpenCV. Its channels stay red, green, blue.
+/// Lends the picture's pixels to OpenCV. Its channels stay in the order red, green, blue.
 pub(super) fn canvas(
     picture: &mut RgbImage,
 ) -> Result<opencv::boxed_ref::BoxedRefMut<'_, Mat>, VisionError> {
@@ -178,7 +178,7 @@ pub(super) fn scalar(rgb: Rgb) -> Scalar {
     Scalar::new(red, green, blue, 0.0)
 }
 
-/// The farthest from the origin that a mark is drawn at, pixels; OpenCV's fixed-point lines overflow far beyond.
+/// Coordinates of marks are clamped to this, pixels; OpenCV's fixed-point lines overflow far beyond it.
 const FAR_PX: i32 = 16_384;
 
 fn whole(at: [f64; 2]) -> Option<Point> {

@@ -1,8 +1,8 @@
 //! The layers of marks on the picture that a model sees.
 //!
-//! In: the camera's picture and [`DrawnLayer`]s whose points are already known. Out: a new picture. Later layers
-//! cover earlier ones; what reaches outside the picture is cut off there. Marks are as OpenCV draws them, so that
-//! the paper's annotated pictures come out pixel for pixel (protocol, section 4, item 4).
+//! In: the camera's picture and [`DrawnLayer`]s with resolved points. Out: a new picture. Later layers cover earlier
+//! ones; marks are clipped at the picture's edge. OpenCV draws the marks, so the paper's annotated pictures are
+//! reproduced pixel for pixel (protocol, section 4, item 4).
 
 use super::VisionError;
 use super::boxes::sorted;
@@ -22,7 +22,7 @@ pub struct DrawnLayer {
     pub shape: DrawnShape,
 }
 
-/// Marks at known pixels; sizes beyond 100 px count as 100, widths of 0 as 1.
+/// Marks at given pixels; sizes above 100 px count as 100, widths of 0 as 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DrawnShape {
     /// Filled circles.
@@ -36,7 +36,7 @@ pub enum DrawnShape {
     Rings {
         /// Their centres.
         at: Vec<PixelPoint>,
-        /// Of the middle of the line, pixels.
+        /// Radius to the middle of the line, pixels.
         radius_px: u32,
         /// Width of the line, pixels.
         width_px: u32,
@@ -52,7 +52,7 @@ pub enum DrawnShape {
     },
     /// The index of each point, from 1, beside it and inside the picture.
     ///
-    /// Points outside the picture are counted and have no number written.
+    /// Points outside the picture are counted, but their numbers are not drawn.
     Numbers {
         /// The points.
         at: Vec<PixelPoint>,
@@ -70,7 +70,8 @@ pub enum DrawnShape {
     Box {
         /// Two opposite corners, both part of the box.
         corners: [PixelPoint; 2],
-        /// Every so many pixels, counted on each side from the left or the top; 0 and 1 make solid lines.
+        /// Every how many pixels a dot is drawn, counted on each side from the left or the top; 0 and 1 make solid
+        /// lines.
         spacing_px: u32,
     },
     /// The sides of a closed polygon.
@@ -91,7 +92,7 @@ const DIGIT_PX: f64 = 9.0;
 /// Height of a capital letter or digit of OpenCV's plain font at scale 1, pixels.
 const FONT_PX: f64 = 21.0;
 
-/// Gap between a point and its number, pixels; clears a dot or ring of the usual radius of 3.
+/// Gap between a point and its number, pixels; enough to clear a dot or ring of the usual radius of 3.
 const GAP_PX: i32 = 5;
 
 /// How far a digit's rim reaches beyond it, pixels.
@@ -231,7 +232,7 @@ fn dotted_box(
         .try_for_each(|pixel| line(canvas, pixel, pixel, 1, rgb))
 }
 
-/// Writes a number right above a point, or on its other sides where the picture ends there.
+/// Writes a number right above a point, or on another side if the picture ends there.
 fn number(
     canvas: &mut impl Canvas,
     [width, height]: [i32; 2],

@@ -1,9 +1,9 @@
 //! Pictures in, points out; and points drawn back into pictures.
 //!
-//! In: depth images and RGB pictures. Out: [`fab_picture::Mask`]s, corners, boxes, outlines, centres, drawings. Everything is a
-//! pure function of its input. This is the only crate that names OpenCV: its detectors and drawing
-//! routines are the ones whose results the paper recorded. Which detector a task wants, and what its
-//! points are called, is decided elsewhere.
+//! In: depth images and RGB pictures. Out: [`fab_picture::Mask`]s, corners, boxes, outlines, centres, drawings.
+//! Everything is a pure function of its input. Only this crate names OpenCV, because the paper's recorded results come
+//! from OpenCV's detectors and drawing routines. Which detector a task uses, and what its points are called, is decided
+//! elsewhere.
 
 mod boxes;
 mod color;
@@ -35,18 +35,18 @@ pub use rectangle::{Rectangle, rectangle_around};
 pub use residuals::draw_residuals;
 pub use split::{closed, contrast_of, split_mask};
 
-/// Returns the name and version of the library that pictures are worked on with.
+/// Returns the name and version of the image processing library.
 pub fn library() -> Result<String, VisionError> {
     Ok(format!("OpenCV {}", opencv::core::get_version_string()?))
 }
 
-/// The longest side of a picture that this folder works on, pixels.
+/// The longest side of a picture accepted by this crate, pixels.
 pub const MAX_SIDE_PX: u32 = 8192;
 
-/// Why a picture could not be worked on.
+/// Why a picture could not be processed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VisionError {
-    /// A picture has no pixels, or more than can be worked on.
+    /// A picture has no pixels, or too many.
     #[error(
         "a picture of {width} x {height} px cannot be used: each side has 1 to {MAX_SIDE_PX} px"
     )]
@@ -81,12 +81,12 @@ pub enum VisionError {
     Setting {
         /// The setting's name.
         name: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
-        /// What it may be.
+        /// Its permitted range.
         range: &'static str,
     },
-    /// OpenCV refused, in its words.
+    /// OpenCV failed, with its own message.
     #[error("OpenCV failed: {0}")]
     OpenCv(String),
 }
@@ -97,7 +97,7 @@ impl From<opencv::Error> for VisionError {
     }
 }
 
-/// Refuses pictures that are empty or larger than [`MAX_SIDE_PX`].
+/// Rejects pictures that are empty or larger than [`MAX_SIDE_PX`].
 fn check_size(width: u32, height: u32) -> Result<(), VisionError> {
     let fits = |side: u32| (1..=MAX_SIDE_PX).contains(&side);
     if fits(width) && fits(height) {

@@ -1,8 +1,8 @@
-//! Places of a picture that can be found again in another of the same view.
+//! Marks: places in a picture that can be found again in another picture of the same view.
 //!
 //! In: grey pictures. Out: marks, which are corners whose surroundings look like nothing else nearby, and where each is
-//! in the other picture, to a fraction of a pixel. Brightness and contrast do not matter: patches are compared by their
-//! normalised correlation. What a common motion of them means is left to the caller.
+//! in the other picture, to a fraction of a pixel. Brightness and contrast do not matter: patches are compared by
+//! normalised correlation. The caller interprets their common motion.
 
 use super::{VisionError, check_size};
 use fab_picture::Found;
@@ -12,20 +12,21 @@ use opencv::core::{Mat, Rect};
 use opencv::imgproc;
 use opencv::prelude::{MatTraitConst, MatTraitConstManual};
 
-/// Half the side of a patch, pixels, without its middle: 21 x 21 in all, which still looks the same turned by 3 degrees.
+/// Half the side of a patch, pixels, without its middle: 21 x 21 in all, which still looks the same turned by 3
+/// degrees.
 const HALF: i32 = 10;
-/// How far a patch is sought, pixels in each direction.
+/// How far a patch is searched for, pixels in each direction.
 const REACH: i32 = 32;
-/// A part of the picture this large gives at most `PER_CELL` marks, so that one textured corner does not hold all.
+/// Side of a cell, pixels; each gives at most `PER_CELL` marks, so one textured corner cannot take them all.
 const CELL_PX: i32 = 64;
 /// The most marks of a cell.
 const PER_CELL: usize = 3;
-/// The least strength of a mark: the square of what grey levels change by in the weaker direction, mean over its pixels.
-/// Noise of 2 levels, as cameras have, comes to 2.
+/// The least strength of a mark: the squared change of grey levels in the weaker direction, mean over its pixels.
+/// Camera noise of 2 levels gives 2.
 const LEAST_STRENGTH: f64 = 4.0;
-/// A patch that correlates so well with another place nearby is no mark.
+/// A patch that correlates this well with another place nearby is not a mark.
 const ALIKE: f64 = 0.75;
-/// A patch that correlates less with its best place is not found.
+/// A patch whose best correlation is below this is not found.
 const FOUND: f64 = 0.75;
 
 /// Finds marks, the strongest of each part of the picture; none in a picture without texture.
@@ -35,7 +36,7 @@ pub fn marks(picture: &GrayImage) -> Result<Vec<[u32; 2]>, VisionError> {
     for top in (0..grey.height).step_by(CELL_PX as usize) {
         for left in (0..grey.width).step_by(CELL_PX as usize) {
             let mut kept: Vec<[i32; 2]> = Vec::new();
-            // Candidates that are no marks, such as those of a checkered cloth, cost a search each.
+            // Rejected candidates, such as those on a checkered cloth, cost a search each.
             for at in grey.strongest([left, top]).into_iter().take(20) {
                 let is_apart = |other: &[i32; 2]| {
                     (other[0] - at[0]).abs().max((other[1] - at[1]).abs()) > HALF
@@ -50,9 +51,9 @@ pub fn marks(picture: &GrayImage) -> Result<Vec<[u32; 2]>, VisionError> {
     Ok(found)
 }
 
-/// Seeks each mark of one picture in another of the same size; leaves out those that are not found.
+/// Searches for each mark of one picture in another of the same size; omits those not found.
 ///
-/// `marks` are those that [`marks`] found in `reference`. A mark is sought up to 32 pixels from where it was.
+/// `marks` are the result of [`marks`] on `reference`. A mark is searched for up to 32 pixels from its old place.
 pub fn find_again(
     reference: &GrayImage,
     marks: &[[u32; 2]],
@@ -77,7 +78,7 @@ pub fn find_again(
     Ok(found)
 }
 
-/// A picture, as numbers and as OpenCV takes it.
+/// A picture, as plain levels and as an OpenCV matrix.
 struct Grey<'p> {
     width: i32,
     height: i32,
@@ -100,7 +101,7 @@ impl<'p> Grey<'p> {
         })
     }
 
-    /// Returns whether the patch about a pixel lies in the picture.
+    /// Returns whether the patch around a pixel lies in the picture.
     fn holds(&self, [u, v]: [i32; 2]) -> bool {
         u >= HALF && v >= HALF && u + HALF < self.width && v + HALF < self.height
     }
@@ -109,10 +110,10 @@ impl<'p> Grey<'p> {
         f64::from(self.picture.get_pixel(u as u32, v as u32).0[0])
     }
 
-    /// Returns the pixels of a cell whose surroundings are strong enough, the strongest first.
+    /// Returns the pixels of a cell with strong enough surroundings, strongest first.
     fn strongest(&self, [left, top]: [i32; 2]) -> Vec<[i32; 2]> {
         let mut strong: Vec<(f64, [i32; 2])> = Vec::new();
-        // Every third pixel: a corner is wider than that, and the search does not need its very middle.
+        // Every third pixel: a corner is wider than that, and the search does not need its exact middle.
         for v in (top..(top + CELL_PX).min(self.height)).step_by(3) {
             for u in (left..(left + CELL_PX).min(self.width)).step_by(3) {
                 if self.holds([u, v]) {
@@ -130,7 +131,7 @@ impl<'p> Grey<'p> {
     /// Returns the smaller eigenvalue of the patch's structure tensor, per pixel (Shi, Tomasi 1994).
     fn strength(&self, [u, v]: [i32; 2]) -> f64 {
         let (mut xx, mut xy, mut yy) = (0.0_f64, 0.0, 0.0);
-        // Every second pixel says as much.
+        // Every second pixel is enough.
         for row in (v - HALF + 1..v + HALF).step_by(2) {
             for column in (u - HALF + 1..u + HALF).step_by(2) {
                 let x = (self.level(column + 1, row) - self.level(column - 1, row)) / 2.0;
@@ -143,7 +144,7 @@ impl<'p> Grey<'p> {
         (mean - half.hypot(xy)) / n
     }
 
-    /// Returns whether the patch about a pixel looks like none that is sought together with it.
+    /// Returns whether no other place in the search range looks like the patch around a pixel.
     fn is_alone(&self, at: [i32; 2]) -> Result<bool, VisionError> {
         let likenesses = self.likenesses(self, at)?;
         let is_itself = |[right, down]: [i32; 2]| right.abs().max(down.abs()) < HALF / 2 + 2;
@@ -151,7 +152,7 @@ impl<'p> Grey<'p> {
         Ok(others.all(|(_, like)| like < ALIKE))
     }
 
-    /// Compares a patch of a picture with those of this one about the same place, as far as it reaches.
+    /// Compares a patch of another picture with all patches of this one around the same place, within the search range.
     fn likenesses(&self, of: &Grey<'_>, at: [i32; 2]) -> Result<Likenesses, VisionError> {
         let [u, v] = at;
         let patch = Mat::roi(&of.pixels, Rect::new(u - HALF, v - HALF, SIDE, SIDE))?;
@@ -175,9 +176,9 @@ impl<'p> Grey<'p> {
     }
 }
 
-/// How alike a patch is to each of those about a place: normalised correlation, -1 to 1.
+/// The normalised correlation of a patch with each patch around a place, -1 to 1.
 struct Likenesses {
-    /// Offset of the first from the place, `[right, down]`.
+    /// Offset of the first value from the place, `[right, down]`.
     first: [i32; 2],
     columns: i32,
     /// Row by row.
@@ -202,14 +203,14 @@ impl Likenesses {
         is_inside.then(|| self.values.get(index).map(|like| f64::from(*like)))?
     }
 
-    /// Returns where the best is, to a fraction of a pixel; `None` where it is poor, or at the rim of what was searched.
+    /// Returns the best offset to a fraction of a pixel; `None` if it is poor, or at the border of the search range.
     fn best(&self) -> Option<[f64; 2]> {
         let best = self.all().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let ([right, down], like) = best;
         if !(FOUND..=1.01).contains(&like) {
             return None;
         }
-        // The parabola through three values has its top beside the middle one.
+        // The parabola through three values peaks near the middle one.
         let top = |before: f64, after: f64| {
             let bend = before - 2.0 * like + after;
             if bend < 0.0 {

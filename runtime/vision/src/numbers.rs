@@ -1,7 +1,7 @@
-//! Numbers beside points, small and legible, that cover no point.
+//! Small legible numbers beside points, placed so that they cover no point.
 //!
 //! In: a picture and places in it. Out: the same picture with the number of each place beside it, from 1. Digits are
-//! white with a black rim, so that they can be read on cloth and table alike; they grow with the picture.
+//! white with a black rim, to be legible on cloth and table alike; they grow with the picture.
 
 use image::{Rgb, RgbImage};
 
@@ -22,13 +22,13 @@ const DIGITS: [[u8; 7]; 10] = [
 /// Columns and rows of a digit.
 const SIZE: [i64; 2] = [5, 7];
 
-/// Side of the pictures from which on digits are drawn twice as large, pixels; three times from the double on.
+/// Pictures of at least this side get digits twice as large, pixels; from twice this side, three times.
 const LARGER_FROM_PX: u32 = 400;
 
 /// Width of a digit's black rim; a wider one would close the digits.
 const RIM_PX: i64 = 1;
 
-/// How far a number stays from every point, pixels at the smallest size.
+/// How far a number stays from every point, pixels at the smallest digit size.
 const CLEAR_PX: i64 = 4;
 
 /// How many rings of places around a point are tried for its number.
@@ -36,8 +36,8 @@ const RINGS: i64 = 8;
 
 /// Draws the number of each place, `[column, row]`, beside it; the first is 1.
 ///
-/// A place that is not finite, or outside of the picture, gets none. Where places lie so dense that a number finds no
-/// room, it may overlap other numbers; it covers no place as long as there is room within `RINGS` rings.
+/// A place that is not finite or outside the picture gets no number. If there is no free room, a number may overlap
+/// other numbers; it covers no place as long as there is room within `RINGS` rings.
 pub fn draw_numbers(picture: &mut RgbImage, places: &[[f64; 2]]) {
     let longest = picture.width().max(picture.height());
     let scale = i64::from((longest / LARGER_FROM_PX).clamp(0, 2) + 1);
@@ -55,7 +55,7 @@ pub fn draw_numbers(picture: &mut RgbImage, places: &[[f64; 2]]) {
     }
 }
 
-/// A rectangle: left, top, and what lies just behind right and bottom.
+/// A rectangle: left, top, and exclusive right and bottom.
 #[derive(Clone, Copy)]
 struct Area {
     from: [i64; 2],
@@ -88,8 +88,8 @@ fn inside([column, row]: [f64; 2], picture: &RgbImage) -> Option<[i64; 2]> {
     is_inside.then_some([column as i64, row as i64])
 }
 
-/// Finds room for a number near its point: inside of the picture, clear of all points and of the other numbers, and
-/// nearer to its point than to any other, as far as there is such room.
+/// Finds room for a number near its point: inside the picture, clear of all points and other numbers, and nearer to its
+/// point than to any other, as far as possible.
 fn room(
     picture: &RgbImage,
     point: [i64; 2],
@@ -99,7 +99,7 @@ fn room(
     drawn: &[Area],
 ) -> Area {
     let n_digits = text.len() as i64;
-    // A rim of one step around, and one step between two digits.
+    // One step of rim around, and one step between two digits.
     let size = [
         (n_digits * (SIZE[0] + 1) + 1) * scale,
         (SIZE[1] + 2) * scale,
@@ -130,7 +130,7 @@ fn room(
             })
         })
     };
-    // Twice the distance, squared; the factor keeps it whole.
+    // Twice the distance, squared; the factor keeps it an integer.
     let apart = |area: &Area, point: &[i64; 2]| -> i64 {
         let along = |axis: usize| area.from[axis] + area.to[axis] - 2 * point[axis];
         along(0) * along(0) + along(1) * along(1)
@@ -158,7 +158,7 @@ fn room(
 
 fn write(picture: &mut RgbImage, text: &str, area: Area, scale: i64) {
     let [left, top] = area.from;
-    // The rim first, so that no digit's rim lies on its neighbour.
+    // Rims first, so that no digit's rim covers its neighbour.
     for (color, rim) in [(Rgb([0, 0, 0]), RIM_PX), (Rgb([255, 255, 255]), 0)] {
         for (letter, at) in text.bytes().zip(0_i64..) {
             let rows = DIGITS[usize::from(letter - b'0') % DIGITS.len()];

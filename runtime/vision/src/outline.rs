@@ -14,13 +14,13 @@ pub const MAX_ALONG: u32 = 10_000;
 
 /// Returns the outer outline of a mask's largest piece; empty if the mask is.
 ///
-/// Pixels that touch by a side or a corner belong to one piece; of equally large pieces the one whose first
-/// pixel, row by row, comes first is taken. The outline consists of pixels of the piece (OpenCV's `findContours`);
-/// holes have no part in it. With a `tolerance_px` above 0 it is then simplified to a polygon that runs about as
-/// close to it as that (OpenCV's `approxPolyDP`); with 0 every pixel is kept.
+/// Pixels that touch by a side or a corner belong to one piece; of equally large pieces, the one whose first pixel
+/// comes first row by row. The outline consists of pixels of the piece (OpenCV's `findContours`) and ignores holes.
+/// With a `tolerance_px` above 0 it is simplified to a polygon within about that distance (OpenCV's `approxPolyDP`);
+/// with 0 every pixel is kept.
 ///
-/// It starts at the vertex highest up, then farthest left, and runs clockwise as seen in the picture. One that
-/// encloses nothing, as that of a line one pixel wide, runs forth and back in either order.
+/// It starts at the topmost, then leftmost vertex, and runs clockwise as seen in the picture. An outline without area,
+/// for example of a line one pixel wide, runs forth and back, in either order.
 ///
 /// Fails if the tolerance is not between 0 and 8192, the mask's sides are longer than
 /// [`super::MAX_SIDE_PX`], or OpenCV fails.
@@ -58,7 +58,7 @@ pub fn contour(mask: &Mask, tolerance_px: f64) -> Result<Vec<PixelPoint>, Vision
     Ok(in_order(points.collect()))
 }
 
-/// Returns the mask's largest piece alone; of equally large ones the one that begins farther up, then farther left.
+/// Returns the mask's largest piece alone; of equally large ones, the one that begins farther up, then farther left.
 pub fn largest(mask: &Mask) -> Mask {
     let mut is_inside = vec![false; mask.width() as usize * mask.height() as usize];
     for pixel in largest_piece(mask) {
@@ -98,11 +98,11 @@ fn largest_piece(mask: &Mask) -> Vec<PixelPoint> {
     largest
 }
 
-/// Turns a closed polygon so that it starts at its upper left vertex and runs clockwise.
+/// Rotates a closed polygon's vertices to start at the upper left one and run clockwise.
 fn in_order(mut points: Vec<PixelPoint>) -> Vec<PixelPoint> {
     let first = (0..points.len()).min_by_key(|&index| (points[index].v, points[index].u));
     points.rotate_left(first.unwrap_or(0));
-    // Rows count downward, so a positive area is a clockwise one to the eye.
+    // Rows count downward, so a positive area means clockwise to the eye.
     let doubled_area: i64 = sides(&points)
         .map(|(a, b)| i64::from(a.u) * i64::from(b.v) - i64::from(b.u) * i64::from(a.v))
         .sum();
@@ -112,15 +112,15 @@ fn in_order(mut points: Vec<PixelPoint>) -> Vec<PixelPoint> {
     points
 }
 
-/// Pairs each vertex with the next one, the last with the first.
+/// Pairs each vertex with the next one, the last one with the first.
 fn sides(outline: &[PixelPoint]) -> impl Iterator<Item = (PixelPoint, PixelPoint)> {
     let next = outline.iter().cycle().skip(1);
     outline.iter().copied().zip(next.copied())
 }
 
-/// Returns the middle of each side of an outline in its order; of its pixel, halves are rounded up (right and down).
+/// Returns the middle of each side of an outline, in its order; the pixel is rounded, halves up (right and down).
 ///
-/// The two sides between two points are taken once, and a single point has none.
+/// The two sides of a two-point outline are taken once; a single point has none.
 pub fn edge_middles(outline: &[PixelPoint]) -> Vec<Located> {
     let n_sides = match outline.len() {
         0 | 1 => 0,
@@ -138,10 +138,10 @@ pub fn edge_middles(outline: &[PixelPoint]) -> Vec<Located> {
         .collect()
 }
 
-/// Returns points at equal distances along an outline, from its first vertex on and in its order.
+/// Returns points at equal distances along an outline, from its first vertex and in its order.
 ///
-/// They are `count` at most, and no more than [`MAX_ALONG`]; each is rounded to a pixel, halves up (right and
-/// down), and a pixel that came before is left out, so that an outline shorter than `count` pixels has fewer.
+/// At most `count`, and no more than [`MAX_ALONG`]. Each is rounded to a pixel, halves up (right and down), and
+/// repeated pixels are dropped, so an outline shorter than `count` pixels has fewer.
 pub fn along(outline: &[PixelPoint], count: u32) -> Vec<Located> {
     let count = count.min(MAX_ALONG);
     let perimeter_px: f64 = sides(outline).map(|(a, b)| a.distance_px(b)).sum();
@@ -155,7 +155,7 @@ pub fn along(outline: &[PixelPoint], count: u32) -> Vec<Located> {
     for index in 0..count {
         let at_px = perimeter_px * f64::from(index) / f64::from(count);
         while at_px > side_begins_px + side.0.distance_px(side.1) {
-            // Rounding may leave the last point a hair beyond the last side; it stays at its end.
+            // Rounding may put the last point slightly past the last side; it then stays at its end.
             let Some(next) = sides.next() else { break };
             side_begins_px += side.0.distance_px(side.1);
             side = next;

@@ -1,20 +1,20 @@
-//! The smallest rectangle around a mask, turned any way.
+//! The smallest rectangle around a mask, at any angle.
 //!
-//! In: a mask. Out: a [`Rectangle`]. A cloth lies like it, up to the rectangle's own symmetries.
+//! In: a mask. Out: a [`Rectangle`]: the cloth's pose, up to the rectangle's own symmetries.
 
 use super::{VisionError, contour};
 use fab_picture::Mask;
 use opencv::core::{Point, Vector};
 use opencv::imgproc;
 
-/// A rectangle in a picture; points are `[column, row]`, pixels, with a pixel's centre at one half.
+/// A rectangle in a picture; points are `[column, row]`, pixels, with pixel centres at one half.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     /// Its middle.
     pub center: [f64; 2],
     /// Unit vector along its longer side.
     pub along: [f64; 2],
-    /// Its longer side and its shorter one, pixels.
+    /// Its longer and shorter side, pixels.
     pub sides: [f64; 2],
 }
 

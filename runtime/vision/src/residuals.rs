@@ -1,4 +1,4 @@
-//! Measured points and where they should be, drawn so that small errors are seen.
+//! Draws measured points and where they should be, so that small errors are visible.
 //!
 //! In: a picture, measured and expected places. Out: the same picture with a ring, a number and an arrow for each.
 
@@ -14,8 +14,8 @@ const ARROW: [u8; 3] = [255, 60, 60];
 
 /// Draws a ring around each measured place, its number from 1, and an arrow towards where it should be.
 ///
-/// Each entry is the measured place, and the expected one where there is one, `[column, row]`; arrows are `times` as
-/// long as the error. What lies outside the picture is cut off.
+/// Each entry is the measured place and the expected one, if any, `[column, row]`; arrows are `times` as long as the
+/// error. Everything is clipped at the picture's edge.
 pub fn draw_residuals(
     picture: &mut RgbImage,
     places: &[([f64; 2], Option<[f64; 2]>)],
@@ -30,7 +30,7 @@ pub fn draw_residuals(
             let Some(middle) = pixel(*measured) else {
                 continue;
             };
-            // A black stroke below each coloured one keeps it apart from any table.
+            // A black stroke below each coloured one makes it stand out on any table.
             for (rgb, wider) in [(BLACK, 3), (RING, 1)] {
                 ring(&mut canvas, middle, 6 * scale, scale + wider, rgb)?;
             }
@@ -51,7 +51,7 @@ pub fn draw_residuals(
     Ok(())
 }
 
-/// Returns the pixel that holds a place; `None` for what is not finite.
+/// Returns the pixel that holds a place; `None` if the place is not finite.
 fn pixel([u, v]: [f64; 2]) -> Option<Point> {
     let far = 16_384.0;
     let near = |value: f64| value.clamp(-far, far).floor() as i32;

@@ -1,7 +1,6 @@
 //! The picture that a corner detector looks at.
 //!
-//! In: an observation, the cloth's mask, what the detector sees of it. Out: a square 8-bit picture, black where
-//! there is no cloth.
+//! In: an observation, the cloth's mask, the sight to use. Out: a square 8-bit picture, black where there is no cloth.
 
 use super::color::{gray_level, misread};
 use fab_picture::has_reading;
@@ -10,13 +9,13 @@ use fab_program::{PixelPoint, Sight};
 use image::imageops::{self, FilterType};
 use image::{GrayImage, Luma, RgbImage};
 
-/// Grey levels per metre in a picture of depth, so 1 cm a level (protocol, section 6).
+/// Grey levels per metre in a picture of depth, 1 cm per level (protocol, section 6).
 const LEVELS_PER_METRE: f64 = 100.0;
 
 /// Makes the picture, `side_px` squared: depth in centimetres, white, or grey; 0 where there is no cloth.
 ///
-/// All three inputs have the same size. Values are averaged over cloth pixels alone, so that neither the table
-/// nor missing readings bend the cloth's rim; a pixel is cloth where at least half of what it stands for is.
+/// All three inputs have the same size. Values are averaged over cloth pixels alone, so neither the table nor missing
+/// readings distort the cloth's rim. A pixel is cloth if at least half of its source area is.
 pub(super) fn detector_picture(
     depth: &DepthImage,
     rgb: &RgbImage,
@@ -30,7 +29,7 @@ pub(super) fn detector_picture(
         scaled(
             size,
             side_px,
-            // Sharpening exceeds a full share at the rim by an eighth; at half a share nothing is cut off.
+            // Sharpening overshoots a full share at the rim by an eighth; at half scale nothing is clipped.
             0.5,
             |column, row| {
                 let level = gray_level(shown(rgb.get_pixel(column, row).0));
@@ -41,7 +40,7 @@ pub(super) fn detector_picture(
     };
     match of {
         Sight::Depth => {
-            // `resize` keeps floats within 0 and 1, so depths travel as fractions of the farthest one.
+            // `resize` keeps floats within 0 and 1, so depths are passed as fractions of the farthest one.
             let farthest_m = depth
                 .pixels()
                 .map(|pixel| pixel.0[0])
@@ -53,7 +52,7 @@ pub(super) fn detector_picture(
             };
             scaled(size, side_px, 1.0, fraction, |fraction| {
                 let level = (fraction * f64::from(farthest_m) * LEVELS_PER_METRE).round();
-                // At least 1: cloth stays apart from the background however near the camera is.
+                // At least 1: cloth stays distinct from the background however near the camera is.
                 level.clamp(1.0, 255.0) as u8
             })
         }
@@ -69,9 +68,9 @@ pub(super) fn detector_picture(
     }
 }
 
-/// Scales the values of cloth pixels, 0 to 1, and turns their averages into levels; 0 off the cloth.
+/// Scales the values of cloth pixels, 0 to 1, and converts their averages to levels; 0 off the cloth.
 ///
-/// `whole` is what a pixel of cloth counts; `resize` cuts everything off at 1.
+/// `whole` is the value of a full cloth pixel; `resize` clips everything at 1.
 fn scaled(
     (width, height): (u32, u32),
     side_px: u32,
@@ -80,7 +79,7 @@ fn scaled(
     level: impl Fn(f64) -> u8,
 ) -> GrayImage {
     if (width, height) == (side_px, side_px) {
-        // Nothing is averaged, and the two pictures below would cancel out.
+        // Nothing is averaged here, and the two pictures below would cancel out.
         return GrayImage::from_fn(width, height, |column, row| {
             Luma([value(column, row).map_or(0, |value| level(f64::from(value)))])
         });

@@ -1,7 +1,7 @@
-//! Masks of one side of a picture that falls in two: a cloth and a table of another brightness or colour.
+//! Masks by splitting a picture in two: a cloth and a table of another brightness or colour.
 //!
-//! In: an RGB picture. Out: a [`Mask`]. The level between the two sides is the one that tells them apart best (Otsu 1979), found in
-//! the picture itself, so that no number depends on the lamp. Nothing here knows which side the cloth is on.
+//! In: an RGB picture. Out: a [`Mask`]. The threshold is the level that separates the two sides best (Otsu 1979). It is
+//! found in the picture itself, so no number depends on the lighting. Nothing here knows which side is the cloth.
 
 use super::color::{gray_level, saturation_level};
 use fab_picture::Mask;
@@ -10,8 +10,8 @@ use image::RgbImage;
 
 /// Keeps the pixels on one side of the best level.
 ///
-/// - `blur_px`: side of the square over which levels are averaged first; 0 and 1 leave them.
-/// - `contrast`: how far the means of the sides must lie apart, 0 to 1; nearer ones give an empty mask.
+/// - `blur_px`: side of the square for averaging first; 0 and 1 change nothing.
+/// - `contrast`: least distance between the means of the sides, 0 to 1; a smaller one gives an empty mask.
 pub fn split_mask(rgb: &RgbImage, of: Channel, keep: Side, blur_px: u32, contrast: f64) -> Mask {
     let (width, height) = rgb.dimensions();
     let levels = blurred(&levels(rgb, of), [width, height], blur_px);
@@ -27,7 +27,7 @@ pub fn split_mask(rgb: &RgbImage, of: Channel, keep: Side, blur_px: u32, contras
     }
 }
 
-/// Returns how far apart the means of a picture's two sides lie, 0 to 1; none where all pixels are alike.
+/// Returns the distance between the means of a picture's two sides, 0 to 1; `None` if all pixels are equal.
 pub fn contrast_of(rgb: &RgbImage, of: Channel, blur_px: u32) -> Option<f64> {
     let levels = blurred(&levels(rgb, of), rgb.dimensions().into(), blur_px);
     split(&levels).map(|split| split.contrast())
@@ -41,7 +41,7 @@ fn levels(rgb: &RgbImage, of: Channel) -> Vec<u8> {
     rgb.pixels().map(|pixel| level(pixel.0)).collect()
 }
 
-/// Averages over a square around each pixel, as much of it as the picture has.
+/// Averages over a square around each pixel, clipped at the picture's edge.
 fn blurred(levels: &[u8], [width, height]: [u32; 2], side_px: u32) -> Vec<u8> {
     if side_px <= 1 || levels.is_empty() {
         return levels.to_vec();
@@ -74,7 +74,7 @@ fn blurred(levels: &[u8], [width, height]: [u32; 2], side_px: u32) -> Vec<u8> {
     averages
 }
 
-/// A level between two sides.
+/// A threshold between two sides.
 struct Split {
     /// The highest level of the low side.
     level: u8,
@@ -88,8 +88,7 @@ impl Split {
     }
 }
 
-/// Finds the level at which the variance between both sides is largest; of equal ones the lowest. None where all levels
-/// are equal.
+/// Finds the level with the largest variance between both sides; ties go to the lowest. `None` if all levels are equal.
 fn split(levels: &[u8]) -> Option<Split> {
     let mut counts = [0_u64; 256];
     for level in levels {
@@ -124,12 +123,12 @@ fn split(levels: &[u8]) -> Option<Split> {
 
 /// Fills the gaps of a mask: grows it by a square, and shrinks it by the same.
 ///
-/// Every pixel of the mask stays in it. What lies beyond the picture's edge fills nothing.
+/// Every pixel of the mask stays in it. The area beyond the picture's edge fills nothing.
 ///
 /// - `side_px`: side of the square; 0 and 1 change nothing.
 pub fn closed(mask: &Mask, side_px: u32) -> Mask {
     let side_px = side_px.max(1);
-    // An even square has no middle; what it reaches farther on one side it reaches back on the other.
+    // An even square has no middle; eroding uses the mirrored square, so the two steps cancel.
     let (before, behind) = ((side_px - 1) / 2, side_px / 2);
     let grown = swept(mask, [before, behind], |n_inside, _| n_inside > 0);
     swept(&grown, [behind, before], |n_inside, n_all| {
@@ -137,7 +136,7 @@ pub fn closed(mask: &Mask, side_px: u32) -> Mask {
     })
 }
 
-/// Decides each pixel by how many of the pixels around it are inside, and how many there are, along rows and then columns.
+/// Decides each pixel by how many of its neighbours are inside and how many there are, along rows and then columns.
 fn swept(mask: &Mask, [before, behind]: [u32; 2], decide: fn(u32, u32) -> bool) -> Mask {
     let (width, height) = (mask.width(), mask.height());
     let along_rows = line_by_line([width, height], [before, behind], decide, |column, row| {
@@ -152,7 +151,7 @@ fn swept(mask: &Mask, [before, behind]: [u32; 2], decide: fn(u32, u32) -> bool) 
     })
 }
 
-/// Does so along lines of `length`, of which there are `count`: `[count * length]`, line by line.
+/// Does one such pass along `count` lines of `length` each: `[count * length]`, line by line.
 fn line_by_line(
     [length, count]: [u32; 2],
     [before, behind]: [u32; 2],

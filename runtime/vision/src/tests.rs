@@ -39,7 +39,7 @@ fn harris() -> CornerSearch {
     }
 }
 
-/// Finds corners of what is seen without colours.
+/// Finds corners by depth, without colours.
 fn corners_by_depth(
     depth: &DepthImage,
     mask: &Mask,
@@ -133,7 +133,7 @@ fn the_corners_of_a_rectangle_are_its_corners() {
 
 #[test]
 fn the_detectors_picture_is_the_cloths_depth_in_centimetres_where_half_a_pixel_is_cloth() {
-    // Four pixels become one; the cloth begins a quarter of one before the middle, and three quarters below.
+    // Four pixels become one; the cloth begins a quarter of a pixel before the middle, and three quarters below.
     let depth = DepthImage::from_fn(64, 64, |column, row| {
         Luma([if column >= 31 && row >= 29 { 0.3 } else { 0.65 }])
     });
@@ -159,7 +159,7 @@ fn corners_are_scaled_back_without_a_drift() {
     });
     let found = corners_by_depth(&depth, &depth_mask(&depth, 0.646), &harris()).unwrap();
     assert_eq!(found.len(), 4, "{found:?}");
-    // The cloth's middle is the picture's, 112 between pixels and 111.5 in whole ones.
+    // The cloth's middle is the picture's: 112 as a boundary between pixels, 111.5 as a pixel index.
     for axis in 0..2 {
         let located = found.iter().map(|corner| corner.at[axis]).sum::<f64>() / 4.0;
         assert!((located - 112.0).abs() < 0.3, "{located}: {found:?}");

@@ -1,18 +1,19 @@
-//! A world around another one, of which it changes a part.
+//! A world that wraps another one and changes part of it.
 //!
-//! In: the world within, and what is otherwise. Out: a [`World`]; all that is not said to be otherwise is the inner one's.
+//! In: the inner world and the overridden methods. Out: a [`World`]; everything not overridden is delegated to the
+//! inner world.
 
 use super::{Executed, Motion, World, WorldError, WorldPoint};
 use crate::start::Start;
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 
-/// A world around another one: what is not overridden is done by that.
+/// A wrapper around another world; methods that are not overridden are delegated to it.
 pub trait Around {
-    /// Returns the world within.
+    /// Returns the inner world.
     fn inner(&self) -> &dyn World;
 
-    /// Returns the world within, to be changed.
+    /// Returns the inner world for changes.
     fn inner_mut(&mut self) -> &mut dyn World;
 
     /// As [`World::name`].

@@ -1,7 +1,7 @@
-//! What every world promises, as checks that anybody can run on theirs.
+//! What every world promises, as checks that anybody can run on their own world.
 //!
-//! In: a way to make a world. Out: for each promise whether it is kept. The project's own worlds pass all of them in its
-//! tests; `fabc world check` runs them on a program of the user's.
+//! In: a way to make a world. Out: for each promise, whether it is kept. The project's own tests run all of them on its
+//! worlds; `fabc world check` runs them on a user's program.
 
 use crate::metrics::coverage;
 use crate::start::Start;
@@ -10,10 +10,10 @@ use fab_base::interrupt::Interrupt;
 use fab_program::{Camera, Cloth, ClothStart, ImageUp};
 use std::time::{Duration, Instant};
 
-/// How long a world may take to end what was interrupted.
+/// How long a world may take to stop after an interrupt.
 const LONGEST_HALT: Duration = Duration::from_millis(4500);
 
-/// An action that takes less cannot be interrupted.
+/// An action faster than this cannot be interrupted.
 const INSTANT: Duration = Duration::from_millis(500);
 
 /// A promise of every world.
@@ -29,16 +29,16 @@ pub type MakeWorld<'a> = dyn Fn() -> Result<Box<dyn World>, WorldError> + 'a;
 /// How a promise was kept.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kept {
-    /// It was.
+    /// It was kept.
     Whole,
-    /// The world says that it cannot do what was promised, and that is its right.
+    /// The world says that it cannot do what was promised, which is allowed.
     Refused(String),
 }
 
 /// How a promise was broken.
 #[derive(Debug, thiserror::Error)]
 pub enum Broken {
-    /// Something came out that must not.
+    /// A result broke the promise.
     #[error("{0}")]
     Promise(String),
     /// The world failed.
@@ -93,7 +93,7 @@ pub const PROMISES: [Promise; 9] = [
     },
 ];
 
-/// Returns the camera that the pictures are taken with: that of the shipped folds.
+/// Returns the camera for the checks' pictures: the one of the shipped folds.
 pub fn camera() -> Camera {
     Camera {
         height_m: 0.65,

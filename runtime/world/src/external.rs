@@ -1,7 +1,7 @@
-//! A world that is a program of the user's, in any language: another simulator, or a robot of their own.
+//! A world that is a user's program, in any language: another simulator, or their own robot.
 //!
-//! In: one line of JSON per question. Out: one line per answer, files by their paths. `docs/worlds.md` states both.
-//! Whatever the program answers is checked here before anybody uses it.
+//! In: one line of JSON per question. Out: one line per answer, files by their paths. `docs/worlds.md` documents both.
+//! Every answer is checked here before anybody uses it.
 
 use crate::protocol::{
     Done, Hello, LIMITS_S, Laid, Lie, Nothing, PROTOCOL, Positions, Question, Reached, Seen,
@@ -23,23 +23,23 @@ use std::path::Path;
 use std::time::Duration;
 use tempfile::TempDir;
 
-/// What the program writes to stderr, in the run folder.
+/// The file in the run folder that receives the program's stderr.
 pub const STDERR_FILE: &str = "world.stderr.txt";
 
-/// The longest limit that a program may state, seconds.
+/// The longest time limit that a program may state, seconds.
 const MAX_LIMIT_S: u64 = 3600;
 
-/// How long a program may take to end what it does when it is interrupted.
+/// How long a program may take to stop after an interrupt.
 const HALT_LIMIT: Duration = Duration::from_secs(5);
 
-/// The largest array that is read, bytes.
+/// The largest array accepted, bytes.
 const MAX_ARRAY_BYTES: u64 = 256 << 20;
 
-/// A program's world.
+/// A world run by a program.
 pub struct ExternalWorld {
     child: RefCell<Child>,
     about: Hello,
-    /// Files for the program and of it; removed at the end.
+    /// Files exchanged with the program; removed at the end.
     folder: TempDir,
     camera: program::Camera,
     picker: Picker,
@@ -48,23 +48,23 @@ pub struct ExternalWorld {
     /// How many starts were written.
     n_starts: RefCell<u32>,
     particles: Option<Vec<[f32; 3]>>,
-    /// Why a question failed whose asker cannot fail; the next one that can says it.
+    /// The error of a question whose caller cannot fail; the next caller that can reports it.
     failed: RefCell<Option<String>>,
 }
 
-/// What a question came to.
+/// The outcome of a question.
 enum Answered<T> {
     Given(T),
     Refused(String),
 }
 
 impl ExternalWorld {
-    /// Returns what the program says of itself.
+    /// Returns what the program says about itself.
     pub fn hello(&self) -> &Hello {
         &self.about
     }
 
-    /// Starts a program and asks what it is.
+    /// Starts a program and asks for its description.
     ///
     /// - `run`: the run folder, where its stderr is kept.
     pub fn start(
@@ -79,7 +79,7 @@ impl ExternalWorld {
         let folder = folder.map_err(|error| failed(error.to_string()))?;
         if folder.path().to_str().is_none() {
             return Err(failed(format!(
-                "the folder for files, `{}`, is no UTF-8, so no line can name it: set TMPDIR to another one",
+                "the folder for files, `{}`, is not UTF-8, so no line can name it: set TMPDIR to another one",
                 folder.path().display()
             )));
         }
@@ -103,7 +103,7 @@ impl ExternalWorld {
         ] {
             if value.trim().is_empty() {
                 return Err(failed(format!(
-                    "`{command}` states an empty `{key}`, and results are kept under it"
+                    "`{command}` states an empty `{key}`, and results are stored under it"
                 )));
             }
         }
@@ -131,7 +131,7 @@ impl ExternalWorld {
         })
     }
 
-    /// Asks a question; where it is interrupted, so is the program, and its last word counts.
+    /// Asks a question. If it is interrupted, the program is interrupted too, and its last line counts.
     fn ask<T: DeserializeOwned>(
         &self,
         question: &Question,
@@ -148,7 +148,7 @@ impl ExternalWorld {
         let line = match child.receive(limit, interrupt) {
             Err(ChildError::Interrupted) => {
                 child.tell(&Question::Interrupt);
-                // Whatever becomes of it now, the rollout was interrupted.
+                // Whatever the answer is now, the rollout was interrupted.
                 let last = child.receive(HALT_LIMIT, &Interrupt::default());
                 last.map_err(|_| WorldError::Interrupted)?
             }
@@ -171,7 +171,7 @@ impl ExternalWorld {
         }
     }
 
-    /// Asks a question that the program is not supposed to refuse.
+    /// Asks a question that the program must not refuse.
     fn get<T: DeserializeOwned>(
         &self,
         question: &Question,
@@ -191,7 +191,7 @@ impl ExternalWorld {
         }
     }
 
-    /// Writes a start for the program.
+    /// Writes the files of a start for the program.
     fn written(&self, start: &Start) -> Result<Laid, WorldError> {
         let refused = |why: String| WorldError::Start {
             start: start.name.clone(),
@@ -239,13 +239,13 @@ impl ExternalWorld {
         })
     }
 
-    /// Reads particles, as many as there were.
+    /// Reads particle positions, as many as expected.
     fn positions(&self, file: &Path, count: usize) -> Result<Vec<[f32; 3]>, WorldError> {
         let wrong = |why: String| self.wrong(format!("its positions `{}`: {why}", file.display()));
         let bytes = files::read(file, MAX_ARRAY_BYTES).map_err(wrong)?;
         let positions = npy::decode(&bytes).ok_or_else(|| {
             wrong(
-                "they are no .npy file of little-endian float32 numbers of shape [particles, 3]"
+                "they are not a .npy file of little-endian float32 numbers of shape [particles, 3]"
                     .to_owned(),
             )
         })?;
@@ -334,7 +334,7 @@ impl World for ExternalWorld {
             .all(|depth| depth.is_finite() && *depth >= 0.0)
         {
             return Err(wrong(
-                "a depth is negative or not finite; 0 says that there is no reading".to_owned(),
+                "a depth is negative or not finite; 0 means no reading".to_owned(),
             ));
         }
         let depths = depths.into_iter().map(|depth| depth as f32).collect();
@@ -408,7 +408,7 @@ impl World for ExternalWorld {
         self.particles.clone()
     }
 
-    /// Where the program fails to answer, the next action says so.
+    /// If the program fails to answer, the next action reports it.
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
         if !self.about.reach || self.failed.borrow().is_some() {
             return None;

@@ -1,7 +1,7 @@
-//! Worlds in which actions are executed, behind one trait.
+//! Worlds that execute actions, behind one trait.
 //!
-//! In: a [`Start`] and [`Motion`]s in metres. Out: [`Observation`]s and what really happened. A world
-//! knows nothing of prompts, models or checks.
+//! In: a [`Start`] and [`Motion`]s in metres. Out: [`Observation`]s and what really happened. A world knows nothing
+//! about prompts, models or checks.
 
 pub mod conformance;
 pub mod crumple;
@@ -41,12 +41,13 @@ pub trait World {
     /// Returns the hash of every parameter that changes results.
     fn parameters(&self) -> String;
 
-    /// Returns a digest of the code that makes the results: it changes whenever equal actions might end otherwise.
+    /// Returns a digest of the code behind the results: it changes whenever equal actions might have another result.
     fn code(&self) -> String;
 
-    /// Returns whether a reset lays the cloth as it lay before, and equal actions from there have equal ends.
+    /// Returns whether the world is repeatable: a reset restores the same cloth, and equal actions then give equal
+    /// results.
     ///
-    /// A rollout that was cut off is gone on with only in such a world.
+    /// Only in such a world can an interrupted rollout be resumed.
     fn repeats(&self) -> bool {
         true
     }
@@ -60,41 +61,42 @@ pub trait World {
     /// Picks at one point, carries the cloth to another and releases it.
     ///
     /// Returns what was really done, which may differ from what was asked. Ends early when `interrupt` is raised: with
-    /// [`WorldError::Interrupted`] where nothing is to be said of it, else with [`WorldError::Halted`].
+    /// [`WorldError::Interrupted`] if there is nothing more to report, otherwise with [`WorldError::Halted`].
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError>;
 
-    /// Crumples a start by chance and returns where the cloth then lies, on the table's centre and at rest.
+    /// Crumples a start at random and returns where the cloth then lies, centred on the table and at rest.
     ///
-    /// The seed decides all chance: equal starts and seeds give equal results. The world itself stays as it was,
-    /// so that what is crumpled begins a rollout like any other start: by [`World::reset`], with its digest in
-    /// the journal. Fails with [`WorldError::CannotCrumple`] where a world has no such means, and ends early
-    /// with [`WorldError::Interrupted`] when `interrupt` is raised.
+    /// The seed decides everything random: equal starts and seeds give equal results. The world itself does not change,
+    /// so a crumpled cloth begins a rollout like any other start: through [`World::reset`], with its digest in the
+    /// journal. Fails with [`WorldError::CannotCrumple`] if the world has no way to do it, and ends early with
+    /// [`WorldError::Interrupted`] when `interrupt` is raised.
     fn crumple(&self, start: &Start, seed: u64, interrupt: &Interrupt)
     -> Result<Start, WorldError>;
 
-    /// Returns the position of every particle, or `None` where the world cannot know.
+    /// Returns the position of every particle, or `None` if the world cannot know.
     ///
     /// Shape `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
     fn particles(&self) -> Option<Vec<[f32; 3]>>;
 
-    /// Returns what the camera sees of the flat cloth, whole and alone on the table, or `None` where no such picture was taken.
+    /// Returns what the camera sees of the flat cloth, whole and alone on the table, or `None` if no such picture was
+    /// taken.
     ///
-    /// Coverage is measured against it where the world does not know its particles, so it belongs to the world's
-    /// parameters. Its size is that of other pictures; depth may be without a reading.
+    /// Coverage is measured against this picture if the world does not know its particles, so it belongs to the world's
+    /// parameters. It has the size of the other pictures; its depth may lack readings.
     fn flat_cloth(&self) -> Option<Observation> {
         None
     }
 
-    /// Says why nothing can be picked or placed at a point, or `None` where it is in reach.
+    /// Returns why nothing can be picked or placed at a point, or `None` if it is in reach.
     ///
-    /// The words end a sentence that a model is told, such as `it lies 0.81 m from the arm's base, and the arm reaches
-    /// 0.70 m`. Depends on the point and the world's parameters alone.
+    /// The reason completes a sentence for the model, such as `it lies 0.81 m from the arm's base, and the arm reaches
+    /// 0.70 m`. It depends on the point and the world's parameters alone.
     fn out_of_reach(&self, _point: &WorldPoint) -> Option<String> {
         None
     }
 }
 
-/// What a world says of itself.
+/// What a world reports about itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct About {
     /// Its [`World::name`].
@@ -106,7 +108,7 @@ pub struct About {
 }
 
 impl About {
-    /// Asks a world.
+    /// Collects the answers of a world.
     pub fn of(world: &dyn World) -> About {
         About {
             name: world.name().to_owned(),
@@ -116,10 +118,10 @@ impl About {
     }
 }
 
-/// Says why nothing can be done at a point, as [`World::out_of_reach`] does.
+/// Returns why nothing can be done at a point, as [`World::out_of_reach`] does.
 pub type Reach<'a> = dyn Fn(&WorldPoint) -> Option<String> + 'a;
 
-/// Finds every point in reach: for questions outside of any world.
+/// Treats every point as in reach: for questions outside any world.
 pub fn everywhere(_: &WorldPoint) -> Option<String> {
     None
 }
@@ -127,7 +129,7 @@ pub fn everywhere(_: &WorldPoint) -> Option<String> {
 /// A pick and a place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// Where the cloth is taken.
+    /// Where the cloth is picked.
     pub pick: WorldPoint,
     /// Where it is released.
     pub place: WorldPoint,
@@ -148,13 +150,13 @@ pub struct Executed {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Grasp {
-    /// The particle of this index.
+    /// The particle with this index.
     Particle(u32),
     /// Nothing: the cloth was out of reach of the gripper.
     Missed,
-    /// Something: fingers that were closed stopped before they met.
+    /// Something: the closing fingers stopped before they met.
     Held,
-    /// The gripper closed, and nothing tells what is in it.
+    /// The gripper closed, and nothing tells whether it holds anything.
     Unverified,
 }
 
@@ -184,28 +186,28 @@ pub enum WorldError {
         /// The world's name.
         world: String,
     },
-    /// The motion left what the world can represent.
+    /// The motion left the range that the world can represent.
     #[error("the motion failed: {why}")]
     Motion {
         /// What went wrong.
         why: String,
     },
-    /// The program of the user's that is the world failed, or answered what cannot be.
+    /// The user's program behind the world failed, or gave an impossible answer.
     #[error("{why}")]
     Program {
         /// What went wrong, with the program's name or command line.
         why: String,
     },
-    /// Somebody asked to stop.
+    /// A stop was requested.
     #[error("interrupted")]
     Interrupted,
-    /// The motion was planned, and nothing is to move.
+    /// The motion was only planned; nothing is to move.
     #[error("planned, and not moved")]
     PlannedOnly,
-    /// Somebody asked to stop, or gave no leave to go on, in the middle of a motion.
+    /// A stop was requested, or permission to go on was refused, in the middle of a motion.
     #[error("{told}")]
     Halted {
-        /// In which part, and what is verified.
+        /// In which part it stopped, and what is verified.
         told: String,
     },
 }

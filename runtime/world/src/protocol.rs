@@ -1,6 +1,6 @@
-//! The lines between `fabc` and a world that is another program: one set of types, for both sides.
+//! The lines between `fabc` and a world in another program: one set of types for both sides.
 //!
-//! `docs/worlds.md` states them. Lengths are metres in the world frame, times seconds.
+//! `docs/worlds.md` documents them. Lengths are metres in the world frame, times seconds.
 
 use crate::Grasp;
 use crate::start::Grid;
@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Version of the lines.
+/// Version of the protocol.
 pub const PROTOCOL: u32 = 1;
 
-/// The questions that are answered, and how long each may take, seconds, where the world states no limit of its own.
+/// The questions that have an answer, and the default limit for each, seconds.
 pub const LIMITS_S: [(&str, u64); 7] = [
     ("hello", 60),
     ("observe", 60),
@@ -32,14 +32,14 @@ pub enum Question {
     Hello {
         /// [`PROTOCOL`].
         protocol: u32,
-        /// A folder for files, which is removed at the end.
+        /// A folder for exchanged files, removed at the end.
         folder: PathBuf,
     },
     /// Lay a cloth.
     Reset {
         /// The camera of the pictures.
         camera: Camera,
-        /// How the cloth is let go.
+        /// How the cloth is released.
         picker: Picker,
         /// How the cloth lies.
         start: Laid,
@@ -48,18 +48,18 @@ pub enum Question {
     Observe,
     /// Pick and place.
     Act {
-        /// Where the cloth is taken.
+        /// Where the cloth is picked.
         pick: [f64; 3],
         /// Where it is released.
         place: [f64; 3],
     },
-    /// End what is under way; has no answer of its own.
+    /// Stop the current action; has no answer of its own.
     Interrupt,
     /// Where are the particles?
     Particles,
-    /// Crumple a cloth by chance, and say how it then lies.
+    /// Crumple a cloth at random, and return how it then lies.
     Crumple {
-        /// Decides all chance.
+        /// Decides everything random.
         seed: u64,
         /// The cloth.
         start: Laid,
@@ -92,15 +92,15 @@ impl Question {
 pub struct Laid {
     /// Its name in reports.
     pub name: String,
-    /// In which way.
+    /// Its arrangement.
     pub lie: Lie,
-    /// Its grid.
+    /// Its particle grid.
     pub grid: Grid,
     /// Its particles: a `.npy` file of float32, shape `[dimy * dimx, 3]`.
     pub positions: PathBuf,
 }
 
-/// In which way a cloth lies.
+/// The arrangement of a cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lie {
@@ -110,7 +110,7 @@ pub enum Lie {
     Positions,
 }
 
-/// What a world says of itself.
+/// What a world reports about itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hello {
     /// Its name in reports.
@@ -128,10 +128,10 @@ pub struct Hello {
     /// Whether it answers [`Question::Reach`].
     #[serde(default)]
     pub reach: bool,
-    /// Whether equal starts and actions end equally.
+    /// Whether equal starts and actions give equal results.
     #[serde(default = "yes")]
     pub repeats: bool,
-    /// Time limits of its own, seconds, by the question's name.
+    /// Its own time limits, seconds, by the question's name.
     #[serde(default)]
     pub limits_s: BTreeMap<String, u64>,
 }
@@ -140,7 +140,7 @@ fn yes() -> bool {
     true
 }
 
-/// Done, and nothing to say.
+/// Done, with nothing to report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Nothing {}
@@ -161,7 +161,7 @@ pub struct Seen {
 /// What was really done.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Done {
-    /// Where the cloth was taken.
+    /// Where the cloth was picked.
     pub pick: [f64; 3],
     /// Where it was released.
     pub place: [f64; 3],
@@ -171,7 +171,7 @@ pub struct Done {
     pub duration_s: f64,
 }
 
-/// Where particles are.
+/// Where the particles are.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Positions {
     /// A `.npy` file of float32, shape `[dimy * dimx, 3]`.
@@ -181,6 +181,6 @@ pub struct Positions {
 /// Whether a point is in reach.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Reached {
-    /// Why it is not; null where it is.
+    /// Why it is not; null if it is in reach.
     pub why: Option<String>,
 }

@@ -1,7 +1,7 @@
-//! The bundled simulator as a program that answers lines, as any world in another language does.
+//! The bundled simulator as a program that answers lines, like any world in another language.
 //!
-//! In: questions of [`protocol`], line by line. Out: their answers. It shows what is asked and answered, and a rollout in it
-//! comes out as one in [`SimulatedWorld`], bit for bit.
+//! In: questions of [`protocol`], line by line. Out: their answers. It serves as an example of the protocol; a rollout
+//! in it equals one in [`SimulatedWorld`], bit for bit.
 
 use crate::protocol::{self, Done, Hello, Laid, Nothing, Positions, Question, Seen};
 use crate::start::Start;
@@ -18,14 +18,14 @@ use std::path::PathBuf;
 use std::sync::mpsc::channel;
 use std::thread;
 
-/// The longest file of positions that is read, bytes.
+/// The largest positions file accepted, bytes.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// Answers questions until they end.
+/// Answers questions until there are no more.
 ///
-/// Fails where an answer cannot be written. What is no question is refused.
+/// Fails if an answer cannot be written. Lines that are not questions are refused.
 pub fn serve(questions: impl BufRead + Send + 'static, answers: &mut impl Write) -> io::Result<()> {
-    // Each question has an interrupt of its own, so that one that comes too late means nothing.
+    // Each question has its own interrupt, so a late one has no effect.
     let (send, lines) = channel();
     thread::spawn(move || {
         let mut newest = Interrupt::default();
@@ -45,7 +45,7 @@ pub fn serve(questions: impl BufRead + Send + 'static, answers: &mut impl Write)
     while let Ok((question, interrupt)) = lines.recv() {
         let answer = match question {
             Ok(question) => served.answer(question, &interrupt),
-            Err(error) => Err(Stopped::Refused(format!("it is no question: {error}"))),
+            Err(error) => Err(Stopped::Refused(format!("it is not a question: {error}"))),
         };
         let answer = answer.unwrap_or_else(|stopped| match stopped {
             Stopped::Refused(why) => json!({ "refused": why }),
@@ -79,7 +79,7 @@ impl From<io::Error> for Stopped {
     }
 }
 
-/// The simulator, and where its files go.
+/// The simulator, and its folder for files.
 #[derive(Default)]
 struct Served {
     world: Option<SimulatedWorld>,
@@ -168,7 +168,7 @@ impl Served {
     }
 }
 
-/// Returns a simulator for what needs no picture.
+/// Returns a simulator for questions that need no picture.
 fn standard() -> Result<SimulatedWorld, WorldError> {
     SimulatedWorld::new(&conformance::camera(), Picker::default())
 }
@@ -190,7 +190,7 @@ fn read(laid: &Laid) -> Result<Start, Stopped> {
     let bytes = files::read(&laid.positions, MAX_BYTES).map_err(Stopped::Refused)?;
     let positions = npy::decode(&bytes);
     let refused = || {
-        Stopped::Refused("its positions are no float32 array of shape [particles, 3]".to_owned())
+        Stopped::Refused("its positions are not a float32 array of shape [particles, 3]".to_owned())
     };
     Ok(Start {
         name: laid.name.clone(),

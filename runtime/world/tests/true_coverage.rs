@@ -24,7 +24,7 @@ fn measured(mask: &Mask, positions: &[[f32; 3]]) -> f64 {
     true_coverage(positions, &mesh::triangles(mask), mesh::flat_area_m2(mask)).unwrap()
 }
 
-/// The cloth lying flat after a change of its points, turned about the vertical and shifted.
+/// Lays the cloth flat, changes its points, then rotates it about the vertical and shifts it.
 fn laid(
     mask: &Mask,
     change: impl Fn([f64; 3]) -> [f64; 3],
@@ -45,12 +45,12 @@ fn laid(
         .collect()
 }
 
-/// Folds the back half onto the front half, along a line that is half way between two rows where `dimy` is even.
+/// Folds the back half onto the front half, along a line midway between two rows if `dimy` is even.
 fn in_half([x, y, z]: [f64; 3]) -> [f64; 3] {
     [x, -y.abs(), z]
 }
 
-/// Lays folds across each other that are no straight lines, so that layers' edges cross.
+/// Lays curved folds across each other, so that layers' edges cross.
 fn rumpled([x, y, z]: [f64; 3]) -> [f64; 3] {
     [
         0.5 * x + 0.05 * (40.0 * x + 20.0 * y).sin(),
@@ -59,7 +59,7 @@ fn rumpled([x, y, z]: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// Angles next to the axes and anywhere: edges that are nearly level are the hard case.
+/// Angles close to the axes and anywhere: nearly level edges are the hard case.
 fn angles() -> impl Strategy<Value = f64> {
     prop_oneof![
         -4.0..4.0f64,
@@ -89,7 +89,7 @@ fn by_softgyms_measure_a_flat_t_shirt_covers_nearly_all_of_itself() {
     };
     let covered = outlined_coverage(&flat, &grid, Some(&Outline::new(T_SHIRT))).unwrap();
     assert!((0.95..1.0).contains(&covered), "{covered}");
-    // Over the area of the whole square it would be far less.
+    // Relative to the whole square's area it would be far less.
     let there: Vec<_> = (0..flat.len())
         .filter(|index| mask.has(*index))
         .map(|index| flat[index])
@@ -147,7 +147,7 @@ proptest! {
     ) {
         let mask = whole(dimx, dimy);
         let covered = measured(&mask, &laid(&mask, |point| point, angle, shift));
-        // Positions of 32 bits stretch a cell by up to 1e-5.
+        // 32-bit positions stretch a cell by up to 1e-5.
         prop_assert!((covered - 1.0).abs() < 2e-5, "{covered}");
     }
 
@@ -169,8 +169,8 @@ proptest! {
         prop_assert!(straight < 0.7, "{straight}");
     }
 
-    /// Triangles anywhere: with more of them the area grows, never beyond the sum, and as many points lie under
-    /// them as it says.
+    /// Random triangles: more of them never reduce the area, it never exceeds their sum, and it matches a count of
+    /// sampled points.
     #[test]
     #[ignore = "long"]
     fn the_area_is_that_of_the_union(
@@ -210,8 +210,8 @@ fn sampled_area(points: &[[f32; 3]], triangles: &[[usize; 3]]) -> f64 {
     covered.iter().filter(|covered| **covered).count() as f64 / (SIDE * SIDE) as f64
 }
 
-/// What [`recorded_heaps_cover_what_was_recorded`](fab_world::metrics) holds to the recorded numbers is here set
-/// beside the true measure, which sees less: SoftGym's particles are wider than the cloth that they stand for.
+/// [`recorded_heaps_cover_what_was_recorded`](fab_world::metrics) checks the recorded numbers; here they are compared
+/// with the true measure, which is smaller because SoftGym's particles are wider than the cloth they stand for.
 #[test]
 #[ignore = "long"]
 fn recorded_heaps_cover_a_little_less_in_truth_than_as_measured_by_softgym() {

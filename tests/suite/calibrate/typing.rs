@@ -45,8 +45,7 @@ fn an_interrupted_session_is_gone_on_with() {
     let said = typed(folder.path(), &lines(&pairs[..5]), &[]);
     assert_eq!(said.code, 2);
     assert!(
-        said.stderr
-            .contains("5 points at places of their own are too few"),
+        said.stderr.contains("5 distinct points are too few"),
         "{}",
         said.stderr
     );

@@ -1,14 +1,14 @@
-//! A picture of the points and their errors.
+//! Draws measured points and their errors.
 //!
-//! In: the camera's own picture, points, their fit. Out: the picture with a ring and a number at each point and an arrow
-//! towards where the fit expects it, ten times as long as the error.
+//! In: the camera's own picture, points, their fit. Out: the picture with a ring and a number at each point and an
+//! arrow towards where the fit expects it, ten times as long as the error.
 
 use fab_arm::calibration::{Fit, Pair};
 use fab_vision::{VisionError, draw_residuals};
 use image::RgbImage;
 use nalgebra::Point3;
 
-/// How many times longer than the error an arrow is.
+/// Arrow length as a multiple of the error.
 const TIMES: f64 = 10.0;
 
 /// Draws points with their errors; without a fit, only the points.

@@ -1,4 +1,4 @@
-//! What looks at pictures for an arm, with the detectors of [`fab_vision`]; and pictures of its plans and calibrations.
+//! An arm's eyes: detectors of [`fab_vision`], and pictures of its plans and calibrations.
 
 mod errors;
 mod plan;
@@ -7,7 +7,7 @@ pub use errors::draw_errors;
 
 use fab_arm::sight::Sight;
 
-/// Finds places again, and draws plans, by OpenCV.
+/// Finds marks again, and draws plans, with OpenCV.
 pub const SIGHT: Sight = Sight {
     marks: |picture| fab_vision::marks(picture).map_err(|error| error.to_string()),
     find_again: |first, marks, second| {

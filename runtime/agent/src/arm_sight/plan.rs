@@ -1,7 +1,7 @@
-//! A plan as a picture: from above in the camera's own picture, and below it the height along the way.
+//! Draws a plan: from above in the camera's own picture, and below it the height along the path.
 //!
-//! In: a plan, a picture, the calibration, the settings. Out: a picture. Green is the workspace at the table's height, red
-//! what is kept out of, grey the rim of what the arm reaches there; the arrow leads from pick to place.
+//! In: a plan, a picture, the calibration, the settings. Out: a picture. Green is the workspace at the table's height,
+//! red the forbidden zones, grey the limit of the arm's reach there; the arrow leads from pick to place.
 
 use fab_arm::calibration::Calibration;
 use fab_arm::kinematics::reach::Reach;
@@ -22,7 +22,7 @@ const RED: [u8; 3] = [215, 30, 30];
 const BLUE: [u8; 3] = [20, 90, 220];
 const PURPLE: [u8; 3] = [128, 0, 128];
 
-/// The least width of the drawing, pixels: thirteen segments have names below them.
+/// The least width of the drawing, pixels: enough for the names of thirteen segments.
 const MIN_WIDTH_PX: u32 = 900;
 
 /// Height of the lower part, and of its margins, pixels.
@@ -31,7 +31,7 @@ const TOP_PX: f64 = 30.0;
 const BOTTOM_PX: f64 = 56.0;
 const LEFT_PX: f64 = 52.0;
 
-/// Points of a rim.
+/// Number of points on a rim.
 const RIM: usize = 180;
 
 /// Draws a plan.
@@ -186,7 +186,7 @@ fn along(plan: &Plan, settings: &Settings, width: u32) -> Result<RgbImage, Visio
     label("0", [30, row(0.0) + 4], INK, 8)?;
     label(&format!("{top_mm:.0}"), [8, row(top_mm) + 4], INK, 8)?;
     for (index, segment) in plan.segments.iter().enumerate() {
-        // Names beside each other would run into one another on one line.
+        // On one line, neighbouring names would run into each other.
         let down = 16 + 16 * (index as i32 % 2);
         let at = [column(index) + 2, bottom_px as i32 + down];
         let is_refused = plan.refused.is_some() && index + 1 == plan.segments.len();

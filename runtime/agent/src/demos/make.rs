@@ -1,7 +1,8 @@
-//! Demonstrates a task: the scripted expert folds, and what a model would have answered is written down.
+//! Makes demonstrations of a task: the scripted expert folds, and the answers that a model would have given are
+//! recorded.
 //!
-//! In: a program and a world. Out: whole demonstrations, each from a start of its own. Every answer is one that
-//! the program offers and its verifier accepts; a start from which that is not so is left out and another drawn.
+//! In: a program and a world. Out: whole demonstrations, each from its own start. Every answer is one that the program
+//! offers and its verifier accepts; a start without such answers is discarded and another one drawn.
 
 use super::words::{self, Named};
 use super::{DEMOS_FORMAT, Demo, DemoStep, Header};
@@ -22,20 +23,21 @@ use fab_world::start::{RESTING_HEIGHT_M, Start};
 use fab_world::{Grasp, World, WorldError, WorldPoint};
 use std::collections::BTreeMap;
 
-/// Starts that are tried for each demonstration that is wanted.
+/// Most starts tried for each requested demonstration.
 const TRIES: u32 = 10;
 
-/// The longer sides of demonstrated cloths, particles; the paper tests with 50 to 59, and a turned cloth of more leaves the picture.
+/// The longer side of demonstrated cloths, particles; the paper tests with 50 to 59, and a larger cloth leaves the
+/// picture when turned.
 const SIDES: std::ops::RangeInclusive<u32> = 44..=59;
 
-/// An offered point stands for the expert's where it is nearer than this share of the picture's side.
+/// An offered point stands for the expert's point if closer than this share of the picture's side.
 const NEAR: f64 = 0.05;
 
-/// What is to be made.
+/// What to make.
 pub struct Making<'a> {
-    /// The task; it names the stage that is told the demonstrations.
+    /// The task; it names the stage that shows the demonstrations.
     pub program: &'a Program,
-    /// How many demonstrations are wanted.
+    /// How many demonstrations to make.
     pub count: u32,
     /// Draws the starts.
     pub seed: u64,
@@ -51,29 +53,29 @@ pub enum MakeError {
     /// The task cannot be demonstrated.
     #[error("{0}")]
     Task(String),
-    /// Too few starts led to answers that the task accepts.
+    /// Too few starts led to accepted answers.
     #[error(
-        "only {made} of {wanted} demonstrations were had from {tried} starts; the last failed because {why}"
+        "only {made} of {wanted} demonstrations were made from {tried} starts; the last failed because {why}"
     )]
     TooFew {
-        /// How many were had.
+        /// How many were made.
         made: usize,
-        /// How many were wanted.
+        /// How many were requested.
         wanted: u32,
-        /// From how many starts.
+        /// Number of starts tried.
         tried: u32,
-        /// What was wrong with the last.
+        /// What was wrong with the last one.
         why: String,
     },
-    /// The world failed, or somebody asked to stop.
+    /// The world failed, or a stop was requested.
     #[error(transparent)]
     World(#[from] WorldError),
 }
 
-/// Makes demonstrations; `announce` is told of each start that is left out, and why.
+/// Makes demonstrations; `announce` is told of each discarded start, with the reason.
 ///
-/// Starts are flat cloths of the task's proportions, of other sizes, turned by whole degrees that are no multiple of 15: the
-/// paper's tests turn by 0, 30, 45 and 60 (protocol, section 6).
+/// Starts are flat cloths of the task's proportions in other sizes, turned by whole degrees that are not multiples of
+/// 15: the paper's tests turn by 0, 30, 45 and 60 (protocol, section 6).
 pub fn make(
     making: &Making<'_>,
     announce: &mut dyn FnMut(&str),
@@ -156,7 +158,7 @@ pub fn make(
     Ok((header, made))
 }
 
-/// Draws the size and the turn of a cloth.
+/// Draws the size and the rotation of a cloth.
 fn draw(program: &Program, chance: &mut Chance) -> ([u32; 2], f64) {
     let sides = SIDES.end() - SIDES.start() + 1;
     let long = SIDES.start() + chance.below(sides as usize) as u32;
@@ -168,7 +170,7 @@ fn draw(program: &Program, chance: &mut Chance) -> ([u32; 2], f64) {
     } else {
         [short, long]
     };
-    // From 1 to 14 beyond one of the six multiples of 15 below 90.
+    // 1 to 14 beyond one of the six multiples of 15 below 90.
     let turned = 15 * chance.below(6) + 1 + chance.below(14);
     (dims, turned as f64)
 }
@@ -176,12 +178,12 @@ fn draw(program: &Program, chance: &mut Chance) -> ([u32; 2], f64) {
 struct Expert<'a> {
     making: &'a Making<'a>,
     folds: &'a [Fold],
-    /// The text that the instruction fills, where the task reads one.
+    /// The text that fills the instruction, if the task reads one.
     instruction: Option<String>,
 }
 
 impl Expert<'_> {
-    /// Folds from one start; says why where an answer would not have been accepted.
+    /// Folds from one start; fails with the reason if an answer would not have been accepted.
     fn demonstrate(
         &self,
         dims: [u32; 2],
@@ -231,7 +233,7 @@ impl Expert<'_> {
         Ok(Ok(demo))
     }
 
-    /// Finds the offered points that stand for a fold, and writes the step down.
+    /// Finds the offered points that stand for a fold, and records the step.
     #[allow(clippy::too_many_arguments)] // one step's situation, used once
     fn choose(
         &self,
@@ -315,7 +317,7 @@ impl Expert<'_> {
     }
 }
 
-/// Returns the offered point nearest to a pixel, if it is near enough to stand for it.
+/// Returns the offered point nearest to a pixel, if near enough to stand for it.
 fn nearest(wanted: PixelPoint, offered: &[Value], program: &Program) -> Option<PixelPoint> {
     let limit_px = NEAR * f64::from(program.camera.image_px);
     let points = offered.iter().filter_map(|value| match value {

@@ -1,7 +1,7 @@
 //! Demonstrations of a task by the scripted expert, as in-context examples of a stage.
 //!
-//! In: a file that [`make`] wrote. Out: questions with their answers, by step. The file holds what was seen and
-//! chosen, and no prompt: a changed component changes the examples with it.
+//! In: a file that [`make`] wrote. Out: questions with their answers, by step. The file holds observations and choices,
+//! not prompts: if a component changes, the examples change with it.
 
 mod make;
 mod words;
@@ -28,21 +28,21 @@ use std::path::{Path, PathBuf};
 /// Version of the file's lines.
 pub const DEMOS_FORMAT: u32 = 1;
 
-/// The longest file that is read, bytes.
+/// The longest file accepted, bytes.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Two starts are the same where their particles are nearer than this in the mean, metres.
+/// Two starts are the same if their particles are closer than this on average, metres.
 const SAME_START_M: f64 = 0.002;
 
-/// The first line of a file of demonstrations.
+/// The first line of a demonstrations file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Header {
-    /// [`DEMOS_FORMAT`] when it was written.
+    /// The value of [`DEMOS_FORMAT`] when it was written.
     pub format: u32,
     /// The task that is demonstrated.
     pub task: String,
-    /// The stage that is told them.
+    /// The stage that shows them.
     pub stage: String,
     /// Hash of the simulator's parameters.
     pub params: String,
@@ -68,7 +68,7 @@ pub struct Demo {
 pub struct DemoStep {
     /// The points that the camera showed, by keypoint.
     pub points: BTreeMap<String, Vec<PixelPoint>>,
-    /// What earlier stages would have read, by name.
+    /// The texts that earlier stages would have produced, by name.
     pub texts: BTreeMap<String, String>,
     /// The chosen value of each field of the action.
     pub chosen: BTreeMap<String, Value>,
@@ -76,10 +76,10 @@ pub struct DemoStep {
     pub reason: String,
 }
 
-/// Why demonstrations cannot be told.
+/// Why demonstrations cannot be shown.
 #[derive(Debug, thiserror::Error)]
 pub enum DemosError {
-    /// The file is not there, or not where a task may have it.
+    /// The file is missing, or not where a task's files must be.
     #[error("{0}; `fabc demos FILE --variant NAME` makes the demonstrations")]
     File(#[from] FileError),
     /// The file cannot be read.
@@ -90,40 +90,40 @@ pub enum DemosError {
         /// What is wrong.
         why: String,
     },
-    /// A line is no demonstration of this task.
+    /// A line is not a demonstration of this task.
     #[error("line {line} of the demonstrations `{path}`: {why}")]
     Line {
         /// The file.
         path: PathBuf,
-        /// From 1.
+        /// Line number, from 1.
         line: usize,
         /// What is wrong.
         why: String,
     },
-    /// They cannot be written as the model that is asked writes points.
-    #[error("the demonstrations cannot be told to this model: {why}")]
+    /// They cannot be written in the point convention of the model.
+    #[error("the demonstrations cannot be written for this model: {why}")]
     Frame {
         /// What is wrong.
         why: String,
     },
 }
 
-/// The demonstrations of one stage, ready to be told.
+/// The demonstrations of one stage, ready to be shown.
 #[derive(Clone, Debug)]
 pub struct Demonstrations {
     stage: String,
     /// The file as the task names it.
     file: String,
     starts: Vec<Start>,
-    /// What is told in each step, each with the line that holds it.
+    /// The demonstrations of each step, each with its line number.
     by_step: Vec<Vec<(u32, DemoStep)>>,
 }
 
 impl Demonstrations {
-    /// Reads the file that a program names, and tries every question and answer in the program's own words.
+    /// Reads the file that a program names, and checks every question and answer against the program's own wording.
     ///
-    /// Fails where the file cannot be read, is of another format or stage, lacks what a question shows, or
-    /// holds an answer that the program's own reader would not read.
+    /// Fails if the file cannot be read, has another format or stage, lacks something that a question shows, or holds
+    /// an answer that the program's own reader would reject.
     pub fn load(
         program: &Program,
         demos: &program::Demos,
@@ -189,9 +189,9 @@ impl Demonstrations {
         Ok(())
     }
 
-    /// Writes what a stage is told in a step, which is counted from 1, to a model that writes points so.
+    /// Writes the demonstrations of a stage in a step, which counts from 1, in a model's point convention.
     ///
-    /// Fails where a question cannot be written so, or an answer would not read as what was chosen.
+    /// Fails if a question cannot be written in that convention, or an answer would not be read back as chosen.
     pub fn told(
         &self,
         program: &Program,
@@ -230,7 +230,7 @@ impl Demonstrations {
         self.by_step.iter().map(Vec::len).sum()
     }
 
-    /// Returns the number of the demonstration that begins at this start, from 1.
+    /// Returns the number, from 1, of the demonstration that begins at this start.
     pub fn demonstrates(&self, start: &Start) -> Option<usize> {
         let same = |known: &Start| {
             known.grid == start.grid
@@ -241,7 +241,7 @@ impl Demonstrations {
     }
 }
 
-/// Lays the cloth as a demonstration had it.
+/// Lays the cloth as in a demonstration.
 fn start_of(program: &Program, demo: &Demo) -> Result<Start, String> {
     let [dimx, dimy] = demo.dims;
     let range = 2..=200;

@@ -1,8 +1,8 @@
-//! What a demonstrated fold is called: in words of the picture, which hold for a cloth that lies turned.
+//! Describes a demonstrated fold in terms of the picture, so that the words hold for a turned cloth.
 
 use fab_program::{ClothPoint, PixelPoint};
 
-/// Which way of the picture a point lies from the middle, from the right counter-clockwise.
+/// The direction of a point from the middle of the picture, counter-clockwise from the right.
 const WAYS: [&str; 8] = [
     "right",
     "top right",
@@ -14,14 +14,14 @@ const WAYS: [&str; 8] = [
     "bottom right",
 ];
 
-/// A point of a fold, as it lies in the picture.
+/// A point of a fold, with its position in the picture.
 #[derive(Clone, Copy)]
 pub(super) struct Named<'a> {
     pub point: &'a ClothPoint,
     pub at: PixelPoint,
 }
 
-/// Says a fold in a sentence without its full stop, e.g. `Pick the corner at the top left and place it on the
+/// Describes a fold in a sentence without its full stop, e.g. `Pick the corner at the top left and place it on the
 /// center of the cloth`.
 ///
 /// - `center`: the middle of the cloth in the picture of the start.
@@ -33,7 +33,7 @@ pub(super) fn instruction(pick: Named<'_>, place: Named<'_>, center: PixelPoint)
     )
 }
 
-/// Says why the two points were chosen.
+/// Describes why the two points were chosen.
 pub(super) fn reason(pick: Named<'_>, place: Named<'_>, center: PixelPoint) -> String {
     format!(
         "Of the listed points {} is {}, and {} is {}.",
@@ -57,7 +57,7 @@ fn noun(named: Named<'_>, center: PixelPoint) -> String {
     format!("the {kind} at the {}", way(named.at, center))
 }
 
-/// Returns the nearest of the eight ways from one pixel to another.
+/// Returns the closest of the eight directions from one pixel to another.
 fn way(to: PixelPoint, from: PixelPoint) -> &'static str {
     let (right, up) = (f64::from(to.u - from.u), f64::from(from.v - to.v));
     let eighths = (up.atan2(right) / std::f64::consts::FRAC_PI_4).round();

@@ -8,17 +8,17 @@ use fab_world::WorldError;
 /// Why pictures cannot be drafted from.
 #[derive(Debug, thiserror::Error)]
 pub enum DraftError {
-    /// There are too few or too many.
+    /// There are too few or too many pictures.
     #[error(
-        "{}; right are 2 to {}, the flat cloth first and then one after each step", count(*found), MAX_STEPS + 1
+        "{}; there must be 2 to {}, the flat cloth first and then one after each step", count(*found), MAX_STEPS + 1
     )]
     Count {
         /// How many there are.
         found: usize,
     },
-    /// A picture has a form that no camera of a task has.
+    /// A picture has a shape that no task camera has.
     #[error(
-        "`{name}` has {} x {} px; right is a square of {} to {} px a side, cut around the cloth or with table added",
+        "`{name}` has {} x {} px; it must be a square of {} to {} px a side, cut around the cloth or with table added",
         size_px[0], size_px[1], SIDE_PX.start(), SIDE_PX.end()
     )]
     Size {
@@ -29,7 +29,8 @@ pub enum DraftError {
     },
     /// Two pictures have different sizes.
     #[error(
-        "`{name}` has {side_px} px a side and `{first}` has {first_px}; right is one size for all, from one place"
+        "`{name}` has {side_px} px a side and `{first}` has {first_px}; all pictures must have one size and be taken \
+         from one place"
     )]
     SizesDiffer {
         /// The picture.
@@ -43,23 +44,23 @@ pub enum DraftError {
     },
     /// Nothing differs from the table.
     #[error(
-        "no cloth is seen on `{name}`: {found_px} of its {all_px} px hang together and differ from the colours at its \
-         border; right is a plain table that is seen all round the whole cloth, in a colour unlike the cloth's{}", several(*n_colours)
+        "no cloth is seen on `{name}`: its largest patch unlike the colours at its border has {found_px} of \
+         {all_px} px; the picture must show a plain table all round the whole cloth, in a colour unlike the cloth's{}", several(*n_colours)
     )]
     NoCloth {
         /// The picture.
         name: String,
-        /// Pixels of the largest patch that is no table.
+        /// Pixels of the largest patch that is not table.
         found_px: usize,
         /// All pixels.
         all_px: usize,
-        /// The common colours of its border; all of them count as table.
+        /// The number of common colours of its border; all of them count as table.
         n_colours: usize,
     },
-    /// The cloth cannot be what it seems.
+    /// The detected cloth has an impossible size.
     #[error(
-        "the cloth on `{name}` measures {:.0} x {:.0} of {side_px} px; right is one that fills an eighth of the \
-         picture's side or more", sides_px[0], sides_px[1]
+        "the cloth on `{name}` measures {:.0} x {:.0} of {side_px} px; it must fill at least an eighth of the \
+         picture's side", sides_px[0], sides_px[1]
     )]
     ClothSize {
         /// The picture.
@@ -69,11 +70,11 @@ pub enum DraftError {
         /// The picture's side, pixels.
         side_px: u32,
     },
-    /// What was taken for the cloth reaches the border, and the border has no colours of its own.
+    /// The detected cloth reaches the border, and the border has no common colours.
     #[error(
-        "the table on `{name}` is not plain: {:.0} % of the picture's border has none of its common colours, and what \
-         differs from these reaches the border; right is a table of one colour, evenly lit, that is seen all round the \
-         cloth", (1.0 - plain) * 100.0
+        "the table on `{name}` is not plain: {:.0} % of the picture's border has none of its common colours, and a \
+         patch of other colours reaches the border; the table must have one colour, be evenly lit, and be visible \
+         all round the cloth", (1.0 - plain) * 100.0
     )]
     NotPlain {
         /// The picture.
@@ -81,60 +82,60 @@ pub enum DraftError {
         /// The share of its border that has one of the border's common colours.
         plain: f64,
     },
-    /// The flat cloth is not seen whole.
+    /// The flat cloth is not completely visible.
     #[error(
-        "the cloth on `{name}` reaches the picture's border; right is table all round it, so take the picture from \
-         higher up, or lay the cloth in the middle"
+        "the cloth on `{name}` reaches the picture's border; the table must be visible all round it: take the \
+         picture from higher up, or lay the cloth in the middle"
     )]
     AtBorder {
         /// The picture.
         name: String,
     },
-    /// The stated sizes go with no camera that a task may have.
+    /// The stated sizes match no camera that a task may have.
     #[error(
-        "a cloth of {:.0} mm that takes up {:.0} of {side_px} px asks for a camera {:.0} mm above the table; right is \
-         one 100 mm to 5 m above it", longer_m * 1000.0, longer_px, height_m * 1000.0
+        "a cloth of {:.0} mm that takes up {:.0} of {side_px} px needs a camera {:.0} mm above the table; it must be \
+         100 mm to 5 m above it", longer_m * 1000.0, longer_px, height_m * 1000.0
     )]
     Height {
         /// The cloth's longer side, metres.
         longer_m: f64,
-        /// The same, pixels.
+        /// The cloth's longer side, pixels.
         longer_px: f64,
         /// The picture's side, pixels.
         side_px: u32,
         /// The camera's height, metres.
         height_m: f64,
     },
-    /// Both are stated, and no lens sees the one from the other.
+    /// Both are stated, and no lens shows this cloth from this height in this size.
     #[error(
-        "a cloth of {:.0} mm seen from {:.0} mm above the table takes up {:.0} of {side_px} px with a field of view of \
-         {fov_deg:.0} degrees only; right is one of 5 to 150, so state the cloth or the height alone",
+        "a cloth of {:.0} mm seen from {:.0} mm above the table takes up {:.0} of {side_px} px with a field of view \
+         of {fov_deg:.0} degrees only; it must be 5 to 150 degrees, so state only the cloth or only the height",
         longer_m * 1000.0, height_m * 1000.0, longer_px
     )]
     View {
         /// The cloth's longer side, metres.
         longer_m: f64,
-        /// The same, pixels.
+        /// The cloth's longer side, pixels.
         longer_px: f64,
         /// The picture's side, pixels.
         side_px: u32,
         /// The camera's height, metres.
         height_m: f64,
-        /// The field of view that would be, degrees.
+        /// The field of view that this would need, degrees.
         fov_deg: f64,
     },
-    /// The cloth has more particles than one may.
+    /// The cloth has more particles than permitted.
     #[error(
-        "the cloth would measure {:.0} mm; right is at most {:.0} mm, which is as large as one is simulated",
+        "the cloth would measure {:.0} mm; at most {:.0} mm can be simulated",
         longer_m * 1000.0, LARGEST_M * 1000.0
     )]
     TooLarge {
         /// Its longer side, metres.
         longer_m: f64,
     },
-    /// Nothing is folded.
+    /// Nothing was folded.
     #[error(
-        "`{after}` shows the cloth as `{before}` does (their outlines overlap by {overlap:.3}); right is one picture \
+        "`{after}` shows the cloth as `{before}` does (their outlines overlap by {overlap:.3}); give one picture \
          after each fold"
     )]
     Unchanged {
@@ -145,10 +146,10 @@ pub enum DraftError {
         /// The overlap of their outlines.
         overlap: f64,
     },
-    /// Something is unfolded.
+    /// Something was unfolded.
     #[error(
-        "`{after}` shows {:.0} % more cloth than `{before}`, and a fold shows less; right is the flat cloth first and \
-         then the pictures in the order of the steps", (growth - 1.0) * 100.0
+        "`{after}` shows {:.0} % more cloth than `{before}`, but a fold must show less; give the flat cloth first \
+         and then the pictures in the order of the steps", (growth - 1.0) * 100.0
     )]
     Grown {
         /// The picture before.
@@ -169,18 +170,18 @@ pub enum DraftError {
         /// The picture after.
         after: String,
     },
-    /// A picture cannot be worked on.
+    /// A picture cannot be processed.
     #[error(transparent)]
     Vision(#[from] VisionError),
-    /// Folds cannot be tried.
+    /// Folds cannot be simulated.
     #[error("folds cannot be tried: {0}")]
     World(#[from] WorldError),
-    /// Folds cannot be tried side by side.
+    /// Folds cannot be tried in parallel.
     #[error("folds cannot be tried: {0}")]
     Threads(#[from] std::io::Error),
 }
 
-/// Says what a border of several colours may mean, as the end of a message.
+/// Explains a border of several colours, as the end of a message.
 fn several(n_colours: usize) -> String {
     match n_colours {
         0 | 1 => String::new(),

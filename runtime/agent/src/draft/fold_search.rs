@@ -1,8 +1,8 @@
-//! Tries folds between named points of the cloth, and takes the one that ends as the next picture shows.
+//! Tries folds between named points of the cloth, and takes the one with the result closest to the next picture.
 //!
-//! In: the cloth as the steps before left it, and the outlines around one step. Out: a [`Found`]. A reflection of the
-//! outline would be quicker and often wrong: a cloth that is held down by its other corner does not fold along the line
-//! between the two points, so each fold is carried out.
+//! In: the cloth after the previous steps, and the outlines before and after one step. Out: a [`Found`]. Reflecting the
+//! outline would be faster but often wrong: a cloth held down by another corner does not fold along the line between
+//! the two points, so each fold is simulated.
 
 use super::outline::Outline;
 use super::{DraftError, FOUND};
@@ -19,45 +19,45 @@ use fab_program::{self as program, ClothPoint, Fold};
 use fab_world::{Motion, World, WorldError};
 use std::thread;
 
-/// How far from the part that is gone a picked point may be seen, pixels.
+/// How far a picked point may appear from the part that disappeared, pixels.
 const GONE_PX: f64 = 5.0;
-/// How far from the next outline a place point may be seen, pixels.
+/// How far a place point may appear from the next outline, pixels.
 const BESIDE_PX: f64 = 8.0;
-/// How far from the ends of a drawn arrow the points that it means may be seen, pixels.
+/// How far candidate points may appear from the ends of a drawn arrow, pixels.
 const DRAWN_PX: f64 = 12.0;
 /// The shortest fold, pixels; tasks refuse shorter ones.
 const SHORTEST_PX: f64 = 10.0;
-/// Points that are seen nearer to each other than this are one point, by the name that comes first, pixels. A corner that
-/// was folded to the center lies so far from it in the recorded pictures.
+/// Points closer together than this are one point, named by the first, pixels. In the recorded pictures, a corner
+/// folded to the center is this far from it.
 const SAME_PX: f64 = 8.0;
-/// How much better a fold to or from a quarter point must fit than one between points that people name. In the recorded
-/// pictures the right fold falls behind by up to 0.01.
+/// How much better a fold to or from a quarter point must fit than one between main points. In the recorded pictures
+/// the right fold is worse by up to 0.01.
 const HANDICAP: f64 = 0.03;
-/// Folds whose ends are nearer than this are one fold to somebody who compares proposals, pixels.
+/// Folds whose ends are closer than this count as the same alternative, pixels.
 const ALIKE_PX: f64 = 10.0;
-/// How far a picked point ends from the next outline, as a share of the farthest that any point of the cloth does.
+/// Least distance of a picked point from the next outline, as a share of the largest such distance.
 const FAR: f64 = 0.75;
-/// The most folds between points that people name that are tried for a step without an arrow.
+/// The most folds between main points tried for a step without an arrow.
 const MOST_MAIN: usize = 16;
-/// The most folds to or from quarter points likewise.
+/// The most folds to or from quarter points tried for a step without an arrow.
 const MOST_QUARTERS: usize = 6;
-/// How far above the table cloth begins, metres; a flat cloth lies 5 mm above it.
+/// Height above the table from which something counts as cloth, metres; a flat cloth lies at 5 mm.
 const CLOTH_M: f64 = 0.004;
 
-/// Where the cloth's particles are.
+/// The positions of the cloth's particles.
 pub struct State {
     positions: Vec<[f32; 3]>,
 }
 
 impl State {
-    /// Begins with a start.
+    /// Makes the state of a start.
     pub fn at(start: &Start) -> State {
         State {
             positions: start.positions.clone(),
         }
     }
 
-    /// Returns how far the particles are from where a start has them, mean, metres.
+    /// Returns the mean distance of the particles from their positions in a start, metres.
     pub fn distance_m(&self, start: &Start) -> f64 {
         let distance = |(a, b): (&[f32; 3], &[f32; 3])| {
             let squared = (0..3).map(|axis| f64::from(a[axis] - b[axis]).powi(2));
@@ -68,7 +68,7 @@ impl State {
     }
 }
 
-/// One step that is to be explained.
+/// One step to be explained.
 pub struct Step<'s> {
     /// The flat cloth.
     pub start: &'s Start,
@@ -76,25 +76,25 @@ pub struct Step<'s> {
     pub before: &'s Outline,
     /// The outline after it.
     pub after: &'s Outline,
-    /// The arrow that the picture carries, in the straight picture.
+    /// The arrow in the picture, in straightened coordinates.
     pub arrow: Option<ArrowPx>,
-    /// Makes worlds to try folds in.
+    /// Makes worlds for trying folds.
     pub make_world: &'s MakeWorld<'s>,
     /// Those worlds' camera.
     pub camera: &'s program::Camera,
-    /// Ends the search.
+    /// Stops the search.
     pub interrupt: &'s Interrupt,
     /// Told how many folds are tried.
     pub announce: &'s (dyn Fn(usize) + Sync),
 }
 
-/// A fold, and what it comes to.
+/// A fold and its result.
 pub struct Found {
-    /// From where to where it is seen to go, in the straight picture.
+    /// The fold's ends in the straightened picture.
     pub arrow: ArrowPx,
-    /// Between which points; none where a drawn arrow joins no points that have names.
+    /// The fold between named points; `None` if a drawn arrow joins no named points.
     pub fold: Option<Fold>,
-    /// How well its outline fits the next picture's.
+    /// Overlap of its outline with the next picture's.
     pub overlap: f64,
     /// The best fold that differs from it.
     pub next_best: Option<(Fold, f64)>,
@@ -102,24 +102,24 @@ pub struct Found {
     pub state: State,
 }
 
-/// A fold that may be tried.
+/// A fold to be tried.
 struct Candidate {
     fold: Option<Fold>,
     motion: Motion,
     arrow: ArrowPx,
 }
 
-/// What came of it.
+/// The result of a tried fold.
 struct Tried {
     candidate: usize,
     overlap: f64,
-    /// The overlap, less a handicap.
+    /// The overlap, less any handicap.
     merit: f64,
     state: State,
 }
 
 impl Step<'_> {
-    /// Finds the fold that ends most as the next picture shows; none where no pick or place is possible.
+    /// Finds the fold whose result is closest to the next picture; `None` if no pick or place is possible.
     pub fn explain(&self, state: &State) -> Result<Option<Found>, DraftError> {
         let world = self.lay(state)?;
         let candidates = match self.arrow {
@@ -130,7 +130,7 @@ impl Step<'_> {
         let Some(taken) = best(&tried, |tried| tried.merit) else {
             return Ok(None);
         };
-        // What people name deserves a lead only where it explains anything.
+        // If the best-rated fold explains nothing, ignore the handicap.
         let taken = match taken.overlap < FOUND {
             true => best(&tried, |tried| tried.overlap).unwrap_or(taken),
             false => taken,
@@ -169,10 +169,10 @@ impl Step<'_> {
         Ok(world)
     }
 
-    /// Collects the folds that might explain what is gone.
+    /// Collects the folds that might explain what disappeared.
     ///
-    /// A pick is one of the points that were farthest from where the cloth lies afterwards, and a place is covered
-    /// afterwards. Stiff paper tells which of the rest are not worth a try.
+    /// Picks are the points farthest from the cloth's new outline; places are covered by the new outline. A stiff-paper
+    /// model discards the least likely of the rest.
     fn likely(&self, world: &dyn World) -> Result<Vec<Candidate>, DraftError> {
         let gone = self.before.without(self.after);
         let is_gone = |[u, v]: [f64; 2]| {
@@ -200,20 +200,20 @@ impl Step<'_> {
         Ok(likely)
     }
 
-    /// Keeps those with which stiff paper comes nearest to the next outline, the best first.
+    /// Keeps the candidates for which stiff paper comes closest to the next outline, best first.
     fn likeliest(&self, candidates: Vec<Candidate>, most: usize) -> Vec<Candidate> {
         let rate = |candidate: Candidate| {
             let paper = self.before.folded(candidate.arrow);
             (paper.overlap(self.after), candidate)
         };
         let mut rated: Vec<(f64, Candidate)> = candidates.into_iter().map(rate).collect();
-        // Equals stay in the order of their points, so that those with simple names come first.
+        // The sort is stable, so equal folds stay in the order of their points and simple names come first.
         rated.sort_by(|(a, _), (b, _)| b.total_cmp(a));
         rated.truncate(most);
         rated.into_iter().map(|(_, candidate)| candidate).collect()
     }
 
-    /// Collects the folds that a drawn arrow may mean; the arrow as it is where it joins no named points.
+    /// Collects the folds that a drawn arrow may mean; the arrow itself if it joins no named points.
     fn drawn(&self, arrow: ArrowPx, world: &dyn World) -> Result<Vec<Candidate>, DraftError> {
         let is_meant = |candidate: &ArrowPx| {
             (0..2).all(|end| distance(candidate[end], arrow[end]) <= DRAWN_PX)
@@ -272,7 +272,7 @@ impl Step<'_> {
         Ok(candidates)
     }
 
-    /// Carries out the candidates, each from the same state; those that fail are left out.
+    /// Simulates the candidates, each from the same state; those that fail are omitted.
     fn try_all(&self, candidates: &[Candidate], state: &State) -> Result<Vec<Tried>, DraftError> {
         let count = candidates.len();
         if count == 0 {
@@ -303,7 +303,7 @@ impl Step<'_> {
     }
 }
 
-/// Returns the one that is rated highest, the first of equals.
+/// Returns the highest-rated one, the first of equals.
 fn best<'t>(
     tried: impl IntoIterator<Item = &'t Tried>,
     rate: impl Fn(&Tried) -> f64,
@@ -325,7 +325,7 @@ fn handicap(candidate: &Candidate) -> f64 {
     }
 }
 
-/// Adds a fold unless one that looks the same is there.
+/// Adds a fold unless one that looks the same is already there.
 fn add(candidates: &mut Vec<Candidate>, candidate: Candidate) {
     let is_same = |other: &Candidate| {
         (0..2).all(|end| distance(other.arrow[end], candidate.arrow[end]) <= SAME_PX)
@@ -343,7 +343,7 @@ fn particle([right, front]: [f64; 2]) -> ClothPoint {
     ClothPoint::Particle { right, front }
 }
 
-/// The points that people name: the center, corners, the middles of sides; earlier ones are preferred.
+/// The main points, which people name: the center, corners, the middles of sides; earlier ones are preferred.
 fn main_points() -> Vec<ClothPoint> {
     let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
     let middles = [[0.0, 0.5], [1.0, 0.5], [0.5, 0.0], [0.5, 1.0]];

@@ -1,11 +1,11 @@
-//! The camera, and the cloth's size: pictures tell neither, only how they go together.
+//! Infers the camera and the cloth's size; pictures show only the ratio between them.
 
 use super::DraftError;
 use fab_program::{Camera, Cloth, ClothStart, ImageUp};
 use fab_world::start::RESTING_HEIGHT_M;
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// Particles are this far apart, metres, as in every task.
+/// Distance between particles, metres, as in every task.
 pub const SPACING_M: f64 = 0.00625;
 
 /// The most particles along a side.
@@ -14,17 +14,17 @@ const MOST_PARTICLES: u32 = 200;
 /// The longest side of a cloth, metres.
 pub const LARGEST_M: f64 = (MOST_PARTICLES - 1) as f64 * SPACING_M;
 
-/// By how much an outline in whole pixels is larger than the cloth, pixels: those that it covers in part count.
+/// How much larger an outline in whole pixels is than the cloth, pixels: partly covered pixels count.
 const RIM_PX: f64 = 0.7;
 
 /// The height of the shipped folding tasks' camera, metres.
 const HEIGHT_M: f64 = 0.65;
 
-/// Heights and fields of view that a task's camera may have, metres and radians.
+/// Heights and fields of view permitted for a task's camera, metres and radians.
 const HEIGHTS_M: std::ops::RangeInclusive<f64> = 0.1..=5.0;
 const VIEWS_RAD: std::ops::RangeInclusive<f64> = 5.0 * PI / 180.0..=150.0 * PI / 180.0;
 
-/// What the user knows.
+/// The measures stated by the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stated {
     /// The camera's height above the table, metres.
@@ -33,10 +33,10 @@ pub struct Stated {
     pub longer_m: Option<f64>,
 }
 
-/// Returns the camera and the cloth that give a rectangle of these sides, pixels, in a picture.
+/// Returns the camera and the cloth that produce a rectangle with these sides, pixels, in a picture.
 ///
-/// What is stated holds, and the rest follows: the cloth from the height, the height from the cloth, and the field of
-/// view from both. Where nothing is stated the camera is the shipped folding tasks'. Fails where a task may have
+/// Stated values are kept and the rest is derived: the cloth from the height, the height from the cloth, and the field
+/// of view from both. If nothing is stated, the camera is that of the shipped folding tasks. Fails if a task may have
 /// no such camera or cloth.
 pub fn of(
     sides_px: [f64; 2],
@@ -101,7 +101,7 @@ pub fn of(
     Ok((camera, cloth))
 }
 
-/// Rounds to a number that can be written.
+/// Rounds to a number with few digits.
 fn to_steps(value: f64, steps: f64) -> f64 {
     (value * steps).round() / steps
 }
@@ -134,7 +134,7 @@ mod tests {
         assert!(close(height_m, 1.0) && close(fov_deg, 43.8), "{fov_deg}");
         assert_eq!(dims, [81, 65]);
         for (height_m, longer_m, told) in [
-            (None, Some(0.02), "asks for a camera"),
+            (None, Some(0.02), "needs a camera"),
             (
                 Some(0.1),
                 Some(1.2),
@@ -148,7 +148,7 @@ mod tests {
             (
                 Some(4.9),
                 None,
-                "would measure 2534 mm; right is at most 1244 mm",
+                "would measure 2534 mm; at most 1244 mm can be simulated",
             ),
         ] {
             let message = of(height_m, longer_m).unwrap_err().to_string();

@@ -2,10 +2,10 @@
 //! next.
 //!
 //! In: pictures of a cloth on a plain table, flat at first and then after each step; a world to try folds in. Out: a
-//! [`Draft`] that says of each step how well it explains the pictures and what else might. Arrows that are drawn
-//! in the pictures are found. Where there is none, the folds between named points of the cloth are tried from the
-//! cloth as the steps before left it, and the one is proposed whose outline is the picture's. What follows for a task's
-//! text is decided elsewhere.
+//! [`Draft`] that states for each step how well it explains the pictures and what the best alternative is. Arrows drawn
+//! in the pictures are detected. If there is none, folds between named points are tried from the cloth's state after
+//! the previous steps, and the one whose outline matches the picture is proposed. Writing the task's text is done
+//! elsewhere.
 
 mod fault;
 mod fold_search;
@@ -30,22 +30,22 @@ use image::RgbImage;
 use outline::{Pose, Shown};
 use std::ops::RangeInclusive;
 
-/// Pixels that a picture's sides may have.
+/// Permitted sides of a picture, pixels.
 pub const SIDE_PX: RangeInclusive<u32> = 32..=2048;
 
 /// The most steps.
 pub const MAX_STEPS: usize = 100;
 
-/// Side of the pictures in which outlines are compared, pixels: the shipped folding tasks' own.
+/// Side of the pictures in which outlines are compared, pixels: that of the shipped folding tasks.
 const COMPARED_PX: u32 = 224;
 
 /// Growth of the cloth's outline that no fold explains, as a factor; the recorded pictures grow by 1 % at most.
 const GROWTH: f64 = 1.08;
 
-/// Overlap of two outlines in a row above which nothing was folded.
+/// Overlap of two consecutive outlines above which nothing was folded.
 const ALIKE: f64 = 0.985;
 
-/// A picture and what messages call it.
+/// A picture and its name in messages.
 #[derive(Clone, Debug)]
 pub struct Named {
     /// Its file, as the user named it.
@@ -54,10 +54,10 @@ pub struct Named {
     pub picture: RgbImage,
 }
 
-/// What the pictures were found to show.
+/// What was detected in the pictures.
 #[derive(Clone, Debug)]
 pub struct Draft {
-    /// The camera that is taken to have taken them.
+    /// The camera assumed to have taken them.
     pub camera: program::Camera,
     /// The cloth, flat and straight.
     pub cloth: Cloth,
@@ -67,43 +67,43 @@ pub struct Draft {
     pub rectangular: f64,
     /// One less than there are pictures.
     pub steps: Vec<DraftStep>,
-    /// How far an untouched cloth is from where the folds end, mean over its particles, metres.
+    /// Mean distance between the particles of an untouched cloth and of the final state, metres.
     pub untouched_m: f64,
 }
 
 /// One step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DraftStep {
-    /// Where the arrow was found, or would be right; pixels of the pictures.
+    /// The detected or proposed arrow; pixels of the pictures.
     pub arrow: ArrowPx,
-    /// Whether the picture carries it.
+    /// Whether it was drawn or proposed.
     pub origin: ArrowOrigin,
-    /// The fold between points of the cloth; none where a drawn arrow joins no points that have names.
+    /// The fold between named points; `None` if a drawn arrow joins no named points.
     pub fold: Option<Fold>,
-    /// Area of both the simulated outline and the next picture's over the area of either, 0 to 1.
+    /// Overlap of the simulated outline and the next picture's: intersection over union, 0 to 1.
     pub overlap: f64,
-    /// The best other fold that was tried, with its overlap.
+    /// The best other fold tried, with its overlap.
     pub next_best: Option<(Fold, f64)>,
 }
 
-/// Where a step's arrow comes from.
+/// The origin of a step's arrow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArrowOrigin {
     /// The picture shows it.
     Drawn,
-    /// It was worked out from the pictures around the step.
+    /// It was derived from the pictures before and after the step.
     Proposed,
 }
 
 /// Least overlap of a step whose fold counts as found.
 const FOUND: f64 = 0.7;
-/// Least overlap of a step that is not doubted.
+/// Least overlap of a step that counts as certain.
 const SURE: f64 = 0.93;
-/// Least lead over the next best fold likewise.
+/// Least lead over the next best fold for a step that counts as certain.
 const LEAD: f64 = 0.015;
 
 impl DraftStep {
-    /// Returns the fold if it explains the pictures at all; else [`DraftStep::fold`] is no more than the best guess.
+    /// Returns the fold if it explains the pictures; otherwise [`DraftStep::fold`] is only the best guess.
     pub fn found(&self) -> Option<&Fold> {
         self.fold.as_ref().filter(|_| self.overlap >= FOUND)
     }
@@ -123,8 +123,8 @@ pub type MakeWorld<'a> = dyn Fn(&program::Camera) -> Result<Box<dyn World>, Worl
 
 /// Drafts a fold.
 ///
-/// - `stated`: what is known of the camera and the cloth.
-/// - `announce`: told how many folds are tried for which step, both from 1, before each round.
+/// - `stated`: what the user knows about the camera and the cloth.
+/// - `announce`: told before each round how many folds are tried for which step, both from 1.
 ///
 /// The same pictures give the same draft.
 pub fn draft(

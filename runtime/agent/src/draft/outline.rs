@@ -1,7 +1,7 @@
-//! What one picture shows: the cloth's outline and an arrow; and how the flat cloth lies in the pictures.
+//! Analyses single pictures: the cloth's outline and an arrow; and the pose of the flat cloth.
 //!
-//! In: pictures. Out: [`Outline`]s as they would be were the cloth's sides along the picture's, its middle in the
-//! middle, and the picture as large as those that worlds give here.
+//! In: pictures. Out: [`Outline`]s, normalised: the cloth's sides along the picture's, its middle in the middle, and
+//! the picture as large as those of worlds here.
 
 use super::{COMPARED_PX, DraftError, Named};
 use crate::result::silhouette;
@@ -15,18 +15,18 @@ use fab_picture::regions::Grid;
 use fab_program::PixelPoint;
 use std::collections::BTreeMap;
 
-/// Least cloth, as a share of the picture.
+/// Least area of the cloth, as a share of the picture.
 const LEAST_CLOTH: f64 = 0.003;
 
 /// Least side of the flat cloth, as a share of the picture's.
 const LEAST_SIDE: f64 = 0.125;
 
-/// The largest side likewise; beyond it no table would be seen beside it.
+/// The largest side, as a share of the picture's; beyond it no table would be visible beside the cloth.
 const LARGEST_SIDE: f64 = 0.99;
 
 /// What a picture shows, in its own pixels.
 pub struct Shown {
-    /// The cloth, without what an arrow hides.
+    /// The cloth, without parts hidden by an arrow.
     cloth: Mask,
     /// An arrow and the pixels beside it, which may be cloth or table.
     hidden: Mask,
@@ -38,7 +38,7 @@ pub struct Shown {
     covered: f64,
 }
 
-/// How far the border reaches into a picture, pixels.
+/// Width of the border, pixels.
 const BORDER_PX: u32 = 2;
 
 /// The largest share of the border that stray pixels of the cloth's patch may cover.
@@ -47,13 +47,13 @@ const MOST_COVERED: f64 = 0.01;
 /// Least share of a plain table's border that has one of its common colours.
 const LEAST_PLAIN: f64 = 0.8;
 
-/// How far beyond what is seen of the cloth an arrow's end may lie that is on it, pixels of a compared picture.
+/// How far an arrow's end on the cloth may lie outside the visible cloth, pixels of a compared picture.
 const ARROW_END_PX: f64 = 6.0;
 
 impl Shown {
-    /// Looks at a square picture.
+    /// Analyses a square picture.
     ///
-    /// Fails where no cloth is seen on it.
+    /// Fails if there is no cloth on it.
     pub fn of(named: &Named) -> Result<Shown, DraftError> {
         let picture = &named.picture;
         let (width, height) = picture.dimensions();
@@ -103,7 +103,7 @@ impl Shown {
         })
     }
 
-    /// Returns a convex cloth with what an arrow hides of it; a ring at a corner reaches beyond it.
+    /// Returns a convex cloth with the parts hidden by an arrow filled in; a ring at a corner reaches beyond it.
     ///
     /// An arrow along an edge hides all of it, and its ends tell where the edge is.
     fn without_gaps(&self) -> Mask {
@@ -141,10 +141,10 @@ fn square([u, v]: [f64; 2]) -> [[f64; 2]; 4] {
     ]
 }
 
-/// How the flat cloth lies.
+/// The pose of the flat cloth.
 pub struct Pose {
     center: [f64; 2],
-    /// Unit vector along the side that is nearest to the picture's right, `[column, row]`.
+    /// Unit vector along the side closest to the picture's right, `[column, row]`.
     right: [f64; 2],
     /// The angle of that vector, clockwise as seen in the picture, radians.
     pub turned_rad: f64,
@@ -157,7 +157,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Measures the flat cloth, as the rectangle around it.
+    /// Measures the flat cloth by its bounding rectangle.
     pub fn of(flat: &Shown, name: &str) -> Result<Pose, DraftError> {
         let cloth = flat.without_gaps();
         let found = fab_vision::rectangle_around(&cloth)?;
@@ -172,7 +172,7 @@ impl Pose {
         };
         let [x, y] = rectangle.along;
         let [long, short] = rectangle.sides;
-        // Of the four ways along a side, the one nearest to the picture's right.
+        // Of the four directions along a side, the one closest to the picture's right.
         let (right, sides_px) = match x.abs() >= y.abs() {
             true => ([x, y].map(|part| part * x.signum()), [long, short]),
             false => ([-y, x].map(|part| part * -y.signum()), [short, long]),
@@ -208,7 +208,7 @@ impl Pose {
         })
     }
 
-    /// Returns where a point of a picture lies on the straight one, both `[column, row]`, pixels.
+    /// Maps a point of a picture to the straightened picture, both `[column, row]`, pixels.
     pub fn straighten(&self, at: [f64; 2]) -> [f64; 2] {
         let off = [at[0] - self.center[0], at[1] - self.center[1]];
         let [x, y] = self.right;
@@ -219,7 +219,7 @@ impl Pose {
         ]
     }
 
-    /// Returns where a point of the straight picture lies on the pictures.
+    /// Maps a point of the straightened picture to the original pictures.
     pub fn as_shown(&self, at: [f64; 2]) -> [f64; 2] {
         let middle = f64::from(COMPARED_PX) / 2.0;
         let [along, across] = at.map(|at| (at - middle) * self.scale);
@@ -230,7 +230,7 @@ impl Pose {
         ]
     }
 
-    /// Returns a picture's outline as it would be, were the flat cloth straight and in the middle.
+    /// Returns a picture's outline with the flat cloth straightened and centred.
     pub fn straight(&self, shown: &Shown) -> Outline {
         let straight = |mask: &Mask| {
             Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
@@ -246,26 +246,26 @@ impl Pose {
     }
 }
 
-/// The cloth's outline in a straight picture, `COMPARED_PX` a side.
+/// The cloth's outline in a straightened picture, `COMPARED_PX` a side.
 pub struct Outline {
     cloth: Mask,
-    /// Pixels that may be cloth or not.
+    /// Pixels that may or may not be cloth.
     hidden: Mask,
 }
 
 impl Outline {
-    /// Takes an outline of which everything is seen.
+    /// Makes an outline without hidden parts.
     pub fn whole(cloth: Mask) -> Outline {
         let hidden = Mask::from_fn(cloth.width(), cloth.height(), |_, _| false);
         Outline { cloth, hidden }
     }
 
-    /// Returns the number of pixels that are cloth, or hidden beside it by half.
+    /// Returns the number of cloth pixels, counting half of the hidden ones beside it.
     pub fn area(&self) -> usize {
         self.cloth.area_px() + self.hidden.area_px() / 2
     }
 
-    /// Returns the area of both over the area of either, of what is seen in both; 0 if either is empty.
+    /// Returns intersection over union, of the pixels visible in both; 0 if either is empty.
     pub fn overlap(&self, other: &Outline) -> f64 {
         let (mut both, mut either) = (0_u32, 0_u32);
         for row in 0..COMPARED_PX as i32 {
@@ -285,7 +285,7 @@ impl Outline {
         }
     }
 
-    /// Returns the pixels that are cloth here and not in `other`.
+    /// Returns the pixels that are cloth here but not in `other`.
     pub fn without(&self, other: &Outline) -> Mask {
         Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
             let at = PixelPoint::new(column as i32, row as i32);
@@ -294,7 +294,7 @@ impl Outline {
         })
     }
 
-    /// Returns the outline of stiff paper that is folded so that the arrow's tail comes onto its tip.
+    /// Returns the outline of stiff paper folded so that the arrow's tail lands on its tip.
     pub fn folded(&self, [tail, tip]: [[f64; 2]; 2]) -> Outline {
         let way = [tip[0] - tail[0], tip[1] - tail[1]];
         let length = way[0].hypot(way[1]).max(f64::MIN_POSITIVE);
@@ -313,7 +313,7 @@ impl Outline {
         }))
     }
 
-    /// Returns how far a point is from the cloth, pixels.
+    /// Returns the distance from a point to the cloth, pixels.
     pub fn distance_px(&self, at: [f64; 2]) -> f64 {
         let [u, v] = at.map(|at| at.floor() as i32);
         self.cloth.distance_px(PixelPoint::new(u, v))

@@ -1,11 +1,11 @@
-//! The same folds from the cloth's other sides.
+//! The same folds as seen from the cloth's other sides.
 
 use fab_program::{Cloth, ClothPoint, Fold, Sequence};
 
-/// Where a point lies for somebody at another side: fractions from left to right and from back to front.
+/// A symmetry as a map of points: fractions from left to right and from back to front.
 type Seen = fn([f64; 2]) -> [f64; 2];
 
-/// The ways in which a rectangle looks the same.
+/// The symmetries of a rectangle.
 const OF_A_RECTANGLE: [Seen; 4] = [
     |[right, front]| [right, front],
     |[right, front]| [1.0 - right, front],
@@ -13,7 +13,7 @@ const OF_A_RECTANGLE: [Seen; 4] = [
     |[right, front]| [1.0 - right, 1.0 - front],
 ];
 
-/// Those that a square has besides.
+/// The additional symmetries of a square.
 const OF_A_SQUARE: [Seen; 4] = [
     |[right, front]| [front, right],
     |[right, front]| [1.0 - front, right],
@@ -21,7 +21,7 @@ const OF_A_SQUARE: [Seen; 4] = [
     |[right, front]| [1.0 - front, 1.0 - right],
 ];
 
-/// Returns a sequence as it is from every side from which the cloth looks the same, mirrored too; itself first.
+/// Returns a sequence under every symmetry of the cloth, mirrored ones included; the original first.
 ///
 /// Equal sequences are listed once.
 pub fn symmetric(folds: &[Fold], cloth: &Cloth) -> Vec<Sequence> {

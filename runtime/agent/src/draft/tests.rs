@@ -1,4 +1,4 @@
-//! Folds are found again in pictures of known folds.
+//! Tests that drafting recovers the folds of known pictures.
 #![allow(clippy::unwrap_used)]
 
 use super::*;
@@ -41,7 +41,7 @@ const TASKS: [&str; 8] = [
     "sash",
 ];
 
-/// The pictures that are pinned for a shipped task, and the arrows of its steps.
+/// The pinned pictures of a shipped task, and the arrows of its steps.
 fn pinned(task: &str) -> (Vec<Named>, Vec<ArrowPx>) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../tasks")
@@ -67,7 +67,7 @@ fn draw(pictures: &mut [Named], arrows: &[ArrowPx]) {
     }
 }
 
-/// Asserts that every step's arrow was found or proposed where it is right.
+/// Asserts that every step's arrow was detected or proposed in the right place.
 fn check(task: &str, draft: &Draft, arrows: &[ArrowPx], origin: ArrowOrigin, within_px: f64) {
     assert_eq!(draft.steps.len(), arrows.len(), "{task}");
     for (number, (step, right)) in draft.steps.iter().zip(arrows).enumerate() {
@@ -170,7 +170,7 @@ fn folds_are_proposed_from_recorded_pictures() {
     let draft = drafted(&pictures).unwrap();
     let off = off_px(&draft.steps[0].arrow, &arrows[0].unwrap());
     assert!(off <= 2.0, "{off} px off, {:?}", draft.steps[0]);
-    // The second fold was recorded as between these two corners.
+    // The second fold was recorded between these two corners.
     let corner = |right, front| ClothPoint::Particle { right, front };
     let fold = draft.steps[1].fold.clone().unwrap();
     assert_eq!(
@@ -299,18 +299,18 @@ fn pictures_that_show_no_fold_are_refused_with_what_would_be_right() {
             vec![&carpet, &carpet],
             "the table on `carpet.png` is not plain: ",
         ),
-        (vec![], "0 pictures show no fold; right are 2 to 101"),
+        (vec![], "0 pictures show no fold; there must be 2 to 101"),
         (
             vec![&flat],
-            "one picture shows no fold; give one more than there are steps; right are 2 to 101",
+            "one picture shows no fold; give one more than there are steps; there must be 2 to 101",
         ),
         (
             vec![&flat, &wide],
-            "`wide.png` has 224 x 200 px; right is a square",
+            "`wide.png` has 224 x 200 px; it must be a square",
         ),
         (
             vec![&tiny, &tiny],
-            "`tiny.png` has 16 x 16 px; right is a square of 32 to 2048",
+            "`tiny.png` has 16 x 16 px; it must be a square of 32 to 2048",
         ),
         (
             vec![&flat, &small],
@@ -318,7 +318,7 @@ fn pictures_that_show_no_fold_are_refused_with_what_would_be_right() {
         ),
         (
             vec![&flat, &table],
-            "no cloth is seen on `table.png`: 0 of its 50176 px",
+            "no cloth is seen on `table.png`: its largest patch unlike the colours at its border has 0 of 50176 px",
         ),
         (
             vec![&speck, &speck],
@@ -388,6 +388,6 @@ fn a_square_has_eight_sides_to_fold_from_and_a_rectangle_four() {
         assert_eq!(all.len(), n_sides);
         assert_eq!(all[0].folds, folds);
     }
-    // From the diagonal a triangle looks the same on both sides.
+    // Seen from its diagonal, a triangle is symmetric.
     assert_eq!(symmetric(&folds[..1], &cloth(55)).len(), 4);
 }

@@ -1,7 +1,7 @@
-//! What an earlier part of the same rollout wrote, line by line.
+//! The lines of an earlier part of the same rollout.
 //!
-//! In: a journal. Out: its whole lines up to where the rollout goes on: the header, and every step that was taken. What
-//! follows (a step that ended the rollout, its end, a line that was cut off) is written anew.
+//! In: a journal. Out: its whole lines up to the point of resuming: the header, and every step that was taken. The rest
+//! (a step that ended the rollout, its end, a torn line) is written again.
 
 use super::JournalError;
 use crate::record::{Line, MAX_BYTES};
@@ -10,13 +10,13 @@ use serde_json::Value;
 use std::collections::VecDeque;
 use std::path::Path;
 
-/// Lines that are known already, oldest first.
+/// Existing lines, oldest first.
 #[derive(Debug, Default)]
 pub(super) struct Earlier {
     lines: VecDeque<String>,
-    /// How many there were.
+    /// How many lines there were.
     count: usize,
-    /// Bytes up to the end of the last of them.
+    /// Bytes up to the end of the last line.
     bytes: u64,
 }
 
@@ -41,25 +41,25 @@ impl Earlier {
         Ok(earlier)
     }
 
-    /// Returns how many bytes of the journal stay as they are.
+    /// Returns how many bytes of the journal stay.
     pub(super) fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// Returns how many steps stay as they are.
+    /// Returns how many steps stay.
     pub(super) fn steps(&self) -> u32 {
-        // A journal that is read has far fewer lines.
+        // A readable journal has far fewer lines.
         u32::try_from(self.count.saturating_sub(1)).unwrap_or(u32::MAX)
     }
 
-    /// Returns whether a line is known that has not come again yet.
+    /// Returns whether an existing line has not been repeated yet.
     pub(super) fn has_more(&self) -> bool {
         !self.lines.is_empty()
     }
 
-    /// Takes a line that comes again; returns whether it was known.
+    /// Takes a repeated line; returns whether it already existed.
     ///
-    /// Fails where another one stood there: the rollout would not be the same.
+    /// Fails if the existing line differs: the rollout would not be the same.
     pub(super) fn take(&mut self, line: &str) -> Result<bool, String> {
         let Some(known) = self.lines.pop_front() else {
             return Ok(false);
@@ -73,7 +73,8 @@ impl Earlier {
 
 /// Returns whether a line stays: the first if it is a header, others if they are steps that did not end the rollout.
 ///
-/// Fails for a line of JSON that this program does not write: it is another version's, and not to be written over.
+/// Fails for a line of JSON that this program does not write: it belongs to another version, and must not be
+/// overwritten.
 fn is_taken(line: &str, number: usize) -> Result<bool, String> {
     match serde_json::from_str(line) {
         Ok(Line::Header(_)) => Ok(number == 0),
@@ -87,7 +88,7 @@ fn is_taken(line: &str, number: usize) -> Result<bool, String> {
     }
 }
 
-/// Says in which field two lines differ, by its path.
+/// Names the field in which two lines differ, by its path.
 fn difference(then: &str, now: &str) -> String {
     let object = |line: &str| serde_json::from_str::<Value>(line).unwrap_or_default();
     let (then, now) = (object(then), object(now));
@@ -105,7 +106,7 @@ fn difference(then: &str, now: &str) -> String {
     )
 }
 
-/// Goes down to the first value that differs, and collects the names on the way.
+/// Descends to the first value that differs, collecting the names on the way.
 fn first_difference<'v>(
     then: &'v Value,
     now: &'v Value,

@@ -1,7 +1,7 @@
-//! Puts the questions of one rollout to its models, and none of them twice.
+//! Asks a rollout's questions of its models, and none of them twice.
 //!
-//! In: a model and a request. Out: its reply: the one that the rollout's ledger holds already, or a new one, which is then
-//! in the ledger and, where one is kept, in the recording.
+//! In: a model and a request. Out: its reply: either the one already in the rollout's ledger, or a new one, which is
+//! then stored in the ledger and in the recording, if there is one.
 
 use super::PolicyError;
 use fab_model::calls::{Budget, CallRefused, Ledger, LedgerError, Spent, Unkept};
@@ -19,18 +19,18 @@ pub struct Asking<'a> {
     step: Step,
 }
 
-/// What kind of step is asked for.
+/// What kind of step the questions belong to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Step {
-    /// One that nobody has taken yet.
+    /// A new step.
     #[default]
     New,
-    /// One that is done already and only repeated: its answers must be in the ledger, and nothing is sent.
+    /// A completed step that is being repeated: its answers must be in the ledger, and nothing is sent.
     Repeated,
 }
 
 impl<'a> Asking<'a> {
-    /// Keeps the calls in the run folder, and the exchanges in the recording, where there is one.
+    /// Stores the calls in the run folder, and the exchanges in the recording, if any.
     pub fn in_folder(
         folder: &Path,
         budget: &'a Budget,
@@ -43,12 +43,12 @@ impl<'a> Asking<'a> {
         })
     }
 
-    /// Says what kind of step begins.
+    /// Starts a step of this kind.
     pub fn begin(&mut self, step: Step) {
         self.step = step;
     }
 
-    /// Keeps nothing: for questions outside of any run.
+    /// Stores nothing: for questions outside any run.
     pub fn unkept() -> Asking<'a> {
         Asking::default()
     }
@@ -68,7 +68,7 @@ impl<'a> Asking<'a> {
         let Some(ledger) = &mut self.ledger else {
             return model.ask(request, &mut Unkept);
         };
-        // A stand-in is asked again: it says the same, and costs nothing.
+        // A stand-in is asked again: it answers the same, and costs nothing.
         if model.nature() == Nature::StandIn {
             return model.ask(request, ledger);
         }
@@ -84,9 +84,10 @@ impl<'a> Asking<'a> {
         Ok(reply)
     }
 
-    /// Returns the answer to a question that is no model's: the one that the ledger holds, or a new one, which is then in it.
+    /// Returns the answer to a question for something other than a model: the one in the ledger, or a new one, which is
+    /// then stored.
     ///
-    /// - `key`: the same for equal questions.
+    /// - `key`: identical for equal questions.
     pub fn once<E>(
         &mut self,
         key: &str,
@@ -108,12 +109,12 @@ impl<'a> Asking<'a> {
         Ok(answered)
     }
 
-    /// Returns what the calls so far came to.
+    /// Returns what the calls so far added up to.
     pub fn spent(&self) -> Spent {
         self.ledger.as_ref().map(Ledger::spent).unwrap_or_default()
     }
 
-    /// Returns how many calls failed, by the name of what went wrong.
+    /// Returns the number of failed calls by the fault's name.
     pub fn faults(&self) -> BTreeMap<String, u32> {
         let faults = self.ledger.iter().flat_map(Ledger::faults);
         faults

@@ -1,8 +1,8 @@
 //! The policy that follows the task's own demonstration.
 //!
-//! In: the folds that the task demonstrates, and the true places of the cloth's particles. Out: the offered action that
-//! comes nearest to each fold, through the same action space, checks and world as any other policy's: what is lost
-//! against the demonstration is lost there. It looks at true particles, so it is no player in any comparison.
+//! In: the folds that the task demonstrates, and the true positions of the cloth's particles. Out: the offered action
+//! closest to each fold, through the same action space, checks and world as any other policy, so it shows what those
+//! lose against the demonstration. It sees true particles, so it must not be compared with other policies.
 
 use super::proposing::{Answer, Proposed, Refusal, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
@@ -13,7 +13,7 @@ use fab_program::space;
 use fab_program::{ActionField, Choices, Fold, PixelPoint, Program, Proposal, Subgoals, Value};
 use fab_world::{WorldPoint, expert};
 
-/// How many points of a field are tried, the nearest first.
+/// How many points of a field are tried, nearest first.
 const NEAREST: usize = 12;
 
 /// Follows the demonstration.
@@ -91,7 +91,7 @@ fn folds(program: &Program) -> Result<&[Fold], PolicyError> {
 /// Where a fold picks and places, pixels, `[column, row]`.
 type Aim = [[f64; 2]; 2];
 
-/// Returns where a fold picks and places as the cloth lies now.
+/// Returns where a fold picks and places on the cloth's current state.
 fn wanted(fold: &Fold, step: &StepView<'_>) -> Result<Aim, String> {
     let truth = step.truth.ok_or("where the particles are is not known")?;
     let motion = expert::motion_of(fold, truth.start, truth.particles)
@@ -105,7 +105,7 @@ fn wanted(fold: &Fold, step: &StepView<'_>) -> Result<Aim, String> {
     Ok([pixel(motion.pick, "pick")?, pixel(motion.place, "place")?])
 }
 
-/// Returns the offered action nearest to what is wanted that was not refused yet, and says how near it is.
+/// Returns the offered action closest to the aim that was not refused yet, with a note on its distance.
 fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Proposal, String)> {
     let mut best: Option<(f64, Proposal, Action)> = None;
     for proposal in proposals(step, aim) {
@@ -139,7 +139,7 @@ fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Propo
     Some((proposal, note))
 }
 
-/// Lists actions of the declared space: of points the nearest, of directions and lengths all, of words the first.
+/// Lists actions of the declared space: the nearest points, all directions and lengths, the first words.
 fn proposals(step: &StepView<'_>, aim: Aim) -> Vec<Proposal> {
     let mut all = vec![Proposal::default()];
     for field in &step.program.actions {
@@ -182,7 +182,7 @@ fn candidates(step: &StepView<'_>, field: &ActionField, [pick, place]: Aim) -> V
     }
 }
 
-/// Returns the distance from a place in the picture to the middle of a pixel.
+/// Returns the distance from a point in the picture to the middle of a pixel.
 fn away_px([u, v]: [f64; 2], pixel: PixelPoint) -> f64 {
     let [column, row] = fab_picture::camera::center_of(pixel);
     (u - column).hypot(v - row)

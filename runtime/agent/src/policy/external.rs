@@ -1,9 +1,8 @@
-//! The policy that a program of the user's decides, in any language.
+//! The policy of a user's program, in any language.
 //!
-//! In: one line of JSON per proposal: pictures by path, keypoints, what is offered, what was refused. Out: one line with
-//! the grips, or a refusal. `docs/policies.md` states both. The program is started when it is first asked, and its
-//! answers are in the run folder before anything is done with them: a rollout that is gone on with asks only what it has
-//! not asked yet.
+//! In: one line of JSON per proposal: pictures by path, keypoints, the offered choices, refusals so far. Out: one line
+//! with the grips, or a refusal. `docs/policies.md` documents both. The program is started at the first question, and
+//! its answers are stored in the run folder before they are used: a resumed rollout asks only new questions.
 
 use super::proposing::{Answer, Proposed, Refusal, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, Question, StepView};
@@ -20,22 +19,22 @@ use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Version of the lines.
+/// Version of the protocol.
 const PROTOCOL: u32 = 1;
 
-/// What the program writes to stderr, in the run folder.
+/// The file in the run folder that receives the program's stderr.
 const STDERR_FILE: &str = "policy.stderr.txt";
 
-/// What a program may look at.
+/// What a program may see.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sight {
-    /// What the camera shows.
+    /// Only what the camera shows.
     Camera,
-    /// The true places of the particles, too.
+    /// The true positions of the particles, too.
     Particles,
 }
 
-/// Asks a program.
+/// A policy that asks a program.
 #[derive(Debug)]
 pub struct External {
     command: CommandLine,
@@ -49,7 +48,7 @@ pub struct External {
 impl External {
     /// Makes the policy of a command line; nothing is started yet.
     ///
-    /// - `limit`: how long one answer may take.
+    /// - `limit`: the longest that one answer may take.
     pub fn new(command: CommandLine, sight: Sight, limit: Duration) -> External {
         External {
             code: digest::of_files(command.files()),
@@ -87,7 +86,7 @@ impl Policy for External {
         let folder = &std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
         if folder.to_str().is_none() {
             return Err(PolicyError::Unfit(format!(
-                "the run folder `{}` is no UTF-8, so no line can name it: name another one with `--out`",
+                "the run folder `{}` is not UTF-8, so no line can name it: choose another one with `--out`",
                 folder.display()
             )));
         }
@@ -98,7 +97,7 @@ impl Policy for External {
             }
         })?;
         until_accepted(step, exchange, &mut |refusals, exchange| {
-            // Equal wherever the run folder lies.
+            // Relative paths make equal questions equal in any run folder.
             let relative = question(step, &files, refusals, &|name| PathBuf::from(name));
             let key = digest::hex(&Sha256::digest(relative.to_string()));
             let sent = question(step, &files, refusals, &|name| folder.join(name));
@@ -135,7 +134,7 @@ impl Policy for External {
 }
 
 impl External {
-    /// Returns the program's line, once it is sure to be an answer.
+    /// Returns the program's line after checking that it is a valid answer.
     fn ask(
         &mut self,
         question: &Json,
@@ -156,13 +155,13 @@ impl External {
     }
 }
 
-/// What a program answers: one of the two.
+/// A program's answer: one of the two fields.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Line {
-    /// What each gripper does.
+    /// The action of each gripper.
     grips: Option<Vec<Map<String, Json>>>,
-    /// Nothing further, and why.
+    /// The reason for proposing nothing further.
     refuse: Option<String>,
 }
 
@@ -200,13 +199,14 @@ fn read(step: &StepView<'_>, line: &str) -> Answer {
         },
         Ok(_) => unreadable(
             "grips",
-            "one of `grips` and `refuse` is due, and the answer has both or neither".to_owned(),
+            "the answer must have either `grips` or `refuse`, and it has both or neither"
+                .to_owned(),
         ),
         Err(error) => unreadable("grips", error.to_string()),
     }
 }
 
-/// Reads a grip; says which field is wrong, and why.
+/// Reads a grip; fails with the wrong field and the reason.
 fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, (String, String)> {
     let declared = &step.program.actions;
     let names = || {
@@ -265,7 +265,7 @@ struct Files {
 }
 
 impl Files {
-    /// Writes what the rollout itself does not keep.
+    /// Writes the files that the rollout itself does not store.
     fn write(step: &StepView<'_>, folder: &Path) -> Result<Files, (String, std::io::Error)> {
         let name = |what: &str| format!("step_{}/{what}", step.number);
         let write = |what: &str, bytes: &[u8]| {
@@ -307,9 +307,9 @@ impl Files {
     }
 }
 
-/// Writes the line for a program.
+/// Writes the question for a program.
 ///
-/// - `place`: how a file of the run folder is named in it.
+/// - `place`: maps a file name of the run folder to the path in the question.
 fn question(
     step: &StepView<'_>,
     files: &Files,
@@ -388,7 +388,7 @@ fn question(
     question
 }
 
-/// Writes a value as a grip states it.
+/// Writes a value in the form of a grip's field.
 fn written(field: &ActionField, value: &Value) -> Json {
     match value {
         Value::Point(point) => json!(point),

@@ -1,6 +1,6 @@
-//! What an answer means: a text, an action with its verdict, or nothing that can be read.
+//! Interprets an answer: a text, an action with its verdict, or nothing readable.
 //!
-//! Every policy's action is judged here, and once more by the rollout before it is carried out.
+//! Every policy's action is judged here, and again by the rollout before it is executed.
 
 use super::reach::out_of_reach;
 use super::{Accepted, Finding, StepView};
@@ -12,7 +12,7 @@ use fab_program::verify::{self, Strictness, Verdict};
 use fab_program::{Read, Stage};
 use std::collections::BTreeMap;
 
-/// Reads an answer and, where it proposes an action, lets the verifier judge it.
+/// Reads an answer and, if it proposes an action, lets the verifier judge it.
 pub(super) fn judge(
     view: StepView<'_>,
     stage: &Stage,
@@ -49,7 +49,7 @@ pub(super) fn judge(
     }
 }
 
-/// Judges an action by the task's checks, and then by what the world can reach.
+/// Judges an action by the task's checks, and then by the world's reach.
 pub(super) fn verdict(
     view: StepView<'_>,
     facts: Facts<'_>,
@@ -67,9 +67,9 @@ pub(super) fn verdict(
     )
 }
 
-/// Judges refused actions once more, newest first, without the checks that the task leaves out in the end.
+/// Judges refused actions again, newest first, without the checks that the task drops in the end.
 ///
-/// Returns the first that passes, with its number.
+/// Returns the first one that passes, with its number.
 pub(super) fn relaxed(
     view: StepView<'_>,
     facts: Facts<'_>,
@@ -86,7 +86,7 @@ pub(super) fn relaxed(
     Ok(None)
 }
 
-/// Judges a decision before it is carried out: no policy gets past the checks.
+/// Judges a decision before execution: no policy bypasses the checks.
 pub(crate) fn is_accepted(
     view: StepView<'_>,
     proposal: &Proposal,

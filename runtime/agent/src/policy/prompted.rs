@@ -1,7 +1,7 @@
-//! The policy that asks models, as the task's stages say, and asks again with the reason of a refusal.
+//! The policy that asks models, as the task's stages say, and after a refusal asks again with the reason.
 //!
-//! In: the stages, the step's pictures, the models. Out: every attempt as it happens, and a [`Decision`]. The number of
-//! questions is bounded by the program's `attempts` per stage.
+//! In: the stages, the step's pictures, the models. Out: every attempt as it happens, and a [`Decision`]. The program's
+//! `attempts` limit the number of questions per stage.
 
 mod conversation;
 mod rehearsal;
@@ -17,7 +17,7 @@ pub use rehearsal::{Rehearsed, rehearse};
 use std::collections::BTreeMap;
 use talk::{Answer, Missing, Next, Talk};
 
-/// Asks models.
+/// A policy that asks models.
 #[derive(Clone, Copy)]
 pub struct Prompted<'m> {
     /// Which model answers which role.
@@ -47,7 +47,7 @@ impl Policy for Prompted<'_> {
         Ok(lowering::note(program, self.models))
     }
 
-    /// Asks every stage of one step and returns what to do.
+    /// Asks every stage of one step and returns the decision.
     fn decide(
         &mut self,
         step: &StepView<'_>,

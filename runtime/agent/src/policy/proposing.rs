@@ -1,7 +1,7 @@
-//! The loop of policies that propose actions themselves: judge, and ask again with the reason of the refusal.
+//! The loop of policies that propose actions themselves: judge, and after a refusal propose again with the reason.
 //!
-//! In: a step, and a function that proposes. Out: every attempt as it happens, and a [`Decision`]. The task's `attempts`
-//! bound the number of proposals, as they bound a model's answers.
+//! In: a step, and a function that proposes. Out: every attempt as it happens, and a [`Decision`]. The task's
+//! `attempts` limit the number of proposals, as they limit a model's answers.
 
 use super::judge::{relaxed, verdict};
 use super::{Accepted, Attempt, Decision, Exchange, Finding, PolicyError, Question, StepView};
@@ -12,16 +12,16 @@ use fab_program::verify::{OFFERED, Strictness, Verdict};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// What attempts of a policy without stages are filed under.
+/// The stage name in attempts of a policy without stages.
 const STAGE: &str = "policy";
 
-/// A proposal, with what led to it.
+/// A proposal, with its question and reply.
 pub(super) struct Proposed {
-    /// What was asked, where somebody was.
+    /// The question, if there was one.
     pub question: Option<Question>,
-    /// What came back, where something did.
+    /// The reply, if there was one.
     pub reply: Option<Reply>,
-    /// What is said of it to people.
+    /// A note for people.
     pub note: Option<String>,
     /// The proposal, or why there is none.
     pub answer: Answer,
@@ -29,7 +29,7 @@ pub(super) struct Proposed {
 
 /// What a policy proposes.
 pub(super) enum Answer {
-    /// An action for the one gripper that there is.
+    /// An action for the only gripper.
     Grip(Proposal),
     /// Nothing that can be judged; it may try again.
     Unreadable {
@@ -38,7 +38,7 @@ pub(super) enum Answer {
         /// What is wrong, and what would be right.
         message: String,
     },
-    /// Nothing, and nothing further.
+    /// Nothing, now or later.
     Stop {
         /// How the rollout ends.
         outcome: Outcome,
@@ -49,7 +49,7 @@ pub(super) enum Answer {
 
 /// A proposal that was not accepted.
 pub(super) struct Refusal {
-    /// What was proposed, where it could be read.
+    /// The proposal, if it could be read.
     pub proposal: Option<Proposal>,
     /// The check that refused it, or the field that could not be read.
     pub check: String,
@@ -57,11 +57,11 @@ pub(super) struct Refusal {
     pub why: String,
 }
 
-/// Proposes an action, after these refusals.
+/// Proposes an action, given the refusals so far.
 type Propose<'p> =
     dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Proposed, PolicyError> + 'p;
 
-/// Takes proposals until one passes every check.
+/// Collects proposals until one passes every check.
 pub(super) fn until_accepted(
     step: &StepView<'_>,
     exchange: &mut Exchange<'_, '_>,
@@ -134,7 +134,7 @@ pub(super) fn until_accepted(
     if let Some((number, proposal)) = relaxed(*step, facts, &refused)? {
         return Ok(act(proposal, number, &step.program.verify.relaxed));
     }
-    // What is not of the action space at all is a fault of the policy, and not of its choice.
+    // A proposal outside the action space is a failure of the policy, not a bad choice.
     let is_outside = |refusal: &&Refusal| refusal.proposal.is_none() || refusal.check == OFFERED;
     Ok(match refusals.last().filter(is_outside) {
         Some(refusal) => Decision::Stop {

@@ -1,6 +1,7 @@
 //! The policy that draws from the declared action space, without a prompt.
 //!
-//! It is the paper's random policy, a floor for others. Seed, start, repetition, action and attempt decide the draw.
+//! It is the paper's random policy, a baseline for others. Seed, start, repetition, action and attempt determine the
+//! draw.
 
 use super::proposing::{Answer, Proposed, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
@@ -11,7 +12,7 @@ use fab_program::space;
 /// Draws each field of an action from what is offered.
 #[derive(Clone, Copy, Debug)]
 pub struct Random {
-    /// Decides all draws.
+    /// Determines all draws.
     pub seed: u64,
 }
 
@@ -36,7 +37,7 @@ impl Policy for Random {
             self.seed, step.start, step.repetition, step.number
         ));
         until_accepted(step, exchange, &mut |_, _| {
-            // A number below a count of choices in memory fits.
+            // A number below an in-memory count fits in `usize`.
             let mut below = |count: u64| chance.below(count as usize) as u64;
             let answer = match space::sample(step.program, step.scene, &mut below) {
                 Some(proposal) => Answer::Grip(proposal),

@@ -1,8 +1,8 @@
 //! Refuses an accepted answer whose points on the table are out of reach.
 //!
-//! In: a proposal that every other check accepts. Out: the refusal by the check `reachable`, which no task declares, with
-//! what the model is told. Candidates that are out of reach were never offered; what comes here are points that follow from a direction
-//! and a distance, and picks of any pixel of a mask.
+//! In: a proposal that every other check accepts. Out: the refusal by the check `reachable`, which no task declares,
+//! with the message for the model. Unreachable candidates were never offered, so this concerns points derived from a
+//! direction and a distance, and picks of any pixel of a mask.
 
 use super::StepView;
 use crate::action::Action;
@@ -11,7 +11,7 @@ use fab_program::pointing::Notation;
 use fab_program::verify::{REACHABLE, Verdict};
 use fab_program::{PixelPoint, Program};
 
-/// Returns the refusal, or none where the answer can be carried out or comes to no action at all.
+/// Returns the refusal, or `None` if the answer can be executed or yields no action at all.
 pub(super) fn out_of_reach(
     view: StepView<'_>,
     notation: &Notation,

@@ -1,8 +1,8 @@
-//! Whether a step led to where the next subgoal picture shows the cloth.
+//! Compares a step's result with the next subgoal picture.
 //!
-//! In: silhouettes, of the cloth in the rollout and in the subgoal pictures. Out: a share. Cloths of other size
-//! and turn are compared, and so are mirrored executions of a fold; what lies within the silhouette is not
-//! looked at. What follows from the share is decided elsewhere.
+//! In: silhouettes of the cloth in the rollout and in the subgoal pictures. Out: their overlap. Cloths of different
+//! size and rotation are comparable, and so are mirrored folds; the inside of the silhouette is ignored. What follows
+//! from the overlap is decided elsewhere.
 
 mod overlap;
 mod silhouette;
@@ -16,25 +16,25 @@ use fab_picture::observation::Observation;
 use fab_program::Program;
 use serde::{Deserialize, Serialize};
 
-/// What a step came to, beside the subgoal that it was to lead to.
+/// The result of a step compared with its subgoal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepResult {
     /// The subgoal, from 1.
     pub subgoal: u32,
-    /// Area of both silhouettes over the area of either, from 0 to 1.
+    /// Intersection over union of both silhouettes, from 0 to 1.
     pub overlap: f64,
     /// Whether that is enough for the task.
     pub is_enough: bool,
 }
 
 impl StepResult {
-    /// Looks at the cloth after a step.
+    /// Compares the cloth after a step.
     ///
-    /// - `subgoal`: which one the step was to lead to, from 1.
+    /// - `subgoal`: the subgoal of the step, from 1.
     /// - `first`: the rollout's first scene, in which the cloth lies as in the first subgoal picture.
     ///
-    /// `None` where the task does not compare, there is no such picture, or one of them shows no cloth; a cloth out
-    /// of view is reported by the next step. Fails where a picture is too large or OpenCV fails.
+    /// `None` if the task does not compare, there is no such picture, or one of them shows no cloth; the next step
+    /// reports a cloth out of view. Fails if a picture is too large or OpenCV fails.
     pub fn of(
         program: &Program,
         subgoals: &SubgoalSet,

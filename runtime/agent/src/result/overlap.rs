@@ -1,20 +1,20 @@
-//! How far two silhouettes cover each other, once the cloth that they are of is brought to the same place.
+//! The overlap of two silhouettes after their cloths are aligned.
 
 use fab_picture::Mask;
 use fab_program::PixelPoint;
 use fab_vision::{Rectangle, VisionError};
 
-/// Rectangles whose sides differ by less than this factor have four sides alike.
+/// Rectangles whose sides differ by less than this factor count as squares.
 ///
 /// The outlines of turned squares differ by up to 2 %; the paper's rectangles have sides of 5 to 4.
 const SQUARE: f64 = 1.1;
 
-/// About how many samples a side of the picture has; more would not change the share by a hundredth.
+/// Approximate number of samples along the picture's side; more would not change the overlap by a hundredth.
 const SAMPLES: u32 = 128;
 
-/// How the cloth of one picture is brought onto the cloth of another: every way that brings its rectangle there.
+/// All transforms that bring the cloth of one picture onto the cloth of another by their rectangles.
 ///
-/// A cloth's silhouette does not tell its corners apart, so a step is right where any of these ways says so.
+/// A silhouette does not show which corner is which, so a step is right if any of these transforms says so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alignment {
     from: Rectangle,
@@ -22,10 +22,10 @@ pub struct Alignment {
     ways: Vec<Way>,
 }
 
-/// A symmetry of a rectangle, as the axes of the one rectangle in those of the other.
+/// A symmetry of a rectangle: the axes of one rectangle in those of the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Way {
-    /// Whether the sides are exchanged.
+    /// Whether the sides are swapped.
     sides: Sides,
     /// The signs of both axes.
     signs: [f64; 2],
@@ -65,7 +65,7 @@ impl Alignment {
         }))
     }
 
-    /// Returns where a point of the subgoal picture lies in the other one, both `[column, row]`, pixels.
+    /// Maps a point of the subgoal picture to the other one, both `[column, row]`, pixels.
     fn back(&self, way: Way, [column, row]: [f64; 2]) -> [f64; 2] {
         let (from, onto) = (&self.from, &self.onto);
         let off = [column - onto.center[0], row - onto.center[1]];
@@ -88,12 +88,12 @@ impl Alignment {
     }
 }
 
-/// Returns the area in which two silhouettes overlap over the area that either covers, from 0 to 1.
+/// Returns the intersection over union of two silhouettes, from 0 to 1.
 ///
 /// - `after`: the cloth after a step; `goal`: the cloth of the next subgoal picture.
-/// - `alignment`: of the unfolded cloths in the same two kinds of picture. The best of its ways counts.
+/// - `alignment`: of the unfolded cloths in the same two kinds of picture. The best of its transforms counts.
 ///
-/// 0 if a silhouette is empty. The work is bounded whatever the pictures' size.
+/// 0 if a silhouette is empty. The work is bounded for any picture size.
 pub fn overlap(after: &Mask, goal: &Mask, alignment: &Alignment) -> f64 {
     let shares = alignment.ways.iter().map(|&way| {
         let (mut both, mut either) = (0_u32, 0_u32);
@@ -112,7 +112,7 @@ pub fn overlap(after: &Mask, goal: &Mask, alignment: &Alignment) -> f64 {
     shares.fold(0.0, f64::max)
 }
 
-/// Points on a grid over a picture and half a picture's width around it, where a turned cloth may reach.
+/// Points on a grid over a picture plus half its width around it, which a turned cloth may reach.
 fn samples(picture: &Mask) -> impl Iterator<Item = [f64; 2]> {
     let (width, height) = (picture.width(), picture.height());
     let step = width.max(height).div_ceil(SAMPLES).max(1) as usize;

@@ -1,13 +1,13 @@
-//! The cloth of a picture without depth.
+//! Finds the cloth in a picture without depth.
 
 use fab_picture::Mask;
 use fab_picture::regions;
 use fab_picture::regions::Grid;
 use image::RgbImage;
 
-/// Finds the cloth of a subgoal picture: the largest patch that has none of the colours at the picture's border.
+/// Finds the cloth of a subgoal picture: the largest patch without any of the border's colours.
 ///
-/// An arrow drawn on the cloth counts as cloth. The mask is empty where everything has the border's colours.
+/// An arrow drawn on the cloth counts as cloth. The mask is empty if everything has the border's colours.
 pub fn silhouette(picture: &RgbImage) -> Mask {
     let table = regions::border_colours(&[picture]);
     let (width, height) = picture.dimensions();

@@ -9,7 +9,7 @@ use std::path::Path;
 
 type Point = [f64; 2];
 
-/// Where a cloth lies in a picture.
+/// The pose of a cloth in a picture.
 #[derive(Clone, Copy, Debug)]
 struct View {
     side_px: u32,
@@ -114,7 +114,7 @@ fn nothing_overlaps_with_nothing() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
-    /// Size, place and turn of the cloth in the rollout do not matter.
+    /// Size, position and rotation of the cloth in the rollout do not matter.
     #[test]
     #[ignore = "long"]
     fn only_the_fold_matters(
@@ -176,11 +176,11 @@ fn recorded_pictures_without_depth_show_the_same_cloth() {
     }
 }
 
-/// Steps whose result has another silhouette each time: the thick pack that the last fold of a half leaves.
+/// Steps whose silhouette varies between recordings: the last fold of a half leaves a thick pack.
 const LOOSE: (&str, usize) = ("DoubleStraight", 3);
 
-/// The share that tells a step's result from the cloth before it, over all recorded demonstrations: results share
-/// 0.910 or more with their subgoal, and what went before 0.900 or less; loose ones 0.737, and 0.455.
+/// The overlap separates a step's result from the cloth before it, over all recorded demonstrations: results overlap
+/// their subgoal by 0.910 or more, the cloth before by 0.900 or less; for loose steps 0.737 and 0.455.
 #[test]
 #[ignore = "long"]
 fn recorded_results_share_more_with_their_subgoals_than_what_went_before() {

@@ -1,7 +1,7 @@
-//! How much of the table the cloth covers while a rollout runs.
+//! Tracks the cloth's coverage during a rollout.
 //!
-//! In: the world's particles at the start and after each step, or its pictures and one of the flat cloth where it knows no
-//! particles. Out: coverage and normalized improvement; of particles by SoftGym's measure, which published
+//! In: the world's particles at the start and after each step, or, if it knows none, its pictures and one of the flat
+//! cloth. Out: coverage and normalized improvement. Particles are measured by SoftGym's measure, which published
 //! numbers use and which alone decides a goal, and by the true one.
 
 use super::{Job, RunError};
@@ -13,23 +13,23 @@ use fab_program::{Goal, Metric};
 use fab_world::World;
 use fab_world::metrics;
 
-/// The measures of a rollout's start and of the cloth as it lies now.
+/// The measures of a rollout's start and of the current cloth.
 #[derive(Debug, Default)]
 pub(super) struct Covered {
-    /// Measured as the cloth lay at first.
+    /// The measures of the start.
     pub at_start: Measures,
     pub now: Measures,
-    /// What they are measured on; none where nothing can be measured.
+    /// What they are measured on; `None` if nothing can be measured.
     pub source: Option<CoverageSource>,
-    /// The flat cloth's pixels, where pictures are compared.
+    /// The flat cloth's pixels, if pictures are compared.
     flat: Option<Mask>,
 }
 
 impl Covered {
-    /// Measures the cloth as it lies at first.
+    /// Measures the cloth at the start.
     ///
-    /// Fails where the picture of the flat cloth cannot be compared with the camera's, and where the task's goal is a
-    /// measure of coverage and there is nothing to measure it on.
+    /// Fails if the picture of the flat cloth cannot be compared with the camera's, or if the task's goal is a measure
+    /// of coverage that cannot be measured here.
     pub(super) fn at_start(job: &Job<'_>, world: &mut dyn World) -> Result<Covered, RunError> {
         let mut covered = Covered::default();
         let mut seen = None;
@@ -56,7 +56,7 @@ impl Covered {
 
     /// Measures the cloth again; improvements count from the start.
     ///
-    /// - `seen`: the newest picture; none where nothing was done since the last measure.
+    /// - `seen`: the newest picture; `None` if nothing was done since the last measure.
     pub(super) fn update(
         &mut self,
         job: &Job<'_>,
@@ -69,7 +69,7 @@ impl Covered {
         Ok(())
     }
 
-    /// Returns whether a goal that is judged after each step is reached as the cloth lies now.
+    /// Returns whether the current cloth meets a goal that is judged after each step.
     pub(super) fn meets_goal(&self, job: &Job<'_>) -> bool {
         let Some(goal) = &job.program.goal else {
             return false;
@@ -82,7 +82,7 @@ impl Covered {
         value.is_some_and(|value| goal.is_met(value))
     }
 
-    /// Returns whether it is known what a goal is judged on.
+    /// Returns whether a goal can be judged in this rollout.
     pub(super) fn judges(&self, goal: &Goal) -> bool {
         match self.source {
             Some(CoverageSource::Particles) => true,

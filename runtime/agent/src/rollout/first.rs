@@ -1,6 +1,7 @@
 //! The questions of a rollout's first step, before anything is asked: for estimates.
 //!
-//! In: a [`Job`]. Out: what each stage would be sent, with words in angle brackets for what only a model can say.
+//! In: a [`Job`]. Out: the first question of each stage, with words in angle brackets for texts that only a model can
+//! give.
 
 use super::{Job, RunError};
 use crate::pictures::Pictures;
@@ -14,18 +15,18 @@ use fab_program::reply;
 use fab_world::WorldPoint;
 use std::collections::BTreeMap;
 
-/// What a stage would be sent in the first step.
+/// The first question of a stage.
 #[derive(Clone, Debug)]
 pub struct FirstQuestion {
     /// The stage.
     pub stage: String,
-    /// The question; its schema, where the stage reads the action, is without the values that a scene offers.
+    /// The question; if the stage reads the action, its schema lacks the scene's values.
     pub request: Request,
 }
 
-/// Lays the cloth, looks, and renders what each stage would be sent.
+/// Lays the cloth, observes it, and renders the first question of each stage.
 ///
-/// Fails where the start cannot be taken, or nothing is found in the picture.
+/// Fails if the world cannot take the start, or nothing is found in the picture.
 pub fn first_questions(job: &Job<'_>, models: Models<'_>) -> Result<Vec<FirstQuestion>, RunError> {
     let program = job.program;
     let mut world = (job.make_world)()?;

@@ -1,4 +1,4 @@
-//! The score of a rollout: how far its cloth is from the expert results, and how much it covers.
+//! The score of a rollout: its cloth's distance from the expert results, and its coverage.
 
 use super::writer::Keeper;
 use super::{Event, Job, RunError};
@@ -20,11 +20,11 @@ pub struct Score {
     pub distances: Vec<(usize, f64, String)>,
     /// How many expert results had to be simulated.
     pub simulated: usize,
-    /// Name of the world that they come from.
+    /// Name of the world that simulated them.
     pub world: String,
 }
 
-/// What came of scoring.
+/// The result of scoring.
 pub(super) enum Scored {
     /// There is nothing to score, or nothing to score it against.
     Absent,
@@ -41,7 +41,7 @@ impl Scored {
     }
 }
 
-/// Compares the final state with the expert results, and keeps those beside it.
+/// Compares the final state with the expert results, and stores those beside it.
 pub(super) fn score(
     job: &Job<'_>,
     world: &dyn World,
@@ -99,7 +99,7 @@ pub(super) fn score(
     })
 }
 
-/// Returns whether a final distance reaches the goal; one that is judged after each step has been judged.
+/// Returns whether a final distance reaches the goal; goals judged after each step are already decided.
 pub(super) fn meets(goal: Option<&Goal>, distance_m: f64) -> bool {
     goal.is_some_and(|goal| goal.metric == Metric::ParticleDistance && goal.is_met(distance_m))
 }

@@ -1,4 +1,4 @@
-//! What a rollout's questions came to: how many there were, what was refused and skipped, what planning took.
+//! Counts a rollout's questions, refusals and skipped steps, and its planning time.
 
 use crate::outcome::Outcome;
 use crate::policy::{Attempt, Finding};
@@ -10,13 +10,13 @@ use std::collections::BTreeMap;
 pub(super) struct Tally {
     /// Requests sent.
     pub queries: u32,
-    /// Actions refused, by the check that refused them.
+    /// Refused actions by check.
     pub refusals: BTreeMap<String, u32>,
     /// Answers that could not be read.
     pub malformed: u32,
-    /// Steps that were skipped, by the outcome that they would have been.
+    /// Skipped steps by the outcome that they would have been.
     pub skipped: BTreeMap<String, u32>,
-    /// Further actions for steps whose result was not like the subgoal.
+    /// Retries of steps whose result did not match the subgoal.
     pub retries: u32,
     planned: u32,
     planning_s: f64,
@@ -39,13 +39,13 @@ impl Tally {
         *self.skipped.entry(why.name().to_owned()).or_default() += 1;
     }
 
-    /// Adds what it took to plan one action, seconds.
+    /// Adds the planning time of one action, seconds.
     pub(super) fn planned(&mut self, took_s: f64) {
         self.planned += 1;
         self.planning_s += took_s;
     }
 
-    /// Returns the mean time of planning an action, seconds; none where none was planned.
+    /// Returns the mean planning time of an action, seconds; `None` if none was planned.
     pub(super) fn planning_s(&self) -> Option<f64> {
         (self.planned > 0).then(|| self.planning_s / f64::from(self.planned))
     }

@@ -1,9 +1,9 @@
-//! Wall time by what it was spent on.
+//! Measures wall time by activity.
 
 use serde_json::{Map, Value, json};
 use std::time::Duration;
 
-/// Adds up wall time by what it was spent on, in the order of first use.
+/// Sums wall time by activity, in the order of first use.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Timer {
     spent: Vec<(String, Duration)>,
@@ -17,7 +17,7 @@ impl Timer {
         }
     }
 
-    /// Adds all that another one has.
+    /// Adds another timer's sums.
     pub(super) fn absorb(&mut self, other: &Timer) {
         for (what, spent) in &other.spent {
             self.add(what, *spent);

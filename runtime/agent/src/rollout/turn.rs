@@ -1,6 +1,6 @@
-//! One step under way: observe, find keypoints, ask and judge, execute.
+//! One step in progress: observe, find keypoints, ask and judge, execute.
 //!
-//! In: the job and what the step before left. Out: the step's line, and an outcome where the rollout ends with it.
+//! In: the job and the state left by the step before. Out: the step's line, and an outcome if the rollout ends with it.
 
 use super::timer::Timer;
 use super::writer::Keeper;
@@ -19,11 +19,11 @@ use fab_program::{Arrow, Proposal, SubgoalStep};
 use fab_world::{World, WorldError, WorldPoint};
 use std::time::{Duration, Instant};
 
-/// What one step leaves to the next.
+/// State passed from one step to the next.
 pub(super) struct Memory {
     /// Digest of the start.
     start: String,
-    /// Whether the policy looks at true particles.
+    /// Whether the policy sees true particles.
     sees_particles: bool,
     first_scene: Option<Scene>,
     last: Option<ExecutedAction>,
@@ -40,27 +40,27 @@ impl Memory {
     }
 }
 
-/// One step under way.
+/// One step in progress.
 pub(super) struct Turn<'j> {
     job: &'j Job<'j>,
-    /// Which action of the rollout it is, from 1; names its files.
+    /// The action's number in the rollout, from 1; part of its files' names.
     number: u32,
-    /// Which step of the task it is for, from 1.
+    /// The task's step that it is for, from 1.
     step: u32,
-    /// What the action before came to, where it was for the same step.
+    /// The result of the previous action, if it was for the same step.
     before: Option<StepResult>,
     pub line: record::Step,
-    /// What the camera saw when the action was done; none where nothing was done.
+    /// The camera's picture after the action; `None` if nothing was done.
     pub after: Option<Observation>,
     pub timer: Timer,
-    /// Spent on the way to an action, without the model and the writing of files.
+    /// Time spent on planning an action, without the model and the writing of files.
     planning: Duration,
     /// Whether models were asked.
     is_planned: bool,
 }
 
 impl<'j> Turn<'j> {
-    /// Begins the action of a number for a step, both from 1; after `before`, where the step is tried again.
+    /// Begins an action for a step, both numbered from 1; `before` is the previous result if the step is retried.
     pub(super) fn new(
         job: &'j Job<'j>,
         number: u32,
@@ -83,12 +83,12 @@ impl<'j> Turn<'j> {
         }
     }
 
-    /// Returns the time of render, vision, prompt, parse and verify, seconds; none where no action was asked for.
+    /// Returns the time of render, vision, prompt, parse and verify, seconds; `None` if no action was asked for.
     pub(super) fn planning_s(&self) -> Option<f64> {
         self.is_planned.then_some(self.planning.as_secs_f64())
     }
 
-    /// Takes the step; returns an outcome where the rollout ends with it.
+    /// Takes the step; returns an outcome if the rollout ends with it.
     pub(super) fn take(
         &mut self,
         policy: &mut dyn Policy,
@@ -108,7 +108,7 @@ impl<'j> Turn<'j> {
             Err(error) => return Ok(self.stop_for(&error)),
         };
         self.line.files.before = Some(keeper.keep_picture(number, "before", &observation.rgb)?);
-        // What is seen first is kept whole: how far the arm reaches is no property of the cloth.
+        // The first scene is stored unfiltered: the arm's reach is not a property of the cloth.
         let first = &mut memory.first_scene;
         let reach = |point: &WorldPoint| world.out_of_reach(point);
         let scene = match self.plan("keypoints", || {
@@ -205,7 +205,7 @@ impl<'j> Turn<'j> {
                         grips.len()
                     ))
                 })?;
-                // Whoever decided: what a check refuses is not carried out.
+                // Whoever decided, an action that a check refuses is not executed.
                 if !policy::is_accepted(view, &proposal, &accepted)? {
                     let why = "the policy decided an action that the task's checks refuse";
                     return Ok(self.stop(Outcome::PolicyFailed, why));
@@ -280,7 +280,7 @@ impl<'j> Turn<'j> {
         Ok(None)
     }
 
-    /// Does a part of planning and adds its time.
+    /// Runs a part of planning and adds its time.
     fn plan<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
         let begun = Instant::now();
         let result = work();

@@ -1,4 +1,4 @@
-//! What a rollout writes down, and the report it ends with.
+//! Writes a rollout's record and final report.
 
 use super::covered::Covered;
 use super::score::Score;
@@ -105,7 +105,7 @@ impl<'j> Keeper<'j> {
         })
     }
 
-    /// Keeps a picture of an action, and returns its name.
+    /// Stores a picture of an action, and returns its name.
     pub(super) fn keep_picture(
         &self,
         number: u32,
@@ -116,7 +116,7 @@ impl<'j> Keeper<'j> {
         self.folder.keep(&name, &png::encode(picture))
     }
 
-    /// Keeps the picture before the step with the action drawn on it, and returns that picture.
+    /// Draws the action on the picture before the step, stores the result, and returns it.
     pub(super) fn keep_action(
         &self,
         line: &mut record::Step,
@@ -153,7 +153,7 @@ impl<'j> Keeper<'j> {
         )
     }
 
-    /// Counts a step, and notes what it took.
+    /// Counts a step, and records its durations and costs.
     pub(super) fn count(&mut self, turn: &Turn<'_>) -> Result<(), JournalError> {
         let line = &turn.line;
         let mut seconds = Map::new();
@@ -184,9 +184,9 @@ impl<'j> Keeper<'j> {
         Ok(())
     }
 
-    /// Returns how a rollout ends whose every step was taken.
+    /// Returns the outcome of a rollout that took every step.
     ///
-    /// One in which nothing was ever executed ends as its last step would have.
+    /// A rollout in which nothing was ever executed ends as its last step would have.
     pub(super) fn outcome_at_horizon(&self, is_goal_met: bool) -> Outcome {
         match self.last_skip {
             Some(skipped) if self.steps == 0 => skipped,
@@ -277,7 +277,7 @@ impl<'j> Keeper<'j> {
         if let Some(operator) = job.operator.filter(|_| operator::is_judged(outcome)) {
             report.operator = operator.judge(&report, self.folder.path());
         }
-        // A rollout that is done is not lost for want of a picture of it.
+        // A failed contact sheet must not lose a finished rollout.
         let sheet = match sheet.picture(&report).unwrap_or_default() {
             Some(picture) => Some(self.folder.keep(SHEET_FILE, &png::encode(&picture))?),
             None => None,
@@ -306,7 +306,7 @@ impl<'j> Keeper<'j> {
     }
 }
 
-/// Names a run; two runs of the same thing have different names.
+/// Names a run uniquely, even among runs of the same job.
 fn new_run_id(job: &Job<'_>, folder: &RunFolder) -> String {
     let now = SystemTime::now()
         .duration_since(UNIX_EPOCH)

@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 impl Scene {
     /// Returns the camera's picture with the task's layers on it, later ones over earlier ones.
     ///
-    /// A layer that needs the action before this one is left out where there is none. Fails where a keypoint
-    /// is not there, which only a program edited by hand does, or OpenCV fails.
+    /// A layer that needs the previous action is omitted if there is none. Fails if a keypoint is missing, which
+    /// happens only in a hand-edited program, or OpenCV fails.
     pub fn annotated(
         &self,
         program: &Program,

@@ -12,7 +12,7 @@ use fab_vision::CornerSearch;
 use std::borrow::Cow;
 
 impl Scene {
-    /// Finds one keypoint; what it builds on has been found before.
+    /// Finds one keypoint; those that it builds on have been found before.
     pub(super) fn extract(
         &self,
         name: &str,
@@ -147,9 +147,9 @@ impl Scene {
         })
     }
 
-    /// Accepts a mask that shows something; none but the first, the cloth, must.
+    /// Returns a mask, which must not be empty if it is the cloth's.
     ///
-    /// A colour may be out of sight, as the underside of a cloth that lies flat.
+    /// A colour may be out of sight, like the underside of a flat cloth.
     fn seen(
         &self,
         name: &str,
@@ -175,7 +175,7 @@ fn of_pixels(observation: &Observation, is_inside: impl Fn(PixelPoint) -> bool) 
     }))
 }
 
-/// Returns the point that is nearest to a side of the picture; of several the first.
+/// Returns the point closest to a side of the picture; of several, the first.
 fn outermost(points: &[Located], side: PictureSide) -> Option<Located> {
     let inward = |point: &Located| match side {
         PictureSide::Left => point.at[0],

@@ -1,4 +1,4 @@
-//! What a picture shows where it gives no scene, in words that end a message.
+//! Measures a picture that gives no scene, in words that end a message.
 
 use super::{Found, Scene};
 use fab_picture::DepthImage;
@@ -6,7 +6,7 @@ use fab_picture::depth_mask;
 use fab_picture::observation::Observation;
 use fab_program::{Extractor, Program};
 
-/// Says how the pixels of a picture differ from those that a mask takes.
+/// Describes how the pixels of a picture differ from those that a mask selects.
 pub(super) fn measured(extractor: &Extractor, observation: &Observation) -> String {
     match extractor {
         Extractor::DepthMask { below_m } => depths(&observation.depth_m, *below_m),
@@ -51,7 +51,7 @@ pub(super) fn measured(extractor: &Extractor, observation: &Observation) -> Stri
 }
 
 fn depths(depth_m: &DepthImage, below_m: f64) -> String {
-    // Farther than any camera sees: what has a reading at all.
+    // Beyond any camera's range, so this counts everything with a reading.
     let readings = depth_mask(depth_m, f64::INFINITY);
     let millimetres = readings
         .pixels()
@@ -71,7 +71,7 @@ fn depths(depth_m: &DepthImage, below_m: f64) -> String {
 }
 
 impl Scene {
-    /// Says how much of the picture the detectors of some keypoints looked at.
+    /// Describes how much of the picture the detectors of some keypoints searched.
     pub(super) fn looked_at(&self, program: &Program, keypoints: &[String]) -> String {
         let of_detector = |name: &String| match &program.keypoint(name)?.extractor {
             Extractor::Corners { mask, .. } => match self.get(mask)? {

@@ -1,7 +1,7 @@
-//! What is known about one observation: the program's keypoints, found.
+//! The scene: a program's keypoints, found in one observation.
 //!
-//! In: a program and an [`Observation`]. Out: a [`Scene`], a pure function of both and of the
-//! rollout's first scene. Prompts are filled from it and checks are judged on it.
+//! In: a program and an [`Observation`]. Out: a [`Scene`], a pure function of both and of the rollout's first scene. It
+//! fills prompts, and checks are judged on it.
 
 mod annotate;
 mod extract;
@@ -27,11 +27,11 @@ pub struct Scene {
     found: Vec<(String, Found)>,
     /// The name of the cloth's mask.
     cloth: Option<String>,
-    /// Candidate points that were taken out of it, in the order in which the action's fields list them.
+    /// Candidate points removed as unreachable, in the order in which the action's fields list them.
     unreachable: Vec<Unreachable>,
 }
 
-/// What an extractor gave.
+/// An extractor's result.
 #[derive(Clone, Debug)]
 enum Found {
     Mask(Mask),
@@ -44,33 +44,33 @@ enum Found {
 /// Why a picture gives no scene.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// The first mask, the cloth, or one that something is taken from is empty.
+    /// A required mask is empty: the first one, which is the cloth, or one that something is taken from.
     #[error("no pixel of the picture belongs to `{mask}`: the cloth is out of view{measured}")]
     OutOfView {
         /// The mask's name.
         mask: String,
-        /// What the picture shows instead, as the message's end; perhaps empty.
+        /// What the picture shows instead, as the message's end; may be empty.
         measured: String,
     },
-    /// A detector found nothing, so that there is nothing to offer.
+    /// A detector found nothing, so there is nothing to offer.
     #[error(
         "`{keypoint}` finds no point in the picture, so there is nothing to choose from{measured}"
     )]
     NoCandidates {
         /// The keypoint's name.
         keypoint: String,
-        /// What the detectors looked at, as the message's end; perhaps empty.
+        /// What the detectors searched, as the message's end; may be empty.
         measured: String,
     },
-    /// Detectors found points, and none that a field offers is in reach.
+    /// Detectors found points, but none that a field offers is in reach.
     #[error("no point of `{keypoint}` is in reach: {why}")]
     NoneInReach {
         /// The keypoints that the field offers.
         keypoint: String,
-        /// Each point with why.
+        /// Each point, with the reason.
         why: String,
     },
-    /// A layer needs what there is not; only a program edited by hand does that.
+    /// A layer needs something missing; happens only in a hand-edited program.
     #[error("an annotation cannot be drawn: {0}")]
     Missing(fab_program::scene::Missing),
     /// The detector itself failed.
@@ -81,9 +81,9 @@ pub enum SceneError {
 impl Scene {
     /// Finds every keypoint of `program` in `observation`.
     ///
-    /// Keypoints of the start are taken from `first`, the rollout's first scene; without one, this
-    /// scene is the first. Fails where the first mask (the cloth) or one that something is taken from is
-    /// empty, a field has nothing to choose from, or OpenCV fails.
+    /// Keypoints of the start are taken from `first`, the rollout's first scene; without one, this scene is the first.
+    /// Fails if the first mask (the cloth) or one that something is taken from is empty, a field has nothing to choose
+    /// from, or OpenCV fails.
     pub fn of(
         program: &Program,
         observation: &Observation,
@@ -125,7 +125,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Finds the cloth alone, the mask that [`Scene::cloth`] returns; `None` where it is out of view.
+    /// Finds the cloth alone, the mask that [`Scene::cloth`] returns; `None` if it is out of view.
     pub fn cloth_in(
         program: &Program,
         observation: &Observation,
@@ -150,7 +150,7 @@ impl Scene {
         Ok(scene.cloth().cloned())
     }
 
-    /// Adds what was found; the first mask is the cloth, and so is one that is made of it to be cleaner.
+    /// Adds a result; the first mask is the cloth, and so is a cleaned version of it.
     fn add(&mut self, keypoint: &Keypoint, found: Found) {
         let is_cloth = match (&found, &self.cloth) {
             (Found::Mask(_), None) => true,
@@ -184,7 +184,7 @@ impl Scene {
         }
     }
 
-    /// Returns the points of a keypoint, one for a point; none for another shape.
+    /// Returns the points of a keypoint: one for a single point, none for other shapes.
     fn points_of(&self, name: &str) -> &[Located] {
         match self.get(name) {
             Some(Found::Points(points)) => points,
@@ -200,21 +200,21 @@ impl Scene {
         }
     }
 
-    /// Returns the mask of the cloth, on which a pick must land: the one that is declared first, or what `closed` and
-    /// `largest` made of it.
+    /// Returns the mask of the cloth, on which a pick must land: the first one declared, or its version after `closed`
+    /// and `largest`.
     pub fn cloth(&self) -> Option<&Mask> {
         self.mask(self.cloth.as_deref()?).ok()
     }
 
-    /// Returns the pixel of a mask that is nearest to another; none for another keypoint, and for an empty mask.
+    /// Returns the pixel of a mask closest to another pixel; `None` for other keypoints and for an empty mask.
     pub(crate) fn nearest_in(&self, mask: &str, pixel: PixelPoint) -> Option<PixelPoint> {
         self.mask(mask).ok()?.nearest(pixel)
     }
 
-    /// Returns where the found point lies that a pixel stands for, `[column, row]`, pixels.
+    /// Returns the exact position of the point behind a pixel, `[column, row]`, pixels.
     ///
-    /// Prompts name a point by its whole pixel; an answer that names it means the point. Of several points that
-    /// share a pixel the first that was declared counts.
+    /// Prompts name a point by its whole pixel; an answer that names the pixel means the point. If several points share
+    /// a pixel, the first one declared counts.
     pub fn located(&self, pixel: PixelPoint) -> Option<[f64; 2]> {
         let points = self.found.iter().map(|(_, found)| match found {
             Found::Points(points) => points.as_slice(),
@@ -227,8 +227,8 @@ impl Scene {
             .map(|point| point.at)
     }
 
-    /// Returns the points as JSON, `{name: [[u, v], …]}`; a mask stands as its number of pixels. Where points are out of
-    /// reach, they stand under `unreachable`, each with why, and not in their keypoint's list.
+    /// Returns the points as JSON, `{name: [[u, v], …]}`; a mask is given as its number of pixels. Points out of reach
+    /// are listed under `unreachable`, each with the reason, instead of in their keypoint's list.
     pub fn to_json(&self) -> Value {
         let mut object = Map::new();
         for (name, found) in &self.found {
@@ -250,7 +250,7 @@ impl Scene {
     }
 }
 
-/// Says that a mask shows nothing, where no more is known of the picture.
+/// Reports an empty mask when nothing more is known about the picture.
 fn out_of_view(mask: &str) -> SceneError {
     SceneError::OutOfView {
         mask: mask.to_owned(),

@@ -1,8 +1,7 @@
-//! Takes candidate points that are out of reach out of a scene, before anybody is asked to choose among them.
+//! Removes unreachable candidate points from a scene, before anybody chooses among them.
 //!
-//! In: a scene, its observation, and a world's word on points of the table. Out: the scene whose lists lack these points,
-//! and which says why. Answers that lead elsewhere, by a direction or to any pixel of a mask, are judged when they are
-//! there (`policy/reach.rs`).
+//! In: a scene, its observation, and the world's reach. Out: the scene without these points, with the reasons. Answers
+//! that lead elsewhere, by a direction or to any pixel of a mask, are judged later (`policy/reach.rs`).
 
 use super::{Found, Scene, SceneError};
 use crate::action;
@@ -13,11 +12,11 @@ use fab_program::{Choices, PixelPoint, Program};
 use fab_world::Reach;
 
 impl Scene {
-    /// Returns the scene without the candidate points that are out of reach.
+    /// Returns the scene without unreachable candidate points.
     ///
-    /// A candidate is a point of a keypoint that a field of the action offers. It is left out of that keypoint's list,
-    /// and so of texts and layers; a keypoint that is one point stays where it is, since checks may measure from it, and is
-    /// not offered. Fails where a field has nothing left to offer.
+    /// A candidate is a point of a keypoint that a field of the action offers. It is removed from that keypoint's list,
+    /// and so from texts and layers. A single-point keypoint stays, since checks may measure from it, but is not
+    /// offered. Fails if a field has nothing left to offer.
     pub fn within_reach(
         mut self,
         program: &Program,

@@ -1,7 +1,7 @@
-//! A picture of each thing that is found, and of each layer that is drawn, one after the other.
+//! Pictures of each keypoint and each layer, one after the other.
 //!
-//! In: a scene, its program, the camera's picture. Out: pictures of that size, in the order in which a step makes
-//! them. Nothing is found or drawn here that a step does not find or draw.
+//! In: a scene, its program, the camera's picture. Out: pictures of that size, in the order in which a step makes them.
+//! Everything here is found and drawn as in a step.
 
 use super::{Found, Scene, SceneError, pixels};
 use fab_picture::Mask;
@@ -11,13 +11,13 @@ use fab_program::{PixelPoint, Program};
 use fab_vision::{DrawnLayer, DrawnShape};
 use image::{Luma, RgbImage};
 
-/// The colour of keypoints; a cloth, a table and the layers of a task rarely have it.
+/// The colour of keypoints, rare among cloths, tables and layers.
 const MAGENTA: [u8; 3] = [255, 0, 255];
 
 /// Radius of a keypoint's dot, pixels; the paper's.
 const DOT_PX: u32 = 3;
 
-/// One stage on the way to the picture that a model sees.
+/// One stage of the picture that a model sees.
 #[derive(Clone, Debug)]
 pub struct StagePicture {
     /// The keypoint or layer that it adds.
@@ -28,10 +28,9 @@ pub struct StagePicture {
 }
 
 impl Scene {
-    /// Draws every keypoint, then every layer over those before it; the last one is [`Scene::annotated`].
+    /// Draws every keypoint, then every layer over the previous ones; the last picture is [`Scene::annotated`].
     ///
-    /// A layer that needs the action before this one is left out where there is none. Fails as
-    /// [`Scene::annotated`] does.
+    /// A layer that needs the previous action is omitted if there is none. Fails as [`Scene::annotated`] does.
     pub fn stages(
         &self,
         program: &Program,
@@ -57,8 +56,8 @@ impl Scene {
         Ok(stages)
     }
 
-    /// Returns the pixels of each keypoint that is no mask: points in their detector's order, the left-top and the
-    /// right-bottom pixel of a box, an outline's corners.
+    /// Returns the pixels of each keypoint that is not a mask: points in their detector's order, the left-top and
+    /// right-bottom pixels of a box, an outline's corners.
     pub fn keypoints(&self) -> Vec<(&str, Vec<PixelPoint>)> {
         let listed = self.found.iter().filter_map(|(name, found)| {
             let points = match found {

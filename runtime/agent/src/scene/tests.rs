@@ -1,7 +1,7 @@
-//! Finds the keypoints of every file in `tests/`, and holds what is found against what stands there.
+//! Finds the keypoints of every file in `tests/`, and compares them with the file's expectations.
 //!
-//! A new file is found by itself. Its three parts stand between lines of `---`: the lines of `keypoints { … }`; the
-//! picture, a character a pixel; and what is found, `NAME: JSON` a line, or `fails: MESSAGE`.
+//! New files are picked up automatically. A file's three parts are separated by lines of `---`: the lines of `keypoints
+//! { … }`; the picture, one character per pixel; and the expected result, `NAME: JSON` per line, or `fails: MESSAGE`.
 #![allow(clippy::unwrap_used)]
 
 use super::Scene;

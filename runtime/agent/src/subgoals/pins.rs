@@ -1,7 +1,7 @@
-//! Subgoal pictures that are kept beside a task's file.
+//! Pinned subgoal pictures beside a task's file.
 //!
-//! In: a program and the folder of its file. Out: the pictures that `fabc subgoals` drew, where they still show what the
-//! program does. `pins.json` beside them says what they were drawn from, and what they looked like.
+//! In: a program and the folder of its file. Out: the pictures that `fabc subgoals` drew, if they still match the
+//! program. `pins.json` beside them records what they were drawn from, and their hashes.
 
 use super::{ArrowPx, Origin, SubgoalError, SubgoalSet};
 use fab_base::files;
@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Beside the pinned pictures: what they were drawn from.
+/// The contents of `pins.json` beside the pinned pictures: what they were drawn from.
 #[derive(Serialize, Deserialize)]
 struct Pins {
     format: u32,
@@ -30,16 +30,16 @@ struct Pins {
 const PINS_FORMAT: u32 = 2;
 const PINS_FILE: &str = "pins.json";
 
-/// What is found where pinned pictures should be.
+/// The result of looking for pinned pictures.
 pub(super) enum Pinned {
     Fitting(SubgoalSet),
     OfAnotherFold,
     Absent,
 }
 
-/// Looks for pinned pictures that show what the program does: its own, or for a variant those of the task itself.
+/// Looks for pinned pictures that match the program: its own, or for a variant those of the task itself.
 ///
-/// Pictures that are missing, or were exchanged since they were pinned, are not those.
+/// Pictures that are missing or changed since they were pinned do not count.
 pub(super) fn load(program: &Program, folds: &[Fold], folder: &Path, world: &dyn World) -> Pinned {
     let own = of_folder(program, folds, &pin_folder(program, folder), world);
     if !matches!(own, Pinned::Absent) || program.variant.is_none() {
@@ -48,7 +48,7 @@ pub(super) fn load(program: &Program, folds: &[Fold], folder: &Path, world: &dyn
     let tasks = folder.join(format!("{}.subgoals", program.task));
     match of_folder(program, folds, &tasks, world) {
         Pinned::Fitting(set) => Pinned::Fitting(set),
-        // The task folds another way than its variant; that nothing is pinned for this one is no fault.
+        // The task folds differently from its variant, so having nothing pinned for the variant is fine.
         Pinned::OfAnotherFold | Pinned::Absent => Pinned::Absent,
     }
 }
@@ -97,7 +97,7 @@ fn of_folder(program: &Program, folds: &[Fold], source: &Path, world: &dyn World
 impl SubgoalSet {
     /// Writes the pictures where [`SubgoalSet::obtain`] looks for them, and returns the files.
     ///
-    /// The description goes last, so that pictures of an interrupted call are not taken for whole.
+    /// The description is written last, so an interrupted call leaves no complete-looking set.
     pub fn pin(
         &self,
         program: &Program,
@@ -139,13 +139,13 @@ impl SubgoalSet {
     }
 }
 
-/// Variants of a task may fold another way, so that each has its own pictures.
+/// Variants of a task may fold differently, so each has its own pictures.
 fn pin_folder(program: &Program, folder: &Path) -> PathBuf {
     folder.join(format!("{}.subgoals", program.title().replace('/', ".")))
 }
 
 fn drawn_from(program: &Program, folds: &[Fold]) -> String {
-    // They are drawn from the flat cloth, however a rollout begins.
+    // They are drawn from the flat cloth, whatever start a rollout has.
     let cloth = &program.cloth;
     let source = serde_json::json!({
         "cloth": [cloth.dimx, cloth.dimy],

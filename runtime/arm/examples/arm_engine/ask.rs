@@ -1,6 +1,6 @@
-//! What the engine is asked, by the node or by a test, and its answers.
+//! Requests to the engine, from the node or from a test, and its answers.
 //!
-//! In: requests. Out: JSON, with the bytes of pictures beside it. What happens is the stage's business.
+//! In: requests. Out: JSON, with the bytes of pictures beside it. The stage executes them.
 
 use super::Stage;
 use fab_arm::port::{Ending, Goal, GoalId, GoalState, Waypoint};
@@ -38,11 +38,11 @@ pub enum Request {
     Readings,
     /// Answered with colour, 3 bytes a pixel, and depth, 2 bytes a pixel, millimetres.
     Picture,
-    /// Whether a message of a kind is lost.
+    /// Whether a message of this kind gets lost.
     Loses {
         message: String,
     },
-    /// Asked by tests alone, as are those that follow.
+    /// Sent only by tests, like the following ones.
     Fail {
         kind: FaultKind,
     },
@@ -54,7 +54,7 @@ pub enum Request {
     },
 }
 
-/// Does what is asked; returns the answer, and the bytes that go with it.
+/// Executes a request; returns the answer, and the bytes that go with it.
 pub fn answer(stage: &mut dyn Stage, request: Request) -> (Value, Vec<Vec<u8>>) {
     let value = match request {
         Request::State { goal } => json!({ "state": state(&stage.state(&GoalId(goal))) }),

@@ -1,6 +1,6 @@
-//! The socket over which a test asks the engine, past the node.
+//! The socket through which a test talks to the engine, bypassing the node.
 //!
-//! In: lines of JSON, a request each. Out: a line of JSON each. Connections are served side by side.
+//! In: lines of JSON, a request each. Out: a line of JSON each. Connections are served in parallel.
 
 use super::Asked;
 use serde_json::{Value, json};
@@ -10,13 +10,13 @@ use std::path::Path;
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
 
-/// Begins to listen.
+/// Starts listening.
 pub fn listen(path: &Path, requests: Sender<Asked>) -> io::Result<()> {
     let listener = UnixListener::bind(path)?;
     thread::spawn(move || {
         for stream in listener.incoming().flatten() {
             let requests = requests.clone();
-            // A connection that breaks is a test that has ended.
+            // A broken connection means that the test has ended.
             thread::spawn(move || serve(stream, &requests));
         }
     });

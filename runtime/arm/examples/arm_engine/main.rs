@@ -1,8 +1,9 @@
-//! Plays an arm and a camera over standard input and output, for the ROS node of the tests (`tests/peers/arm_node.py`).
+//! Simulates an arm and a camera over standard input and output, for the ROS node of the tests
+//! (`tests/peers/arm_node.py`).
 //!
-//! In: requests, and as an argument perhaps a [`scene`]. Out: one answer to each, while time passes as it does outside. A
-//! frame is the length of its JSON in four bytes, the least first; the JSON; then as many bytes as its `blobs` name.
-//! Without a scene it plays [`straight::Arm`], which has no kinematics and no cloth. A test itself asks over a socket
+//! In: requests, and optionally a [`scene`] as an argument. Out: one answer to each, in real time. A frame is the
+//! length of its JSON in four bytes, little-endian; the JSON; then as many bytes as its `blobs` name. Without a scene
+//! it simulates [`straight::Arm`], which has no kinematics and no cloth. A test sends its own requests over a socket
 //! that the scene names, a line of JSON each way.
 
 mod ask;
@@ -19,30 +20,30 @@ use std::io::{self, Read, Write};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
-/// The longest request that is read.
+/// The longest request accepted.
 const MAX_BYTES: u32 = 1 << 20;
 
 /// A step of the clock.
 const STEP: Duration = Duration::from_millis(10);
 
-/// What is played: an arm, a camera, and messages that are lost on their way.
+/// The simulated setup: an arm, a camera, and messages lost in transit.
 trait Stage: Port + RgbdSource {
-    /// Tells whether a message is lost, whose kind the node names: `goal`, `result`, `cancel`, `stop` or `reading`.
+    /// Returns whether a message of a kind named by the node is lost: `goal`, `result`, `cancel`, `stop` or `reading`.
     fn loses(&mut self, _message: &str) -> bool {
         false
     }
 
-    /// Lets something go wrong from now on; says why it cannot.
+    /// Injects a fault from now on; fails with the reason.
     fn fail(&mut self, kind: FaultKind) -> Result<(), String> {
         Err(format!("nothing goes wrong here, and not `{kind:?}`"))
     }
 
-    /// Lays the scene's cloth; says why it cannot.
+    /// Lays the scene's cloth; fails with the reason.
     fn lay(&mut self) -> Result<(), String> {
         Err("there is no cloth here".to_owned())
     }
 
-    /// Returns what no node tells.
+    /// Returns the true state, which no node reports.
     fn truth(&self) -> Value {
         json!({})
     }
@@ -53,7 +54,7 @@ trait Stage: Port + RgbdSource {
     }
 }
 
-/// A request, and where its answer goes.
+/// A request with its reply channel.
 enum Asked {
     Node(io::Result<Request>),
     Test(Request, Sender<Value>),
@@ -78,7 +79,7 @@ fn main() -> io::Result<()> {
         {}
     });
     let (answers, to_write) = mpsc::channel();
-    // A node that hangs reads no answers, and the arm goes on all the same.
+    // A hanging node reads no answers, and the arm must keep moving all the same.
     std::thread::spawn(move || {
         let mut stdout = io::stdout().lock();
         to_write
@@ -91,14 +92,14 @@ fn main() -> io::Result<()> {
         let passed = last.elapsed();
         last += passed;
         owed += passed;
-        // Whole steps alone, since a clock that makes each of many short waits a step would run ahead.
+        // Only whole steps: rounding many short waits up to a step each would make the clock run ahead.
         let n_steps = (owed.as_micros() / STEP.as_micros()) as u32;
         if n_steps > 0 {
             owed -= STEP * n_steps;
             stage.wait((STEP * n_steps).as_secs_f64());
         }
         match asked {
-            // The node may have gone meanwhile, as may the test.
+            // The node or the test may have exited meanwhile.
             Ok(Asked::Node(Ok(request))) => {
                 let _ = answers.send(answer(stage.as_mut(), request));
             }

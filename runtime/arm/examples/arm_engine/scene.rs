@@ -1,7 +1,7 @@
-//! A simulated arm over a simulated cloth, as an arm's settings say, with what goes wrong.
+//! A simulated arm over a simulated cloth, built from an arm's settings, with faults.
 //!
-//! In: a [`Plan`]. Out: a stage. Faults of messages are kept here, since messages are lost between the node and its
-//! client; the others are the simulated arm's. Before the cloth is laid, the camera sees the bare table.
+//! In: a [`Plan`]. Out: a stage. Message faults are kept here, because messages are lost between the node and its
+//! client; the other faults belong to the simulated arm. Before the cloth is laid, the camera sees the bare table.
 
 use super::Stage;
 use fab_arm::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
@@ -22,17 +22,17 @@ use std::rc::Rc;
 /// How long a short silence lasts, seconds.
 const SHORT_SILENCE_S: f64 = 0.6;
 
-/// What is played.
+/// The description of a scene.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
-    /// The settings, of which the arm, its table and the part `simulated` count.
+    /// The settings; only the arm, its table and the section `simulated` are used.
     robot: PathBuf,
-    /// Draws all chance of the arm, in place of the settings' seed.
+    /// Seeds everything random about the arm, overriding the settings.
     seed: u64,
-    /// Particles along the sides of the cloth, and how far apart they are, metres.
+    /// Particles along the sides of the cloth, and their spacing, metres.
     cloth: (u32, u32, f64),
-    /// What goes wrong, and when.
+    /// The faults and their times.
     #[serde(default)]
     faults: Vec<Fault>,
     /// The socket for tests.
@@ -46,15 +46,15 @@ pub struct Scene {
     table: Rc<RefCell<ClothTable>>,
     settings: Settings,
     start: Start,
-    /// What becomes of messages, and from when on.
+    /// Message faults and their start times.
     messages: Vec<Fault>,
-    /// How many goals are yet to be lost.
+    /// How many more goals will be lost.
     goals_to_lose: u32,
     is_laid: bool,
 }
 
 impl Scene {
-    /// Sets the scene, with an empty table; says why it cannot.
+    /// Sets up the scene with an empty table; fails with the reason.
     pub fn new(plan: &Plan) -> Result<Scene, String> {
         let settings = Settings::load(&plan.robot).map_err(|error| error.to_string())?;
         let table = ClothTable::new(&settings, &base_from_world(&settings));
@@ -86,7 +86,7 @@ impl Scene {
         })
     }
 
-    /// Tells since when a fault of messages has been due.
+    /// Returns since when a message fault has been active.
     fn due(&self, kind: FaultKind) -> Option<f64> {
         let now_s = self.arm.now_s();
         let mut due = self.messages.iter();

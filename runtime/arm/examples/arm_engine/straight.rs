@@ -1,8 +1,8 @@
-//! An arm whose tool, joints and fingers each go straight to where they are sent, and a camera that sees a pattern.
+//! An arm whose tool, joints and fingers move straight to their targets, and a camera that sees a pattern.
 //!
-//! In: goals, and time. Out: readings, and pictures. It keeps what the node of kinova-ros does to goals: a stopped arm aborts them, a
-//! new one preempts the one before it. The node looks ten times a second; what it then finds cancelled it preempts by a
-//! stop and a start, which also sets an arm free that was stopped in between.
+//! In: goals, and time. Out: readings, and pictures. It treats goals like the node of kinova-ros: a stopped arm aborts
+//! them, and a new goal preempts the previous one. The node runs ten times a second; it preempts a cancelled goal with
+//! a stop and a start, which also enables an arm that was stopped in between.
 
 use super::Stage;
 use fab_arm::port::{
@@ -19,10 +19,10 @@ const TOOL_SPEED: f64 = 0.2;
 const JOINT_SPEED: f64 = 0.6;
 /// Finger units a second.
 const FINGER_SPEED: f64 = 3000.0;
-/// How often the node looks at what became of its goals, seconds.
+/// Cycle time of the node, seconds.
 const LOOK_S: f64 = 0.1;
 
-/// An arm without kinematics: its tool and its joints know nothing of each other.
+/// An arm without kinematics: its tool and its joints are independent.
 pub struct Arm {
     time_s: f64,
     tool: Isometry3<f64>,
@@ -30,7 +30,7 @@ pub struct Arm {
     fingers: Vec<f64>,
     is_stopped: bool,
     goals: BTreeMap<String, GoalState>,
-    /// What is under way: the goal, and when it began.
+    /// The active goals, with their start times.
     tasks: Vec<(String, Goal, f64)>,
     cancelled: BTreeSet<String>,
     next_look_s: f64,
@@ -76,7 +76,7 @@ impl Arm {
         }
     }
 
-    /// Goes on with a goal for `seconds`; returns whether it is reached.
+    /// Moves towards a goal for `seconds`; returns whether it is reached.
     fn follow(&mut self, goal: &Goal, began_s: f64, seconds: f64) -> bool {
         match goal {
             Goal::ToolPose(target) => {
@@ -213,7 +213,8 @@ impl Port for Arm {
     }
 }
 
-/// A pattern: colour `[column, row, column xor row]`, depth 500 mm, a millimetre more each column, and no reading in row 0.
+/// A pattern: colour `[column, row, column xor row]`, depth 500 mm plus a millimetre per column, and no reading in row
+/// 0.
 impl RgbdSource for Arm {
     fn name(&self) -> String {
         "pattern".to_owned()

@@ -1,4 +1,4 @@
-//! How well points fit.
+//! The accuracy of a fit.
 //!
 //! In: a fit and its points. Out: the error of each point, its error when the fit leaves it out, and summaries of both.
 
@@ -7,25 +7,25 @@ use super::fit::{Fit, Solver};
 use super::sighting::Sighting;
 use super::spread::Spread;
 
-/// How well points fit. Errors are distances in space between the tool and where the fit puts the pixel.
+/// The accuracy of a fit. Errors are distances in space between the tool and the fit's position for the pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
     /// The error of each point, millimetres, in the order of the points.
     pub residual_mm: Vec<f64>,
-    /// The error of each point by the fit of the others, millimetres.
+    /// The error of each point under the fit of the others, millimetres.
     pub left_out_mm: Vec<f64>,
     /// Root mean square of the errors, millimetres.
     pub rms_mm: f64,
-    /// Root mean square of the errors by the others, millimetres.
+    /// Root mean square of these left-out errors, millimetres.
     pub left_out_rms_mm: f64,
-    /// What the points cover, and what an error of theirs comes to elsewhere.
+    /// The area covered by the points, and how their errors propagate beyond it.
     pub spread: Spread,
 }
 
 impl Accuracy {
-    /// Returns the points, numbered from 1, that the others contradict though all together are accepted.
+    /// Returns the points, numbered from 1, that contradict the others although all together are accepted.
     ///
-    /// Such a point is off by more than `limit_mm` and by three times what the others are.
+    /// The error of such a point exceeds `limit_mm` and three times that of the others.
     pub fn outliers(&self, limit_mm: f64) -> Vec<usize> {
         let others_rms = |out: usize| {
             let kept = self.left_out_mm.iter().enumerate();
@@ -40,13 +40,13 @@ impl Accuracy {
     }
 }
 
-/// Returns the error of each point, millimetres; `None` where the fit puts one nowhere.
+/// Returns the error of each point, millimetres; `None` if the fit cannot locate one.
 pub(super) fn errors_mm(fit: &Fit, points: &[Sighting]) -> Option<Vec<f64>> {
     let error = |point| Some(fit.error(point)?.norm() * 1000.0);
     points.iter().map(error).collect()
 }
 
-/// Returns the error of each point by the fit of the others, millimetres.
+/// Returns the error of each point under the fit of the others, millimetres.
 pub(super) fn left_out(solver: &Solver, points: &[Sighting]) -> Result<Vec<f64>, Fault> {
     let error = |out: usize| {
         let others: Vec<Sighting> = points[..out]
@@ -62,7 +62,7 @@ pub(super) fn left_out(solver: &Solver, points: &[Sighting]) -> Result<Vec<f64>,
         .collect()
 }
 
-/// Returns the root of the mean of squares; 0 of nothing.
+/// Returns the root mean square; 0 for no values.
 pub(super) fn root_mean_square(errors: &[f64]) -> f64 {
     let squares: f64 = errors.iter().map(|error| error * error).sum();
     (squares / errors.len().max(1) as f64).sqrt()

@@ -1,10 +1,10 @@
-//! The faults of calibration points: one sentence each, which says what would be right.
+//! The faults of calibration points: one sentence each, with what would be right.
 //!
-//! In: what the checks found, and the bounds that they check against. Points are numbered from 1, in input order.
+//! In: the findings of the checks, and the limits they check against. Points are numbered from 1, in input order.
 
 use super::{MIN_PAIRS, Method};
 
-/// Something that is wrong with points, or with what is known of their camera.
+/// A fault in points, or in what is known about their camera.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Fault {
     /// A number that is not finite.
@@ -28,7 +28,7 @@ pub enum Fault {
         /// Width and height of the picture.
         size_px: [u32; 2],
     },
-    /// A pixel that the picture does not have.
+    /// A pixel outside the picture.
     #[error(
         "point {point} is at the pixel {}, {}, outside of the picture of {} x {} px{hint}",
         pixel[0], pixel[1], size_px[0], size_px[1]
@@ -40,10 +40,10 @@ pub enum Fault {
         pixel: [f64; 2],
         /// Width and height of the picture.
         size_px: [u32; 2],
-        /// What it could have been; empty or `: …`.
+        /// The likely correction; empty or `: …`.
         hint: String,
     },
-    /// Positions that are not metres.
+    /// Positions that are not in metres.
     #[error(
         "point {point} is at {}, {}, {}, which no arm on a table reaches in metres; in {unit} it would: write metres \
          ({} of {n_all} points are so)", base[0], base[1], base[2], n_such
@@ -53,11 +53,11 @@ pub enum Fault {
         point: usize,
         /// Its position as given.
         base: [f64; 3],
-        /// The unit in which it would be right.
+        /// The likely unit.
         unit: &'static str,
-        /// How many points are so.
+        /// How many points have this fault.
         n_such: usize,
-        /// How many there are.
+        /// Total number of points.
         n_all: usize,
     },
     /// A position that no arm reaches, in any unit.
@@ -68,7 +68,7 @@ pub enum Fault {
         /// Its position as given.
         base: [f64; 3],
     },
-    /// A depth that is not metres.
+    /// A depth that is not in metres.
     #[error(
         "point {point} has the depth {depth}; depths are metres, larger than 0 and at most {MAX_DEPTH_M}{hint}"
     )]
@@ -77,13 +77,13 @@ pub enum Fault {
         point: usize,
         /// The depth as given.
         depth: f64,
-        /// What it could have been; empty or `: …`.
+        /// The likely correction; empty or `: …`.
         hint: &'static str,
     },
     /// Too few points.
     #[error(
-        "{n} points at places of their own are too few: {MIN_PAIRS} are needed, since four fit whatever was typed; a \
-         grid of 4 x 4 over the table is good"
+        "{n} distinct points are too few: at least {MIN_PAIRS} are needed, because any four points fit exactly; \
+         touch a grid of 4 x 4 over the table"
     )]
     TooFew {
         /// How many there are.
@@ -91,15 +91,16 @@ pub enum Fault {
     },
     /// The rigid method lacks depth.
     #[error(
-        "the method `rigid` needs a depth at every point, and {} of {n_all} have none, the first being point {first}; the method `plane` needs none",
+        "the method `rigid` needs a depth at every point, and {} of {n_all} have none, starting with point {first}; \
+         the method `plane` needs none",
         n_without
     )]
     NoDepth {
-        /// The first point without.
+        /// The first point without a depth.
         first: usize,
-        /// How many have none.
+        /// How many points have none.
         n_without: usize,
-        /// How many points there are.
+        /// Total number of points.
         n_all: usize,
     },
     /// The rigid method lacks intrinsics.
@@ -107,18 +108,18 @@ pub enum Fault {
         "the method `rigid` needs the camera's intrinsics (`camera.intrinsics` in the settings); the method `plane` needs none"
     )]
     NoIntrinsics,
-    /// Intrinsics that no camera has.
+    /// Impossible intrinsics.
     #[error("the camera's intrinsics cannot be used: {why}")]
     Intrinsics {
         /// What is wrong.
         why: String,
     },
-    /// Intrinsics of another picture.
+    /// Intrinsics for pictures of another size.
     #[error("the camera's intrinsics are for a picture of {} x {} px, and the picture has {} x {} px", stated[0], stated[1], size_px[0], size_px[1])]
     IntrinsicsSize {
         /// The size that the intrinsics state.
         stated: [u32; 2],
-        /// The picture's.
+        /// The size of the picture.
         size_px: [u32; 2],
     },
     /// No ray leads to a pixel through the lens.
@@ -129,22 +130,22 @@ pub enum Fault {
         /// Its number.
         point: usize,
     },
-    /// A picture of another size.
+    /// A picture of the wrong size.
     #[error("the picture has {} x {} px, and the camera's pictures {} x {} px", found[0], found[1], expected[0], expected[1])]
     PictureSize {
-        /// What it has.
+        /// Its size.
         found: [u32; 2],
-        /// What it should have.
+        /// The expected size.
         expected: [u32; 2],
     },
-    /// Points that determine nothing.
+    /// Points that do not determine a fit.
     #[error(
         "the points lie on a line, {length_mm:.0} mm long and {width_mm:.0} mm wide, or all but one do: spread them over the table, as a grid of 4 x 4"
     )]
     OnALine {
         /// Their extent along it, millimetres.
         length_mm: f64,
-        /// Their extent across it.
+        /// Their extent across that line, millimetres.
         width_mm: f64,
     },
     /// A mirror image.
@@ -152,24 +153,24 @@ pub enum Fault {
         "the points make the picture a mirror image of the table, which no camera above it sees: {hint}"
     )]
     Mirrored {
-        /// What it could come from.
+        /// The likely cause.
         hint: &'static str,
     },
-    /// A point that the others contradict.
+    /// A point that contradicts the others.
     #[error(
-        "point {point} is {off_mm:.1} mm off: by the others its pixel shows {:.4}, {:.4}, {:.4}, and it was given as \
-         {:.4}, {:.4}, {:.4}; {hint}", shown_m[0], shown_m[1], shown_m[2], base_m[0], base_m[1], base_m[2]
+        "point {point} is {off_mm:.1} mm off: according to the others its pixel shows {:.4}, {:.4}, {:.4}, but it \
+         was given as {:.4}, {:.4}, {:.4}; {hint}", shown_m[0], shown_m[1], shown_m[2], base_m[0], base_m[1], base_m[2]
     )]
     Slip {
         /// Its number.
         point: usize,
-        /// How far off it is, millimetres.
+        /// Its error, millimetres.
         off_mm: f64,
-        /// What its pixel shows by the others, metres, base frame.
+        /// The position of its pixel according to the others, metres, base frame.
         shown_m: [f64; 3],
-        /// Where it was said to be.
+        /// Its stated position.
         base_m: [f64; 3],
-        /// What it could come from.
+        /// The likely cause.
         hint: String,
     },
     /// Too large an error, without single points to blame.
@@ -180,22 +181,22 @@ pub enum Fault {
     Inaccurate {
         /// Root mean square error, millimetres.
         rms_mm: f64,
-        /// That of points that were left out.
+        /// Root mean square of the left-out errors, millimetres.
         left_out_mm: f64,
         /// The limit of the first.
         limit_mm: f64,
         /// The limit of the second.
         left_out_limit_mm: f64,
-        /// The point that is farthest off when left out.
+        /// The point with the largest left-out error.
         worst: usize,
-        /// How far, millimetres.
+        /// That error, millimetres.
         worst_mm: f64,
-        /// What else it could come from; empty or `, …`.
+        /// Another likely cause; empty or `, …`.
         hint: String,
     },
-    /// All hangs on one point.
+    /// The fit depends on a single point.
     #[error(
-        "without point {point} the others determine nothing: touch more points, away from their line"
+        "without point {point} the others do not determine a fit: touch more points, away from their line"
     )]
     HangsOn {
         /// Its number.
@@ -203,8 +204,8 @@ pub enum Fault {
     },
     /// The camera sees nothing that the arm reaches.
     #[error(
-        "by the points, the window shows x {:.2} to {:.2} and y {:.2} to {:.2} m, and the workspace is x {:.2} to \
-         {:.2} and y {:.2} to {:.2} m: nothing in both; are signs lost, or is the window another?",
+        "according to the points, the window shows x {:.2} to {:.2} and y {:.2} to {:.2} m, but the workspace is x \
+         {:.2} to {:.2} and y {:.2} to {:.2} m: they do not overlap; is a sign missing, or is the window wrong?",
         shown_m[0][0], shown_m[1][0], shown_m[0][1], shown_m[1][1],
         reach_m[0][0], reach_m[1][0], reach_m[0][1], reach_m[1][1]
     )]
@@ -214,7 +215,7 @@ pub enum Fault {
         /// Those of the workspace.
         reach_m: [[f64; 2]; 2],
     },
-    /// Points that cover too little.
+    /// Points that cover too small an area.
     #[error(
         "the points cover {length_mm:.0} x {width_mm:.0} mm, too little: 1 mm of error in them becomes {plane_gain:.1} \
          mm in the plane and {height_gain:.1} mm in height at the far corner of what the camera and the arm share, \
@@ -223,45 +224,48 @@ pub enum Fault {
     Spread {
         /// Their larger extent, millimetres.
         length_mm: f64,
-        /// Their smaller extent.
+        /// Their smaller extent, millimetres.
         width_mm: f64,
-        /// How often an error counts in the plane.
+        /// Error amplification in the plane.
         plane_gain: f64,
-        /// How often in height.
+        /// Error amplification in height.
         height_gain: f64,
     },
     /// A table that is not level.
     #[error(
-        "by the heights, the table is tilted by {tilt_deg:.1} degrees against the arm's base; at most {MAX_TILT_DEG} are accepted: were the fingertips on the table at every point?"
+        "according to the heights, the table is tilted by {tilt_deg:.1} degrees against the arm's base; at most \
+         {MAX_TILT_DEG} are accepted: were the fingertips on the table at every point?"
     )]
     Tilted {
         /// The tilt, degrees.
         tilt_deg: f64,
     },
-    /// Depth readings of another size than the arm's.
-    #[error("by the depth readings the table is {scale:.3} times as large as by the arm, and at most {:.0} % are accepted: the depth or `focal_px` is wrong; the method `plane` needs neither", MAX_SCALE_OFF * 100.0)]
+    /// Depth readings on a different scale than the arm.
+    #[error("according to the depth readings the table is {scale:.3} times as large as according to the arm, and at \
+     most {:.0} % are accepted: the depth or `focal_px` is wrong; the method `plane` needs neither", MAX_SCALE_OFF * 100.0)]
     Scale {
-        /// The size by depth over the size by the arm.
+        /// Size according to depth, divided by size according to the arm.
         scale: f64,
     },
-    /// A limit that is none.
-    #[error("the limit is {limit_mm} mm; it is larger than 0 and at most {MAX_LIMIT_MM}, and {} or {} (plane, rigid) unless it is said", Method::Plane.limit_mm(), Method::Rigid.limit_mm())]
+    /// An invalid limit.
+    #[error("the limit is {limit_mm} mm; it must be larger than 0 and at most {MAX_LIMIT_MM}; the default is {} for \
+     `plane` and {} for `rigid`", Method::Plane.limit_mm(), Method::Rigid.limit_mm())]
     Limit {
         /// The limit as given.
         limit_mm: f64,
     },
 }
 
-/// The largest depth of a table below a camera, metres.
+/// The largest plausible depth of a table below a camera, metres.
 pub(super) const MAX_DEPTH_M: f64 = 10.0;
-/// The largest tilt of a table, degrees: well above what is left after setting up with a level.
+/// The largest tilt of a table, degrees: well above what remains after levelling it.
 pub(super) const MAX_TILT_DEG: f64 = 3.0;
 /// How far from 1 the scale of depth readings may be: the D435i's are within 2 % at 2 m (its data sheet).
 pub(super) const MAX_SCALE_OFF: f64 = 0.03;
-/// The largest limit that may be asked for, millimetres: beyond it a fold's corner is missed.
+/// The largest limit that may be requested, millimetres: beyond it a fold's corner is missed.
 pub(super) const MAX_LIMIT_MM: f64 = 20.0;
-/// How often an error of the points may count at the far corner of what is to be reached.
+/// The largest permitted error amplification at the far corner of the reachable area.
 ///
-/// By the plane, a grid of 4 x 4 over the middle 60 % of a window comes to 1.5 and over its middle half to 2.2, two rows
-/// 25 mm apart to 15 (`tests/errors.rs`).
+/// By the plane, a grid of 4 x 4 over the middle 60 % of a window gives 1.5, one over its middle half 2.2, and two rows
+/// 25 mm apart 15 (`tests/errors.rs`).
 pub(super) const MAX_GAIN: f64 = 2.0;

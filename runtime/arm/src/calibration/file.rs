@@ -1,7 +1,7 @@
 //! A calibration as text, with the camera's picture beside it.
 //!
-//! In: a calibration or a file. Out: the other. Everything that is read is checked: each number, the picture's hash, and
-//! the fit, which is recomputed from the points. An edited or truncated file is refused.
+//! In: a calibration or a file. Out: the other. Everything read is checked: each number, the picture's hash, and the
+//! fit, which is recomputed from the points. An edited or truncated file is refused.
 
 use super::accuracy::Accuracy;
 use super::fit::Fit;
@@ -15,14 +15,15 @@ use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// The number of this form of the file.
+/// Version of the file format.
 const FORMAT: u32 = 1;
-/// The longest file that is read.
+/// The longest file accepted.
 pub(super) const MAX_BYTES: u64 = 1 << 20;
-/// How far what is stored may be from what the points give anew, millimetres: far above rounding, far below use.
+/// How far stored results may differ from recomputed ones, millimetres: far above rounding errors, far below any
+/// effect.
 const SAME_MM: f64 = 0.01;
 
-/// Why a calibration cannot be read or kept.
+/// Why a calibration cannot be read or written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{file}` {why}")]
 pub struct FileError {
@@ -76,14 +77,14 @@ struct StoredPoint {
 }
 
 impl Calibration {
-    /// Returns where the camera's picture lies that belongs to a calibration's file: beside it, as PNG.
+    /// Returns the path of the camera's picture beside a calibration file, a PNG file.
     pub fn picture_beside(path: &Path) -> PathBuf {
         path.with_extension("png")
     }
 
-    /// Writes it, its picture first; what was there is replaced.
+    /// Writes it, picture first; replaces existing files.
     ///
-    /// A crash between the two leaves a file that [`Calibration::load`] refuses, since it names its picture's hash.
+    /// A crash between the two leaves a file that [`Calibration::load`] refuses, because it names its picture's hash.
     pub fn save(&self, path: &Path) -> Result<(), FileError> {
         let write = |path: &Path, bytes: &[u8]| {
             files::write_whole(path, bytes).map_err(|error| FileError {
@@ -100,7 +101,7 @@ impl Calibration {
         write(path, self.to_toml().as_bytes())
     }
 
-    /// Reads a file, and its picture where it names one, and checks both.
+    /// Reads a file, and its picture if it names one, and checks both.
     pub fn load(path: &Path) -> Result<Calibration, FileError> {
         let wrong = |path: &Path, why: String| FileError {
             file: path.display().to_string(),
@@ -108,8 +109,7 @@ impl Calibration {
         };
         let unreadable = |why: String| wrong(path, format!("cannot be read: {why}"));
         let text = files::read_text(path, MAX_BYTES).map_err(unreadable)?;
-        let unusable =
-            |why: String| wrong(path, format!("is no calibration that can be used: {why}"));
+        let unusable = |why: String| wrong(path, format!("is not a usable calibration: {why}"));
         let (mut calibration, hash) = Calibration::parse(&text).map_err(unusable)?;
         if let Some(hash) = hash {
             let beside = Calibration::picture_beside(path);
@@ -124,7 +124,7 @@ impl Calibration {
         Ok(calibration)
     }
 
-    /// Reads a calibration from text, checked against its own points; with it, the hash of its picture.
+    /// Reads a calibration from text and checks it against its own points; also returns the hash of its picture.
     fn parse(text: &str) -> Result<(Calibration, Option<String>), String> {
         let stored: Stored = toml::from_str(text).map_err(|error| error.to_string())?;
         if stored.format != FORMAT {
@@ -136,7 +136,7 @@ impl Calibration {
         if !is_day(&stored.made_on) {
             let day: String = stored.made_on.chars().take(20).collect();
             return Err(format!(
-                "`made_on` is `{day}`, which is no day such as `2026-11-22`"
+                "`made_on` is `{day}`, which is not a date such as `2026-11-22`"
             ));
         }
         let method = [Method::Plane, Method::Rigid]
@@ -281,7 +281,7 @@ where
     rows.map(|row| row.iter().copied().collect()).collect()
 }
 
-/// Says which stored number is not what the points give; `None` where all are.
+/// Names the stored number that differs from the recomputed one; `None` if all agree.
 fn difference(stored: &Stored, made: &Calibration) -> Option<&'static str> {
     let is_near = |a: f64, b: f64| (a - b).abs() <= SAME_MM;
     let ours = matrix(&made.fit);
@@ -316,7 +316,7 @@ fn difference(stored: &Stored, made: &Calibration) -> Option<&'static str> {
     (!are_same).then_some("`residual_mm` or `left_out_mm` of a point")
 }
 
-/// Returns whether a stored fit puts points and the window's corners where the points do.
+/// Returns whether a stored fit maps points and the window's corners as the recomputed fit does.
 fn shows_the_same(stored: &[Vec<f64>], height: [f64; 3], made: &Calibration) -> bool {
     let number = |row: usize, column: usize| stored[row][column];
     let mut fit = made.fit.clone();
@@ -335,7 +335,7 @@ fn shows_the_same(stored: &[Vec<f64>], height: [f64; 3], made: &Calibration) -> 
             ..
         } => {
             let matrix = nalgebra::Matrix4::from_fn(number);
-            // What is applied is the pose found anew; the stored one only has to be the same.
+            // The recomputed pose is used; the stored one only has to agree.
             let off = matrix - base_from_camera.to_homogeneous();
             *of_fit = height;
             if !off.iter().all(|number| number.abs() * 1000.0 <= SAME_MM) {
@@ -358,7 +358,7 @@ fn shows_the_same(stored: &[Vec<f64>], height: [f64; 3], made: &Calibration) -> 
     })
 }
 
-/// Returns a TOML string; JSON's escapes are TOML's, but for the delete character.
+/// Returns a TOML string; JSON's escapes are TOML's, except for the delete character.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text)
         .to_string()
@@ -372,7 +372,7 @@ fn hash_of(picture: &GrayImage) -> String {
     digest::hex(&hasher.finalize())
 }
 
-/// Returns whether a text is a day such as `2026-11-22`.
+/// Returns whether a text is a date such as `2026-11-22`.
 fn is_day(text: &str) -> bool {
     let parts: Vec<&str> = text.split('-').collect();
     let number = |part: &str, length: usize| {

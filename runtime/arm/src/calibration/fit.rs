@@ -1,7 +1,7 @@
 //! Maps pixels to the base frame, by either method.
 //!
-//! In: undistorted pixels, with depth if available. Out: points in the base frame, metres, and back. Finding a fit is left
-//! to `plane` and `rigid`.
+//! In: undistorted pixels, with depth if available. Out: points in the base frame, metres, and back. Finding a fit is
+//! left to `plane` and `rigid`.
 
 use super::fault::Fault;
 use super::sighting::Sighting;
@@ -10,17 +10,17 @@ use crate::rgbd::Intrinsics;
 use fab_picture::camera::{Lens, Plane, through};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
-/// From pixels to the base.
+/// A map from pixels to the base frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fit {
     /// By the table's plane.
     Plane {
-        /// From straightened pixels `(column, row, 1)` to the base's `(x, y, 1)`, metres, up to a factor that is
-        /// positive where the camera sees.
+        /// From undistorted pixels `(column, row, 1)` to the base's `(x, y, 1)`, metres, up to a factor that is
+        /// positive for everything the camera sees.
         base_from_pixel: Matrix3<f64>,
         /// The table: `z = height[0] + height[1] x + height[2] y`, metres.
         height: [f64; 3],
-        /// The lens that straightens pixels, where it is known.
+        /// The lens that undistorts pixels, if known.
         lens: Option<Lens>,
     },
     /// By the camera's pose.
@@ -31,12 +31,12 @@ pub enum Fit {
         lens: Lens,
         /// The table: `z = height[0] + height[1] x + height[2] y`, metres.
         height: [f64; 3],
-        /// The size that the depth readings give the table, over the size that the arm gives it; 1 is right.
+        /// Size of the table according to depth readings, divided by its size according to the arm; 1 is right.
         scale: f64,
     },
 }
 
-/// Returns a lens for intrinsics; says what is wrong with them otherwise.
+/// Makes a lens from intrinsics; fails with their fault.
 pub(super) fn lens(intrinsics: &Intrinsics) -> Result<Lens, Fault> {
     let wrong = |why: String| Fault::Intrinsics { why };
     let mut distortion = [0.0; 5];
@@ -67,11 +67,11 @@ pub(super) fn lens(intrinsics: &Intrinsics) -> Result<Lens, Fault> {
     })
 }
 
-/// What points are fitted by.
+/// The inputs of a fit other than its points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solver {
     method: Method,
-    /// The camera's lens, where it is known.
+    /// The camera's lens, if known.
     pub lens: Option<Lens>,
 }
 
@@ -83,7 +83,7 @@ impl Solver {
         })
     }
 
-    /// Prepares a point; `None` where no ray leads to its pixel.
+    /// Prepares a point; `None` if no ray leads to its pixel.
     pub(super) fn sighting(&self, pair: &Pair) -> Option<Sighting> {
         let seen = |lens: &Lens| lens.camera_from_pixel(pair.pixel, pair.depth_m?);
         Some(Sighting {
@@ -100,7 +100,7 @@ impl Solver {
             .collect()
     }
 
-    /// Finds the fit of points; `None` where they do not determine one.
+    /// Finds the fit of points; `None` if they do not determine one.
     pub(super) fn fit(&self, points: &[Sighting]) -> Option<Fit> {
         match self.method {
             Method::Plane => Some(Fit::Plane {
@@ -122,9 +122,10 @@ impl Solver {
 }
 
 impl Fit {
-    /// Returns how far from the tool's place the fit puts a point, metres along the axes of the base.
+    /// Returns the offset of the fit's position for a point from the tool's position, metres along the axes of the
+    /// base.
     ///
-    /// `None` where the fit puts it nowhere: beyond the horizon, or without depth.
+    /// `None` if the fit cannot locate it: beyond the horizon, or without depth.
     pub(super) fn error(&self, point: &Sighting) -> Option<Vector3<f64>> {
         let put = match self {
             Fit::Plane {
@@ -146,7 +147,7 @@ impl Fit {
         }
     }
 
-    /// Returns the lens, where it is known.
+    /// Returns the lens, if known.
     pub fn lens(&self) -> Option<&Lens> {
         match self {
             Fit::Plane { lens, .. } => lens.as_ref(),
@@ -154,7 +155,7 @@ impl Fit {
         }
     }
 
-    /// Returns the angle between the table and the base's level, degrees.
+    /// Returns the angle between the table and the base's horizontal plane, degrees.
     pub fn tilt_deg(&self) -> f64 {
         let [_, along_x, along_y] = self.height();
         along_x.hypot(along_y).atan().to_degrees()
@@ -162,7 +163,7 @@ impl Fit {
 
     /// Returns the table point that a pixel of the camera's own picture shows, metres, base frame.
     ///
-    /// `None` where no ray leads to the pixel, or to the table.
+    /// `None` if no ray leads to the pixel, or to the table.
     pub fn table_from_pixel(&self, pixel: [f64; 2]) -> Option<Point3<f64>> {
         match self {
             Fit::Plane {
@@ -187,7 +188,7 @@ impl Fit {
 
     /// Returns the pixel of the camera's own picture that shows a point, metres, base frame.
     ///
-    /// By the table's plane, the pixel that shows the plane below or above the point.
+    /// By the table's plane, it is the pixel that shows the plane's point below or above the point.
     pub fn pixel_from_base(&self, point: Point3<f64>) -> Option<[f64; 2]> {
         match self {
             Fit::Plane {
@@ -213,13 +214,13 @@ impl Fit {
     /// Returns whether the camera sees the table from above, rather than its mirror image.
     pub(super) fn sees_from_above(&self, middle_px: [f64; 2]) -> bool {
         match self {
-            // Columns to rows turn clockwise; seen from above, x to y turn the other way.
+            // From columns to rows is clockwise; seen from above, from x to y is counter-clockwise.
             Fit::Plane {
                 base_from_pixel, ..
             } => {
                 let [u, v] = middle_px;
                 let factor = (base_from_pixel * Vector3::new(u, v, 1.0)).z;
-                // The sign of the map's own determinant there is that of det(H) / w^3.
+                // The sign of the map's local determinant there is that of det(H) / w^3.
                 base_from_pixel.determinant() * factor < 0.0
             }
             Fit::Rigid {
@@ -229,7 +230,7 @@ impl Fit {
     }
 }
 
-/// Takes the lens's distortion out of a pixel, where the lens is known.
+/// Removes the lens's distortion from a pixel, if the lens is known.
 pub(super) fn straightened(lens: Option<&Lens>, pixel: [f64; 2]) -> Option<[f64; 2]> {
     match lens {
         Some(lens) => lens.straightened(pixel),

@@ -1,7 +1,7 @@
 //! Decides whether points fit well enough to make a calibration.
 //!
-//! In: points and terms. Out: the fit with the error of each point, its error when left out, and how errors propagate from
-//! the points' spread; or a refusal. It stops at the first fault, because later ones would follow from it.
+//! In: points and terms. Out: the fit with the error of each point, its error when left out, and how errors propagate
+//! from the points' spread; or a refusal. It stops at the first fault, because later ones would follow from it.
 
 use super::accuracy::{Accuracy, errors_mm, left_out, root_mean_square};
 use super::fault::{Fault, MAX_GAIN, MAX_SCALE_OFF, MAX_TILT_DEG};
@@ -36,7 +36,8 @@ pub(super) fn judge(terms: &Terms, pairs: &[Pair]) -> Result<(Fit, Accuracy), Re
     };
     let is_mirrored = match fit {
         Fit::Plane { .. } => false,
-        // Points of a table lie in a plane, which a pose fits mirrored or not; there the side it sees from decides.
+        // Points of a table lie in a plane, so a pose fits them mirrored or not; in that case the side from which it
+        // sees the table decides.
         Fit::Rigid { .. } => !fits(&residual_mm) && rigid::fits_mirrored(&points),
     };
     if is_mirrored || !fit.sees_from_above(terms.window.middle_px()) {

@@ -1,10 +1,10 @@
 //! Camera calibration: maps pixels to the arm's base frame, from points that the arm touched and the camera saw.
 //!
-//! In: [`Pair`]s of a pixel and a tool position, and the [`Terms`] that they must meet. Out: a [`Calibration`], with the
-//! error of each point and how point errors propagate over the table; or a [`Refusal`] that names the mistake. A
-//! calibration is a text file with a picture beside it (`file`), detects that its camera was moved (`moved`), and provides
-//! the camera model of the square picture that tasks see (`view`). Nothing here talks to a person or reads a clock; the arm
-//! is only read, at a point to which a person guided it (`touch`).
+//! In: [`Pair`]s of a pixel and a tool position, and the [`Terms`] that they must meet. Out: a [`Calibration`], with
+//! the error of each point and how point errors propagate over the table; or a [`Refusal`] that names the mistake. A
+//! calibration is a text file with a picture beside it (`file`), detects that its camera was moved (`moved`), and
+//! provides the camera model of the square picture that tasks see (`view`). Nothing here talks to a person or reads a
+//! clock; the arm is only read, at a point to which a person guided it (`touch`).
 
 mod accuracy;
 mod fault;
@@ -41,18 +41,18 @@ use super::rgbd::Intrinsics;
 use super::settings::{CameraSettings, CameraSource, Settings};
 use image::GrayImage;
 
-/// The fewest points, at places of their own, that are accepted.
+/// The fewest distinct points accepted.
 ///
-/// Four fit a homography exactly, whatever was typed; only with twice as many does leaving one out say something.
+/// Four points fit a homography exactly, whatever was typed; only with twice as many is leaving one out informative.
 pub const MIN_PAIRS: usize = 8;
 
-/// How much larger the error of points that were left out may be: a place where no point was touched is as uncertain.
+/// Factor by which left-out errors may be larger: they measure the uncertainty at places without a touched point.
 const LEFT_OUT_SHARE: f64 = 5.0 / 3.0;
 
 /// A point that the camera saw and the fingertips touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// Where it is in the camera's own picture, `[column, row]`; the middle of the pixel in column 3 is at 3.5.
+    /// Its position in the camera's own picture, `[column, row]`; the middle of the pixel in column 3 is at 3.5.
     pub pixel: [f64; 2],
     /// Position of the tool when the fingertips touch the point, metres, base frame.
     pub base_m: [f64; 3],
@@ -60,7 +60,7 @@ pub struct Pair {
     pub depth_m: Option<f64>,
 }
 
-/// How pixels and the base are joined.
+/// How pixels are mapped to the base frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// A homography to the table's plane; needs neither depth nor intrinsics, and knows nothing above the table.
@@ -70,10 +70,10 @@ pub enum Method {
 }
 
 impl Method {
-    /// Returns the largest root mean square error that is accepted unless another limit is asked for, millimetres.
+    /// Returns the default limit on the root mean square error, millimetres.
     ///
-    /// By the plane 3: the driver calls a pose reached within that, and a calibration that is worse would be what decides
-    /// where a pick lands. With depth 5: its readings scatter by 2 mm at a metre, and the fit evens that out.
+    /// By the plane 3: the driver counts a pose as reached within that, and a worse calibration would dominate where a
+    /// pick lands. With depth 5: its readings scatter by 2 mm at a metre, and the fit averages that out.
     pub fn limit_mm(self) -> f64 {
         match self {
             Method::Plane => 3.0,
@@ -90,27 +90,27 @@ impl Method {
     }
 }
 
-/// What a calibration is of, and what it has to meet.
+/// The subject of a calibration, and its requirements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Terms {
-    /// How pixels and the base are joined.
+    /// How pixels are mapped to the base frame.
     pub method: Method,
     /// The camera's name, for people.
     pub camera: String,
     /// Width and height of the camera's own picture, pixels.
     pub size_px: [u32; 2],
-    /// How the camera projects, where that is known; its distortion is taken out of the pixels.
+    /// The camera's projection, if known; its distortion is removed from the pixels.
     pub intrinsics: Option<Intrinsics>,
-    /// The part of the picture that tasks see, where the calibration has to hold.
+    /// The part of the picture that tasks see, where the calibration must hold.
     pub window: Window,
-    /// The least and the largest x and y of the tool, metres, base frame; elsewhere it need not hold.
+    /// The least and the largest x and y of the tool, metres, base frame; elsewhere the calibration need not hold.
     pub reach_m: [[f64; 2]; 2],
     /// The largest root mean square error, millimetres.
     pub limit_mm: f64,
 }
 
 impl Terms {
-    /// Returns the terms that an arm's settings state.
+    /// Returns the terms for an arm's settings.
     ///
     /// `size_px` is the size of the camera's own picture, `limit_mm` the largest root mean square error.
     pub fn of(settings: &Settings, method: Method, size_px: [u32; 2], limit_mm: f64) -> Terms {
@@ -134,28 +134,28 @@ impl Terms {
     }
 }
 
-/// A camera whose pixels are known to the arm.
+/// A calibrated camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// What it is of, and what it met.
+    /// Its subject, and the requirements it met.
     pub terms: Terms,
-    /// The day on which it was made, UTC, e.g. `2026-11-22`.
+    /// The date on which it was made, UTC, e.g. `2026-11-22`.
     pub made_on: String,
-    /// The points that it was made from.
+    /// The points it was made from.
     pub pairs: Vec<Pair>,
-    /// From pixels to the base.
+    /// The map from pixels to the base frame.
     pub fit: Fit,
-    /// How well the points fit.
+    /// The accuracy of the fit.
     pub accuracy: Accuracy,
-    /// What the camera saw then, by which a moved camera is noticed.
+    /// The camera's picture at that time, for detecting a moved camera.
     pub reference: Option<GrayImage>,
 }
 
 impl Calibration {
-    /// Joins pixels and the base by the points, or says what is wrong with them.
+    /// Fits the map from pixels to the base frame to points; fails with their faults.
     ///
-    /// - `made_on`: the day, UTC, e.g. `2026-11-22`.
-    /// - `reference`: the camera's picture of the table, of the size that the terms state.
+    /// - `made_on`: the date, UTC, e.g. `2026-11-22`.
+    /// - `reference`: the camera's picture of the table, in the size stated by the terms.
     pub fn make(
         terms: Terms,
         pairs: Vec<Pair>,
@@ -180,7 +180,7 @@ impl Calibration {
         })
     }
 
-    /// Says why it does not hold for the settings of today, where they ask for more than it was made for.
+    /// Fails if the current settings require more than it was made for.
     pub fn check_settings(&self, settings: &Settings) -> Result<(), Refusal> {
         let Terms {
             method,
@@ -194,7 +194,7 @@ impl Calibration {
     }
 }
 
-/// Returns what a camera is called: its topic, its folder, or that it is simulated.
+/// Returns the name of a camera: its topic, its folder, or that it is simulated.
 fn camera_name(camera: &CameraSettings, topic: Option<&str>) -> String {
     let folder = || camera.folder.as_ref().map(|it| it.display().to_string());
     let name = match camera.source {

@@ -1,7 +1,7 @@
 //! Detects whether the camera was moved since its calibration.
 //!
-//! In: a calibration with its reference picture, and a new shot. Out: [`Moved`]. Marks of the reference are matched in the
-//! new picture. Cloth and arm hide or move some of them, so the motion that most marks share decides.
+//! In: a calibration with its reference picture, and a new shot. Out: [`Moved`]. Marks of the reference are matched in
+//! the new picture. Cloth and arm hide or move some of them, so the motion that most marks share decides.
 
 use super::Calibration;
 use crate::rgbd::{Intrinsics, Shot};
@@ -10,50 +10,50 @@ use fab_picture::Found;
 use image::GrayImage;
 use image::imageops::{self, FilterType};
 
-/// What a new picture says of the camera's place.
+/// The result of a camera check.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Moved {
-    /// It is where it was, as far as can be seen.
+    /// The camera is in its old place, as far as can be seen.
     No {
-        /// How far the window's corners seem to have moved, pixels of the camera's own picture.
+        /// Apparent displacement of the window's corners, pixels of the camera's own picture.
         by_px: f64,
         /// How many marks of the reference agree.
         n_marks: usize,
     },
     /// It was moved.
     ByPx {
-        /// How far the farthest of the window's corners has moved, pixels of the camera's own picture.
+        /// Displacement of the farthest of the window's corners, pixels of the camera's own picture.
         by_px: f64,
-        /// How far the picture has turned, degrees; clockwise is positive.
+        /// Rotation of the picture, degrees; clockwise is positive.
         turn_deg: f64,
         /// How many marks of the reference agree.
         n_marks: usize,
     },
-    /// Its pictures are of another kind than those it was calibrated with.
+    /// Its pictures differ in kind from those it was calibrated with.
     Changed {
         /// What is different.
         what: String,
     },
-    /// It cannot be said.
+    /// The check is inconclusive.
     Unsure {
         /// Why not, and what would help.
         why: String,
     },
 }
 
-/// The farthest that a window's corner may seem to move, pixels of a picture 640 px wide: about 2 mm at a metre.
+/// The largest apparent displacement of a window's corner, pixels of a picture 640 px wide: about 2 mm at a metre.
 const STILL_PX: f64 = 1.5;
-/// Pictures are compared at about this width.
+/// Approximate width at which pictures are compared.
 const COMPARED_PX: u32 = 640;
-/// Marks share a motion that puts them so near to where they are found, pixels.
+/// Marks share a motion that predicts their found positions to within this, pixels.
 const SHARED_PX: f64 = 1.0;
 /// The fewest marks that a reference needs.
 const FEW: usize = 12;
-/// The fewest that must share a motion.
+/// The fewest marks that must share a motion.
 const AGREEING: usize = 8;
-/// And the share of all that must.
+/// The smallest share of all marks that must do so.
 const AGREEING_SHARE: f64 = 0.2;
-/// They must lie apart by this share of the picture, or a turn is not seen.
+/// They must be spread over this share of the picture, or a rotation would go unnoticed.
 const APART: f64 = 0.3;
 
 impl Calibration {
@@ -83,7 +83,7 @@ impl Calibration {
         compared.unwrap_or_else(|why| Moved::Unsure { why })
     }
 
-    /// Returns how many marks the reference has by which a moved camera would be noticed, and how many it needs.
+    /// Returns how many marks the reference has for detecting a moved camera, and how many it needs.
     pub fn marks(&self, sight: &Sight) -> [usize; 2] {
         let n = self.reference.as_ref().map_or(0, |reference| {
             (sight.marks)(&reduced(reference, factor(reference))).map_or(0, |marks| marks.len())
@@ -161,7 +161,7 @@ fn unsure(n_marks: usize, n_known: usize) -> Moved {
     }
 }
 
-/// Says what is different between intrinsics; `None` where they are the same but for rounding.
+/// Describes the difference between intrinsics; `None` if they are equal except for rounding.
 fn change(then: &Intrinsics, now: &Intrinsics) -> Option<String> {
     let differ = |then: &[f64], now: &[f64], by: f64| {
         let coefficient = |of: &[f64], index: usize| of.get(index).copied().unwrap_or(0.0);
@@ -190,7 +190,7 @@ fn change(then: &Intrinsics, now: &Intrinsics) -> Option<String> {
     }
 }
 
-/// Returns how many pixels of a picture become one of those that are compared.
+/// Returns how many pixels of a picture are merged into one for comparison.
 fn factor(picture: &GrayImage) -> u32 {
     let longest = picture.width().max(picture.height());
     ((longest + COMPARED_PX / 2) / COMPARED_PX).max(1)
@@ -209,7 +209,7 @@ fn reduced(picture: &GrayImage, times: u32) -> GrayImage {
     }
 }
 
-/// A turn, a scaling and a shift of a picture: `(u, v)` to `(a u - b v + c, b u + a v + d)`.
+/// A rotation, scaling and shift of a picture: `(u, v)` to `(a u - b v + c, b u + a v + d)`.
 #[derive(Clone, Copy)]
 struct Motion {
     a: f64,
@@ -218,7 +218,7 @@ struct Motion {
 }
 
 impl Motion {
-    /// Finds the motion of least squared distance; `None` where the places are one.
+    /// Finds the least-squares motion; `None` if all positions coincide.
     fn of(found: &[Found]) -> Option<Motion> {
         let n = found.len() as f64;
         let mean = |of: fn(&Found) -> [f64; 2]| {
@@ -261,7 +261,7 @@ impl Motion {
         self.b.atan2(self.a)
     }
 
-    /// Returns those that it puts where they were found.
+    /// Returns the marks whose found positions it predicts.
     fn agreeing(&self, found: &[Found]) -> Vec<Found> {
         let is_near = |it: &&Found| {
             let [u, v] = self.apply(it.at_px);
@@ -275,7 +275,7 @@ impl Motion {
     }
 }
 
-/// Finds the motion that the most marks share, and these marks; a picture hardly turns or grows.
+/// Finds the motion shared by the most marks, and these marks; only small rotations and scalings are plausible.
 fn shared(found: &[Found]) -> Option<(Motion, Vec<Found>)> {
     let mut best: Option<(Motion, Vec<Found>)> = None;
     for (index, one) in found.iter().enumerate() {

@@ -1,19 +1,20 @@
 //! Calibration points as lines of text.
 //!
-//! In: CSV with the columns `u,v,x,y,z` and optionally `depth`, in that order or as named by a header line; comments start
-//! with `#`. Out: [`Pair`]s, or the line that is wrong. Whether the numbers are plausible is checked later, on all points.
+//! In: CSV with the columns `u,v,x,y,z` and optionally `depth`, in that order or as named by a header line; comments
+//! start with `#`. Out: [`Pair`]s, or the line that is wrong. Whether the numbers are plausible is checked later, on
+//! all points.
 
 use super::Pair;
 use fab_base::files;
 use std::path::Path;
 
-/// The most points that are read.
+/// The most points accepted.
 pub const MAX_PAIRS: usize = 400;
 
-/// The longest file that is read.
+/// The longest file accepted.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// The names of the columns, in the order that needs no first line.
+/// The names of the columns, in the order assumed without a header line.
 const COLUMNS: [&str; 6] = ["u", "v", "x", "y", "z", "depth"];
 
 /// Why points could not be read.
@@ -26,13 +27,13 @@ pub struct PairError {
     pub why: String,
 }
 
-/// Reads a file of points; says what is wrong otherwise.
+/// Reads a file of points; fails with the reason.
 pub fn read_pairs(path: &Path) -> Result<Vec<Pair>, String> {
     let text = files::read_text(path, MAX_BYTES)?;
     parse_pairs(&text).map_err(|error| error.to_string())
 }
 
-/// Reads points, one a line.
+/// Reads points, one per line.
 pub fn parse_pairs(text: &str) -> Result<Vec<Pair>, PairError> {
     let mut pairs = Vec::new();
     let mut columns: Option<Columns> = None;
@@ -68,7 +69,7 @@ pub fn csv_line(pair: &Pair) -> String {
     numbers.join(",")
 }
 
-/// Splits a line at commas, or at blanks where it has none; without its comment.
+/// Splits a line at commas, or at blanks if it has none; drops its comment.
 fn fields(line: &str) -> Vec<&str> {
     let content = line.split('#').next().unwrap_or_default().trim();
     match content {
@@ -78,7 +79,7 @@ fn fields(line: &str) -> Vec<&str> {
     }
 }
 
-/// Reads numbers that are separated by commas or blanks.
+/// Reads numbers separated by commas or blanks.
 pub(super) fn numbers(line: &str) -> Result<Vec<f64>, String> {
     fields(line).into_iter().map(number).collect()
 }
@@ -91,7 +92,7 @@ fn number(field: &str) -> Result<f64, String> {
     }
 }
 
-/// Makes a point of `u, v, x, y, z` and perhaps a depth.
+/// Makes a point from `u, v, x, y, z` and optionally a depth.
 pub(super) fn pair_of(numbers: &[f64]) -> Result<Pair, String> {
     let n = numbers.len();
     let (5 | 6) = n else {
@@ -106,7 +107,7 @@ pub(super) fn pair_of(numbers: &[f64]) -> Result<Pair, String> {
     })
 }
 
-/// Which column is what, and what its unit counts.
+/// The meaning and unit of each column.
 struct Columns {
     /// For each field of a line: the column, and the factor to pixels or metres.
     fields: Vec<(usize, f64)>,
@@ -133,7 +134,8 @@ impl Columns {
             let (Some(column), Some(factor)) = (column, factor) else {
                 let shown: String = name.chars().take(20).collect();
                 return Err(format!(
-                    "`{shown}` is no column; they are `u`, `v` (pixels), `x`, `y`, `z` and `depth` (metres, or such as `x_mm`)"
+                    "`{shown}` is not a column; the columns are `u`, `v` (pixels), `x`, `y`, `z` and `depth` \
+                     (metres, or such as `x_mm`)"
                 ));
             };
             if fields.iter().any(|(other, _)| *other == column) {

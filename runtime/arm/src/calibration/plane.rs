@@ -7,26 +7,26 @@
 use super::sighting::Sighting;
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, SymmetricEigen, Vector3};
 
-/// How many numbers a homography has, up to its factor.
+/// Degrees of freedom of a homography.
 const N: usize = 8;
-/// The most steps of refinement; three are usual.
+/// The most refinement steps; three are usual.
 const MAX_STEPS: usize = 50;
-/// A step below this share of the points' extent ends the refinement.
+/// Refinement ends at a step below this share of the points' extent.
 const SMALL_STEP: f64 = 1e-13;
-/// The least share of the largest eigenvalue that the second smallest may have: below it, more than one homography fits.
+/// The smallest ratio of the second smallest to the largest eigenvalue: below it, more than one homography fits.
 const DETERMINED: f64 = 1e-11;
 
 type Numbers = SVector<f64, N>;
 type Square = SMatrix<f64, N, N>;
 
-/// Fits a homography from straightened pixels to the base's x and y; `None` where the points do not determine one.
+/// Fits a homography from undistorted pixels to the base's x and y; `None` if the points do not determine one.
 pub(super) fn homography(points: &[Sighting]) -> Option<Matrix3<f64>> {
     let scaled = Scaled::of(points)?;
     let numbers = scaled.refined(scaled.start()?)?;
     scaled.base_from_pixel(&numbers)
 }
 
-/// Fits `z = a + b x + c y` to the touched points; `None` where they lie on a line.
+/// Fits `z = a + b x + c y` to the touched points; `None` if they are collinear.
 pub(super) fn heights(points: &[Sighting]) -> Option<[f64; 3]> {
     let (middle, normal, sums) = height_sums(points);
     let slopes = normal.try_inverse()? * sums;
@@ -38,9 +38,9 @@ pub(super) fn heights(points: &[Sighting]) -> Option<[f64; 3]> {
         .then_some(height)
 }
 
-/// How many times an error of the touched points counts at a place.
+/// Amplification of the touched points' errors at a place.
 ///
-/// Standard deviations, of the worst direction and to first order.
+/// Ratio of standard deviations, in the worst direction and to first order.
 pub(super) struct Gain {
     scaled: Scaled,
     numbers: Numbers,
@@ -74,7 +74,7 @@ impl Gain {
     }
 }
 
-/// Returns how many times an error of the touched heights counts in the plane's height at a place.
+/// Returns the amplification of height errors in the plane's height at a place.
 pub(super) fn height_gain(points: &[Sighting], place: Point3<f64>) -> Option<f64> {
     let (middle, normal, _) = height_sums(points);
     let off = nalgebra::Vector2::new(place.x - middle.x, place.y - middle.y);
@@ -97,7 +97,7 @@ fn height_sums(
     (middle, normal, sums)
 }
 
-/// A shift to the middle and a scaling to the unit's size, of points in a plane.
+/// A shift to the middle and a scaling to unit size, of points in a plane.
 #[derive(Clone, Copy)]
 struct Scaling {
     middle: [f64; 2],
@@ -127,7 +127,7 @@ impl Scaling {
     }
 }
 
-/// Points about the origin, at the unit's size.
+/// Points around the origin, at unit size.
 struct Scaled {
     pixels: Scaling,
     table: Scaling,
@@ -150,7 +150,7 @@ impl Scaled {
         })
     }
 
-    /// Solves for the homography by its linear equations.
+    /// Solves the linear equations for the homography.
     fn start(&self) -> Option<Numbers> {
         let mut normal = SMatrix::<f64, 9, 9>::zeros();
         for ([u, v], [x, y]) in &self.pairs {
@@ -168,19 +168,19 @@ impl Scaled {
         order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
         let is_determined = eigen.eigenvalues[order[1]] > DETERMINED * eigen.eigenvalues[order[8]];
         let least = eigen.eigenvectors.column(order[0]);
-        // The factor at the points' middle is not zero unless the horizon runs through them.
+        // The factor at the points' middle is nonzero unless the horizon runs through them.
         let numbers = Numbers::from_iterator(least.iter().take(N).map(|number| number / least[8]));
         (is_determined && numbers.iter().all(|number| number.is_finite())).then_some(numbers)
     }
 
-    /// Moves a homography to the least squared distance on the table.
+    /// Refines a homography to the least squared distance on the table.
     fn refined(&self, start: Numbers) -> Option<Numbers> {
         let mut numbers = start;
         let mut cost = self.cost(&numbers)?;
         for _ in 0..MAX_STEPS {
             let (normal, down) = self.normal(&numbers);
             let mut step = normal.cholesky()?.solve(&down);
-            // A step that overshoots is halved; a start from the linear equations hardly ever does.
+            // A step that overshoots is halved; from the linear solution that hardly ever happens.
             let taken = (0..20).find_map(|_| {
                 let next = numbers + step;
                 let better = self.cost(&next).filter(|next| *next <= cost);
@@ -228,7 +228,7 @@ impl Scaled {
     }
 }
 
-/// Returns the image of a scaled pixel, and how it changes with the homography's numbers.
+/// Returns the image of a scaled pixel, and its derivative by the homography's numbers.
 fn image_of(numbers: &Numbers, [u, v]: [f64; 2]) -> Option<([f64; 2], SMatrix<f64, 2, N>)> {
     let h = numbers;
     let factor = h[6] * u + h[7] * v + 1.0;

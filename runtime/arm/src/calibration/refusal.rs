@@ -1,6 +1,6 @@
 //! Why points do not make a calibration.
 //!
-//! In: the faults that the checks found. Out: all of them, one per line, and the fit that they refer to.
+//! In: the faults found by the checks. Out: all of them, one per line, and the fit that they refer to.
 
 use super::fault::Fault;
 use super::fit::Fit;
@@ -10,7 +10,7 @@ use super::fit::Fit;
 pub struct Refusal {
     /// What is wrong; at least one.
     pub faults: Vec<Fault>,
-    /// The fit of those points that agree, where there is one: what the others can be seen against.
+    /// The fit of the points that agree, if there is one, as a reference for the others.
     pub fit: Option<Box<Fit>>,
 }
 

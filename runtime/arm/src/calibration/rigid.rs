@@ -9,10 +9,10 @@ use nalgebra::{
     UnitQuaternion, Vector3,
 };
 
-/// The least share of the largest singular value that the second may have: below it, the points lie on a line.
+/// The smallest ratio of the second to the largest singular value: below it, the points are collinear.
 const DETERMINED: f64 = 1e-7;
 
-/// Points of the camera's frame beside those of the base.
+/// Points in the camera's frame with their counterparts in the base frame.
 struct Clouds {
     pairs: Vec<(Vector3<f64>, Vector3<f64>)>,
     seen_middle: Vector3<f64>,
@@ -42,9 +42,9 @@ impl Clouds {
     }
 }
 
-/// Fits the camera's pose in the base frame; `None` where the points do not determine one.
+/// Fits the camera's pose in the base frame; `None` if the points do not determine one.
 ///
-/// With it comes the size that the camera gives the points over the size that the arm gives them.
+/// Also returns the points' size according to the camera, divided by their size according to the arm.
 pub(super) fn pose(points: &[Sighting]) -> Option<(Isometry3<f64>, f64)> {
     let clouds = Clouds::of(points)?;
     let joined: Matrix3<f64> = clouds
@@ -74,7 +74,7 @@ pub(super) fn pose(points: &[Sighting]) -> Option<(Isometry3<f64>, f64)> {
     is_finite.then_some((base_from_camera, 1.0 / umeyama))
 }
 
-/// Returns whether a mirror image would fit the points at less than half the error.
+/// Returns whether a mirror image would fit the points with less than half the error.
 pub(super) fn fits_mirrored(points: &[Sighting]) -> bool {
     let mirrored: Vec<Sighting> = points
         .iter()
@@ -96,9 +96,9 @@ pub(super) fn fits_mirrored(points: &[Sighting]) -> bool {
     }
 }
 
-/// How many times an error of the points counts at a place: in the plane, and in height.
+/// Amplification of the points' errors at a place: in the plane, and in height.
 ///
-/// Standard deviations, of the worst direction and to first order.
+/// Ratio of standard deviations, in the worst direction and to first order.
 pub(super) struct Gain {
     covariance: Matrix6<f64>,
     middle: Vector3<f64>,
@@ -129,7 +129,7 @@ impl Gain {
     }
 }
 
-/// How a point moves with a turn about the points' middle and a shift.
+/// The derivative of a point by a rotation about the points' middle and a shift.
 fn slope(off: Vector3<f64>) -> SMatrix<f64, 3, 6> {
     let mut slope = SMatrix::<f64, 3, 6>::zeros();
     slope

@@ -1,8 +1,8 @@
 //! Entry of calibration points, one at a time: a person types them, or jogs the arm to them.
 //!
-//! In: lines of text, and with an arm, its tool's position at each line. Out: a message per line with the error of the new
-//! point against the earlier ones, so that a mistake shows while the arm is still there. Reading and writing lines is left
-//! to the caller.
+//! In: lines of text, and with an arm, its tool's position at each line. Out: a message per line with the error of the
+//! new point against the earlier ones, so that a mistake shows while the arm is still there. Reading and writing lines
+//! is left to the caller.
 
 use super::fit::Solver;
 use super::pairs::{numbers, pair_of};
@@ -25,7 +25,7 @@ pub struct Session<'a> {
 /// What a line did.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LineOutcome {
-    /// A point was added; how it fits the earlier points, or why that is not known yet.
+    /// A point was added; how it fits the earlier points, or why that is still unknown.
     Added(String),
     /// The last point was removed.
     Undone(String),
@@ -40,8 +40,8 @@ pub enum LineOutcome {
 impl<'a> Session<'a> {
     /// Starts with existing points.
     ///
-    /// With `tool`, a line is `u,v` or `u,v,depth`, and the tool's place is read when it is entered; without, a line is
-    /// `u,v,x,y,z` or `u,v,x,y,z,depth`.
+    /// With `tool`, a line is `u,v` or `u,v,depth`, and the tool's position is read when the line is entered; without
+    /// it, a line is `u,v,x,y,z` or `u,v,x,y,z,depth`.
     pub fn new(terms: &'a Terms, pairs: Vec<Pair>, tool: Option<Box<ToolReader<'a>>>) -> Self {
         Session { terms, tool, pairs }
     }
@@ -69,7 +69,7 @@ impl<'a> Session<'a> {
                 Some(_) => {
                     LineOutcome::Undone(format!("point {} is taken back", self.pairs.len() + 1))
                 }
-                None => LineOutcome::Invalid("there is no point to take back".to_owned()),
+                None => LineOutcome::Invalid("there is no point to undo".to_owned()),
             },
             point => match self.point(point) {
                 Ok(pair) => {
@@ -107,7 +107,7 @@ impl<'a> Session<'a> {
         let n = self.pairs.len();
         if n < MIN_FITTED {
             return format!(
-                "taken; from {} points on you are told how each fits",
+                "added; from {} points on, the fit of each new one is shown",
                 MIN_FITTED + 1
             );
         }
@@ -120,7 +120,9 @@ impl<'a> Session<'a> {
             Some(off_mm) => {
                 format!("{off_mm:.1} mm from where the {n} before it put it (`undo` takes it back)")
             }
-            None => format!("taken; the {n} before it do not say yet where it should be"),
+            None => {
+                format!("added; the {n} points before it do not yet determine where it should be")
+            }
         }
     }
 
@@ -133,9 +135,9 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Returns the pixels of a grid over the window, row by row: where points are best touched.
+/// Returns the pixels of a grid over the window, row by row: the best places to touch.
 ///
-/// The outermost are a tenth of the side from the rim, so that fingertips are seen around them.
+/// The outermost are a tenth of the side from the border, so that the fingertips around them are visible.
 pub fn grid(window: &Window, columns: u32, rows: u32) -> Vec<[f64; 2]> {
     let share = |index: u32, n: u32| match n {
         0 | 1 => 0.5,

@@ -4,13 +4,13 @@
 
 use nalgebra::Point3;
 
-/// A point as the solvers take it.
+/// A point in the form that the solvers use.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sighting {
-    /// Its pixel with the lens's distortion taken out.
+    /// Its undistorted pixel.
     pub pixel: [f64; 2],
-    /// Where it is in the camera's frame, metres, where depth and lens are known.
+    /// Its position in the camera's frame, metres, if depth and lens are known.
     pub seen: Option<Point3<f64>>,
-    /// Where the tool touched it, metres, base frame.
+    /// Its position touched by the tool, metres, base frame.
     pub base: Point3<f64>,
 }

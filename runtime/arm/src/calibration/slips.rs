@@ -1,7 +1,7 @@
 //! Detects common input mistakes: a mistyped point, swapped axes, millimetres instead of metres.
 //!
-//! In: points as given. Out: faults that name the point and the likely mistake. Nothing is corrected silently: a mistyped
-//! point may also have been touched wrongly.
+//! In: points as given. Out: faults that name the point and the likely mistake. Nothing is corrected silently: a
+//! mistyped point may also have been touched wrongly.
 
 use super::accuracy::{errors_mm, root_mean_square};
 use super::fault::{Fault, MAX_DEPTH_M, MAX_LIMIT_MM};
@@ -9,19 +9,19 @@ use super::fit::{Fit, Solver};
 use super::sighting::Sighting;
 use super::{MIN_PAIRS, Method, Pair, Refusal, Terms};
 
-/// Farther than this no arm on a table reaches, metres: twice the largest of the supported ones.
+/// No arm on a table reaches farther than this, metres: twice the largest of the supported ones.
 const FAR_M: f64 = 2.0;
-/// Nearer than this, two pixels are the same place.
+/// Pixels closer than this are the same place.
 const SAME_PX: f64 = 3.0;
-/// The points whose fit the most others agree with are sought among so many fours.
+/// The most subsets of four points tried in the search for a consensus.
 const MAX_TRIES: usize = 3000;
-/// A point agrees with a fit within so many times the limit.
+/// A point agrees with a fit if its error is within this multiple of the limit.
 const AGREES: f64 = 3.0;
 
-/// A point is no slip but one of many that scatter, unless it is off by so many times what the others are.
+/// A point's error must be this multiple of the others' to count as a slip; otherwise it is ordinary scatter.
 const STANDS_OUT: f64 = 5.0;
 
-/// Refuses points that are wrong by themselves, each by the first fault it has.
+/// Rejects points that are invalid on their own, each with its first fault.
 pub(super) fn check(terms: &Terms, pairs: &[Pair]) -> Result<(), Refusal> {
     check_terms(terms)?;
     let mut faults: Vec<Fault> = (1..)
@@ -119,13 +119,13 @@ fn check_numbers(terms: &Terms, point: usize, pair: &Pair) -> Option<Fault> {
     })
 }
 
-/// Returns what is wrong with a point by itself.
+/// Returns the fault of a single point on its own.
 pub(super) fn check_numbers_of(terms: &Terms, point: usize, pair: &Pair) -> Option<Fault> {
     let pairs = std::slice::from_ref(pair);
     check_numbers(terms, point, pair).or_else(|| check_units(pairs, point))
 }
 
-/// Says which points are not in metres; the first of them has the number `first`.
+/// Reports points that are not in metres; `first` is the number of the first point.
 fn check_units(pairs: &[Pair], first: usize) -> Option<Fault> {
     let reaches = |base: [f64; 3], per_metre: f64| {
         base.iter()
@@ -136,7 +136,8 @@ fn check_units(pairs: &[Pair], first: usize) -> Option<Fault> {
         .filter(|(_, pair)| !reaches(pair.base_m, 1.0));
     let (point, Pair { base_m, .. }) = far.next()?;
     let units = [("centimetres", 100.0), ("millimetres", 1000.0)];
-    // Within reach in centimetres is within reach in millimetres too; the larger unit is meant only if all fit it.
+    // Values within reach in centimetres are within reach in millimetres, too; the larger unit is assumed only if all
+    // points fit it.
     let unit = units.into_iter().find(|(_, per_metre)| {
         let others = pairs.iter().filter(|pair| !reaches(pair.base_m, 1.0));
         others
@@ -158,7 +159,7 @@ fn check_units(pairs: &[Pair], first: usize) -> Option<Fault> {
     })
 }
 
-/// Names points that the others contradict; `None` where no large part of the points agrees.
+/// Names points that contradict the others; `None` if no large part of the points agrees.
 pub(super) fn find(terms: &Terms, solver: &Solver, pairs: &[Pair]) -> Option<Refusal> {
     let points = solver.sightings(pairs).ok()?;
     let (fit, agree) = consensus(solver, &points, terms.limit_mm * AGREES)?;
@@ -180,7 +181,7 @@ pub(super) fn find(terms: &Terms, solver: &Solver, pairs: &[Pair]) -> Option<Ref
     })
 }
 
-/// Finds the fit that the most points agree with, and these points; at least two thirds must.
+/// Finds the fit with the most agreeing points, and these points; at least two thirds must agree.
 pub(super) fn consensus(
     solver: &Solver,
     points: &[Sighting],
@@ -209,7 +210,7 @@ pub(super) fn consensus(
             best = agree;
         }
     }
-    // Four points miss what all of those that agree say together.
+    // A fit to four points is noisy, so refit to all agreeing points.
     for _ in 0..5 {
         let next = agreeing(&of(&best)?);
         if next == best {
@@ -222,7 +223,7 @@ pub(super) fn consensus(
     Some((fit, best))
 }
 
-/// Returns fours of points: all of them, or where there are too many, some that are spread evenly over all.
+/// Returns subsets of four points: all of them or, if there are too many, an even sample.
 fn fours(n: usize) -> Vec<[usize; 4]> {
     let choose =
         |n: usize| n * n.saturating_sub(1) * n.saturating_sub(2) * n.saturating_sub(3) / 24;
@@ -237,7 +238,7 @@ fn fours(n: usize) -> Vec<[usize; 4]> {
         }
         return all;
     }
-    // Multiplicative congruences: the same fours each time, without a source of chance.
+    // A multiplicative congruential sequence: the same subsets each time, without a random source.
     let mut state = 1_u64;
     let mut draw = || {
         state = state
@@ -250,7 +251,7 @@ fn fours(n: usize) -> Vec<[usize; 4]> {
         .collect()
 }
 
-/// Says what is wrong with a point that a fit contradicts; `None` where the fit puts its pixel nowhere.
+/// Describes the fault of a point that contradicts a fit; `None` if the fit cannot locate its pixel.
 fn slip(terms: &Terms, solver: &Solver, fit: &Fit, point: usize, pairs: &[Pair]) -> Option<Fault> {
     let pair = &pairs[point - 1];
     let error = fit.error(&solver.sighting(pair)?)?;
@@ -276,7 +277,7 @@ fn slip(terms: &Terms, solver: &Solver, fit: &Fit, point: usize, pairs: &[Pair])
     })
 }
 
-/// Finds the one change that makes a point agree.
+/// Finds a single change that makes a point agree.
 fn hint(solver: &Solver, fit: &Fit, pair: &Pair, within_m: f64) -> Option<String> {
     let [u, v] = pair.pixel;
     let [x, y, z] = pair.base_m;
@@ -302,7 +303,7 @@ fn hint(solver: &Solver, fit: &Fit, pair: &Pair, within_m: f64) -> Option<String
     Some(format!("with {} it would fit", found.0))
 }
 
-/// Says what a mirror image could come from.
+/// Names the likely cause of a mirror image.
 pub(super) fn why_mirrored(terms: &Terms, pairs: &[Pair]) -> &'static str {
     let [least, most] = terms.reach_m;
     let n = pairs.len().max(1) as f64;

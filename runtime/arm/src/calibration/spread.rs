@@ -9,24 +9,24 @@ use super::sighting::Sighting;
 use super::{Terms, plane, rigid};
 use nalgebra::Point3;
 
-/// What points cover.
+/// The area covered by points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Their extent along the narrowest strip of the table that holds them, metres.
+    /// Their extent along the narrowest strip of the table that contains them, metres.
     pub length_m: f64,
-    /// Their extent across it, metres.
+    /// Their extent across that strip, metres.
     pub width_m: f64,
-    /// How often an error of the points counts in the plane, at the worst place that the window shows and the arm
-    /// reaches; standard deviations.
+    /// Error amplification in the plane, at the worst place that the window shows and the arm reaches; ratio of
+    /// standard deviations.
     pub plane_gain: f64,
-    /// How often it counts there in height.
+    /// Error amplification in height, at the worst such place.
     pub height_gain: f64,
 }
 
-/// Places along a side of the window at which the spread is measured.
+/// Number of places along a side of the window at which the amplification is computed.
 const N_PLACES: u32 = 9;
 
-/// Measures the spread of points.
+/// Computes the spread of points.
 pub(super) fn measure(terms: &Terms, fit: &Fit, points: &[Sighting]) -> Result<Spread, Fault> {
     let places = places(terms, fit)?;
     let unknown = [f64::INFINITY; 2];
@@ -100,7 +100,7 @@ fn places(terms: &Terms, fit: &Fit) -> Result<Vec<Place>, Fault> {
     Ok(reached)
 }
 
-/// Returns the extents of points on the table, metres: across the narrowest strip that holds them, and along it; the
+/// Returns the extents of points on the table, metres: across the narrowest strip that contains them, and along it; the
 /// longer first.
 pub(super) fn extent_m(points: &[Sighting]) -> [f64; 2] {
     let along = |turn_deg: f64| {

@@ -1,26 +1,26 @@
 //! The tool's position after a person has guided it to a point.
 //!
-//! In: the arm's readings over a moment. Out: the tool's position, or why it cannot be used: there is no new reading, the
-//! arm still moves, or the hand is tilted. The arm is not moved.
+//! In: the arm's readings over a moment. Out: the tool's position, or why it cannot be used: there is no new reading,
+//! the arm still moves, or the hand is tilted. The arm is not moved.
 
 use crate::port::{Port, Reading};
 use nalgebra::{Isometry3, Vector3};
 
-/// How long the arm is looked at, seconds: kinova-ros reports ten times a second.
+/// How long the arm is observed, seconds: kinova-ros publishes ten times a second.
 const LOOK_S: f64 = 0.5;
 
-/// Between two looks, seconds.
+/// Time between two polls, seconds.
 const STEP_S: f64 = 0.05;
 
-/// A tool that goes farther than this meanwhile moves, metres.
+/// A tool that moves farther than this in that time is not at rest, metres.
 const REST_M: f64 = 0.000_5;
 
-/// How far the hand may be tilted from straight down, degrees. The tool's point is where the last joints of closed fingers
-/// are (kinova_description: 0.115 m to the fingers' first joint and 0.044 m on, of 0.160 m); a fingertip about as long as
-/// the part before it goes on from there, so that 4 degrees of tilt are 3 mm on the table.
+/// How far the hand may be tilted from straight down, degrees. The tool's point is at the last joints of closed fingers
+/// (kinova_description: 0.115 m to the fingers' first joint plus 0.044 m, of 0.160 m). The fingertip beyond it is about
+/// as long as the link before it, so 4 degrees of tilt move it by 3 mm on the table.
 const MAX_TILT_DEG: f64 = 4.0;
 
-/// Reads the tool's place, metres, base frame; says why there is none.
+/// Returns the tool's position at rest, metres, base frame; fails with the reason.
 ///
 /// - `stale_s`: the largest age of a reading, seconds.
 pub fn place_at_rest(port: &mut dyn Port, stale_s: f64) -> Result<[f64; 3], String> {
@@ -58,7 +58,7 @@ pub fn place_at_rest(port: &mut dyn Port, stale_s: f64) -> Result<[f64; 3], Stri
 fn tool_reading(port: &mut dyn Port, stale_s: f64) -> Result<Reading<Isometry3<f64>>, String> {
     let now_s = port.now_s();
     let Some(tool) = port.readings().tool else {
-        return Err("the arm has not said yet where its tool is".to_owned());
+        return Err("the arm has not reported yet where its tool is".to_owned());
     };
     if now_s - tool.at_s > stale_s {
         return Err(silent(now_s - tool.at_s));
@@ -71,12 +71,12 @@ fn tool_reading(port: &mut dyn Port, stale_s: f64) -> Result<Reading<Isometry3<f
         .chain(pose.rotation.coords.iter());
     match numbers.all(|number| number.is_finite()) {
         true => Ok(tool),
-        false => Err("the arm says that its tool is at a place that is no number".to_owned()),
+        false => Err("the arm reports a tool position that is not finite".to_owned()),
     }
 }
 
 fn silent(for_s: f64) -> String {
     format!(
-        "the arm has not said for {for_s:.1} s where its tool is; its driver or the network may be down"
+        "the arm has not reported for {for_s:.1} s where its tool is; its driver or the network may be down"
     )
 }

@@ -1,7 +1,7 @@
 //! The camera model of the square picture that tasks see.
 //!
-//! In: a calibration, the pose of the world frame, the window. Out: a [`Camera`]. Cutting and scaling the picture is left
-//! to the world that takes it.
+//! In: a calibration, the pose of the world frame, the window. Out: a [`Camera`]. Cutting and scaling the picture is
+//! left to the world that takes it.
 
 use super::Calibration;
 use super::fit::{Fit, height_at};
@@ -11,16 +11,16 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 /// The square of the camera's own picture that tasks see.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
-    /// Its left, pixels of the camera's own picture.
+    /// Its left edge, pixels of the camera's own picture.
     pub left_px: u32,
-    /// Its top.
+    /// Its top edge.
     pub top_px: u32,
-    /// Its side.
+    /// Its side length.
     pub side_px: u32,
 }
 
 impl From<[u32; 3]> for Window {
-    /// Takes left, top and side.
+    /// From left, top and side.
     fn from([left_px, top_px, side_px]: [u32; 3]) -> Window {
         Window {
             left_px,
@@ -31,7 +31,7 @@ impl From<[u32; 3]> for Window {
 }
 
 impl Window {
-    /// Returns the pixel of the camera's own picture at shares of the window's sides, from its top left.
+    /// Returns the pixel of the camera's own picture at fractions of the window's sides, from its top left.
     pub fn pixel_at(&self, [right, down]: [f64; 2]) -> [f64; 2] {
         let side = f64::from(self.side_px);
         [
@@ -40,7 +40,7 @@ impl Window {
         ]
     }
 
-    /// Returns whether it has a side and lies in a picture of that size.
+    /// Returns whether it has a nonzero side and lies in a picture of this size.
     pub fn is_in(&self, size_px: [u32; 2]) -> bool {
         let ends = |start: u32| start.checked_add(self.side_px);
         let fits = |start, size| ends(start).is_some_and(|end| end <= size);
@@ -53,9 +53,9 @@ impl Window {
 }
 
 impl Calibration {
-    /// Returns the camera of the square picture that is cut out of the camera's own and scaled, in the world frame.
+    /// Returns the camera of the square picture that is cropped from the camera's own and scaled, in the world frame.
     ///
-    /// - `world_from_base`: where the arm's base is in the world, which has z up and its origin on the table.
+    /// - `world_from_base`: pose of the arm's base in the world, which has z up and its origin on the table.
     /// - `image_px`: side of the square picture; it shows the window from edge to edge.
     pub fn camera(
         &self,
@@ -102,8 +102,7 @@ impl Calibration {
         self.fit.table_from_pixel(pixel)
     }
 
-    /// Returns the table's height below or above a place, metres, base frame: that of the tool when the fingertips
-    /// touch it.
+    /// Returns the table's height at a place, metres, base frame: the tool's height when the fingertips touch it.
     pub fn table_height_m(&self, place: [f64; 2]) -> f64 {
         height_at(&self.fit.height(), place)
     }
@@ -126,7 +125,7 @@ fn level(world_from_base: &Isometry3<f64>, height: &[f64; 3]) -> Matrix3<f64> {
     level
 }
 
-/// Returns a plane of the base frame as one of the world.
+/// Converts a plane from the base frame to the world frame.
 fn moved(world_from_base: &Isometry3<f64>, height: &[f64; 3]) -> [f64; 3] {
     let normal = world_from_base.rotation * Vector3::new(-height[1], -height[2], 1.0);
     let on_it = world_from_base.transform_point(&Point3::new(0.0, 0.0, height[0]));

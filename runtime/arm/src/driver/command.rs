@@ -1,7 +1,8 @@
 //! Turns a motion of the tool into a goal for the arm's node.
 //!
-//! In: the arm's state, the target pose, the speed. Out: the goal. With tool poses the node solves the inverse kinematics,
-//! so the path of elbow and wrist is unknown; with trajectories every joint position on the path is checked here.
+//! In: the arm's state, the target pose, the speed. Out: the goal. With tool poses the node solves the inverse
+//! kinematics, so the path of elbow and wrist is unknown; with trajectories every joint position on the path is checked
+//! here.
 
 use super::state::POLL_S;
 use super::{ArmError, ArmState, Deviation};
@@ -95,7 +96,8 @@ impl TrajectoryPlanner {
     }
 }
 
-/// Returns a trajectory that holds the joints where they are. It has two points because kinova-ros's controller needs two.
+/// Returns a trajectory that holds the joints where they are. It has two points because kinova-ros's controller needs
+/// two.
 pub(super) fn hold_position(joints_rad: &[f64]) -> Goal {
     let at = |at_s| Waypoint {
         joints_rad: joints_rad.to_vec(),

@@ -39,7 +39,7 @@ impl fmt::Display for Deviation {
 pub enum ArmError {
     /// The arm has published no reading lately.
     #[error(
-        "the arm has not said for `{for_s:.1}` s where its {what}; its driver or the network may be down"
+        "the arm has not reported for `{for_s:.1}` s where its {what}; its driver or the network may be down"
     )]
     Silent {
         /// `tool is`, `joints are` or `fingers are`.
@@ -49,11 +49,11 @@ pub enum ArmError {
     },
     /// The arm is stopped.
     #[error(
-        "the arm is stopped and takes no motion; look why, and let it go with `fabc robot enable`"
+        "the arm is stopped and refuses motion; find out why, then enable it with `fabc robot enable`"
     )]
     Stopped,
     /// The tool came to rest away from its target.
-    #[error("the arm says `{reported}`, and its tool is {deviation} from where it was sent")]
+    #[error("the arm reported `{reported}`, but its tool is {deviation} from its target")]
     NotReached {
         /// The outcome that the arm's node reported.
         reported: String,
@@ -67,7 +67,7 @@ pub enum ArmError {
         deviation: Deviation,
     },
     /// A goal did not end within its time limit.
-    #[error("the arm was not done after `{after_s:.1}` s")]
+    #[error("the motion did not end within `{after_s:.1}` s")]
     TimedOut {
         /// How long the driver waited, seconds.
         after_s: f64,
@@ -87,14 +87,14 @@ pub enum ArmError {
     #[error("stopped: {0}")]
     OutOfLimits(String),
     /// Inverse kinematics found no joint path to the target.
-    #[error("no motion of the joints leads there: {0}")]
+    #[error("there is no joint path to the target: {0}")]
     NoPath(String),
     /// A message could not be sent, or a service did not answer.
     #[error(transparent)]
     Port(#[from] PortError),
     /// A stop was requested, and the arm may still move.
     #[error(
-        "the arm was told to stop, and it could not be verified that it did: use the physical stop ({why})"
+        "the arm was told to stop, but the stop could not be verified: use the physical stop ({why})"
     )]
     NotStopped {
         /// Why the stop is not verified.
@@ -113,10 +113,10 @@ pub enum ArmError {
     #[error("moved and verified, but the journal of the arm cannot be written any more: {0}")]
     JournalAfterMotion(String),
     /// The journal entry before a motion cannot be written, so the motion was not started.
-    #[error("not moved, since the journal of the arm cannot be written: {0}")]
+    #[error("not moved, because the journal of the arm cannot be written: {0}")]
     JournalBeforeMotion(String),
     /// This program panicked while the arm moved.
-    #[error("this program broke while the arm moved, which is a mistake in it: {0}")]
+    #[error("this program panicked while the arm moved, which is a bug: {0}")]
     Panicked(String),
     /// The watchdog does not answer, so nothing may move.
     #[error("the watchdog does not answer: {0}")]

@@ -174,7 +174,7 @@ mod tests {
                 [5000.0, 5200.0],
                 Some(HandContents::Something),
             ),
-            // One finger that is stuck open, whatever the other does, holds nothing.
+            // One finger stuck open means that nothing is held, whatever the other does.
             (SETTINGS, done, [0.0, 6400.0], None),
             (SETTINGS, done, [6100.0, 40.0], None),
             (SETTINGS, aborted, [0.0, 0.0], None),

@@ -39,7 +39,7 @@ impl Outcome {
 
 /// Sends a goal and waits for its end, at most `limit_s` seconds.
 ///
-/// Returns [`Outcome::TimedOut`] where no end was reported by then. After [`ArmError::Paused`] the arm is at rest.
+/// Returns [`Outcome::TimedOut`] if no end was reported by then. After [`ArmError::Paused`] the arm is at rest.
 ///
 /// - `sent`: set to the id that was sent last.
 pub(super) fn execute<P: Port>(

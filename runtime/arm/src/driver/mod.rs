@@ -1,7 +1,7 @@
 //! The driver of an arm with a hand. It verifies every motion by measurement.
 //!
-//! In: tool poses and hand openings. Out: the verified state of the arm, else an [`ArmError`]. A driver trusts no action
-//! server: it measures where the arm is. [`PortArm`] drives an arm through a [`Port`](super::port::Port);
+//! In: tool poses and hand openings. Out: the verified state of the arm, else an [`ArmError`]. A driver trusts no
+//! action server: it measures where the arm is. [`PortArm`] drives an arm through a [`Port`](super::port::Port);
 //! [`Limited`](super::limits::Limited) wraps any arm in safety limits.
 
 mod command;

@@ -1,10 +1,11 @@
 //! Pauses a goal without releasing a stop that somebody pressed.
 //!
-//! kinova-ros handles a cancellation by stopping the arm and starting it again, and it checks for a cancellation before it
-//! checks for a stop. A stop pressed up to 0.1 s before the cancellation is therefore released, and nothing reports it. So
-//! a goal that is almost done runs to its end. Any other goal is cancelled, and the tool must have kept moving until the
-//! cancellation was sent; if it came to rest earlier, the arm counts as stopped. A stop that is pressed while the
-//! cancellation is in transit looks the same as the cancellation; the arm then rests until a person resumes the motion.
+//! kinova-ros handles a cancellation by stopping the arm and starting it again, and it checks for a cancellation before
+//! it checks for a stop. A stop pressed up to 0.1 s before the cancellation is therefore released, and nothing reports
+//! it. So a goal that is almost done runs to its end. Any other goal is cancelled, and the tool must have kept moving
+//! until the cancellation was sent; if it came to rest earlier, the arm counts as stopped. A stop that is pressed while
+//! the cancellation is in transit looks the same as the cancellation; the arm then rests until a person resumes the
+//! motion.
 
 use super::state::{POLL_S, wait_until_at_rest, watched_state};
 use super::{ArmError, ArmState, Deviation, Watch};
@@ -48,8 +49,8 @@ impl Track {
         }
     }
 
-    /// Returns the time until which the tool moved if it came to rest at `rest`, seconds. `None` without steady motion: the
-    /// first of three readings may be from before the motion.
+    /// Returns the time until which the tool moved if it came to rest at `rest`, seconds. `None` without steady motion:
+    /// the first of three readings may be from before the motion.
     fn moved_until_s(&self, rest: &Vector3<f64>) -> Option<f64> {
         let [first, second, third] = self.0.as_slice() else {
             return None;
@@ -70,7 +71,8 @@ impl Track {
     }
 }
 
-/// Ends a running goal. Returns [`ArmError::Paused`] if the arm is verified to be at rest and its stop state is unchanged.
+/// Ends a running goal. Returns [`ArmError::Paused`] if the arm is verified to be at rest and its stop state is
+/// unchanged.
 pub(super) fn pause<P: Port>(
     port: &mut P,
     goal: &Goal,

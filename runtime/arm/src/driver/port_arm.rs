@@ -1,10 +1,11 @@
 //! Drives an arm through a port, and verifies each motion by measurement.
 //!
-//! The node reports a goal as reached when the tool is up to 10 mm and 2 degrees off, a cancelled or stalled goal leaves
-//! the arm enabled, and only a refused pose reveals a stop. So each motion starts with a probe (a goal at the current
-//! pose) and ends with measurements of the pose; a stop is requested until a probe is refused. After a stop nothing is
-//! cancelled and nothing else is sent, because the node takes either as a reason to enable the arm. The exception is the
-//! trajectory controller: it ignores the stop and would resume once the arm is enabled, so its trajectory is ended.
+//! The node reports a goal as reached when the tool is up to 10 mm and 2 degrees off, a cancelled or stalled goal
+//! leaves the arm enabled, and only a refused pose reveals a stop. So each motion starts with a probe (a goal at the
+//! current pose) and ends with measurements of the pose; a stop is requested until a probe is refused. After a stop
+//! nothing is cancelled and nothing else is sent, because the node takes either as a reason to enable the arm. The
+//! exception is the trajectory controller: it ignores the stop and would resume once the arm is enabled, so its
+//! trajectory is ended.
 
 use super::command::{CommandMode, duration_s, hold_position};
 use super::fingers::move_fingers;
@@ -43,8 +44,8 @@ pub struct PortArm<P: Port> {
 impl<P: Port> PortArm<P> {
     /// Drives the node of kinova-ros with tool poses.
     ///
-    /// The node solves the inverse kinematics and does not report the joint path, so nothing here can check that elbow and
-    /// wrist clear the table. A person has to watch them.
+    /// The node solves the inverse kinematics and does not report the joint path, so nothing here can check that elbow
+    /// and wrist clear the table. A person has to watch them.
     pub fn by_poses(
         port: P,
         name: &str,
@@ -64,8 +65,8 @@ impl<P: Port> PortArm<P> {
 
     /// Drives a `FollowJointTrajectory` controller with joint trajectories.
     ///
-    /// The node of kinova-ros must run as well: its pose server reveals a stop, while the controller accepts trajectories
-    /// even when the arm is stopped.
+    /// The node of kinova-ros must run as well: its pose server reveals a stop, while the controller accepts
+    /// trajectories even when the arm is stopped.
     pub fn by_trajectories(
         port: P,
         chain: Chain,
@@ -79,7 +80,8 @@ impl<P: Port> PortArm<P> {
         }
     }
 
-    /// Refuses trajectories in which a joint goes below a height. Has no effect with tool poses, whose joint path is unknown.
+    /// Refuses trajectories in which a joint goes below a height. Has no effect with tool poses, whose joint path is
+    /// unknown.
     ///
     /// - `floor_m`: base frame, metres.
     pub fn with_floor(mut self, floor_m: f64) -> PortArm<P> {
@@ -348,7 +350,7 @@ impl<P: Port> Arm for PortArm<P> {
         if !is_at_rest(&mut self.port, &self.tolerance)? {
             self.stop()?;
             return Err(ArmError::OutOfLimits(
-                "the arm moved by itself when it was let go".to_owned(),
+                "the arm moved by itself when it was enabled".to_owned(),
             ));
         }
         self.check_enabled(unwatched)

@@ -1,7 +1,7 @@
 //! Reads an arm's state, and decides whether the arm is at rest.
 //!
-//! In: the port's readings with their times. Out: a state no older than `stale_s`, or the reading that is missing. The arm
-//! is at rest when two readings agree; what a server reports is not trusted.
+//! In: the port's readings with their times. Out: a state no older than `stale_s`, or the reading that is missing. The
+//! arm is at rest when two readings agree; what a server reports is not trusted.
 
 use super::{ArmError, ArmState, Deviation, Halt, Watch};
 use crate::port::{Port, Reading};
@@ -49,7 +49,7 @@ pub(super) fn state<P: Port>(port: &mut P, tolerance: &Tolerance) -> Result<ArmS
             .all(|value| value.is_finite());
     if !is_pose {
         return Err(ArmError::OutOfLimits(
-            "the arm says that its tool is at a place that is no number".to_owned(),
+            "the arm reports a tool position that is not finite".to_owned(),
         ));
     }
     Ok(ArmState {

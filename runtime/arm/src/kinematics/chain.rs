@@ -1,30 +1,30 @@
 //! A kinematic chain and its forward kinematics.
 //!
 //! In: joint angles, radians, from the base to the hand. Out: link and tool frames in the base frame, metres, and the
-//! Jacobian. Joint limits are stated here and enforced by the callers that choose angles: forward kinematics accepts any
-//! angle, because an arm may report one past its limit.
+//! Jacobian. Joint limits are stated here and enforced by the callers that choose angles: forward kinematics accepts
+//! any angle, because an arm may report one past its limit.
 
 use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector3, Vector6};
 use std::f64::consts::TAU;
 
-/// How many joints each arm has that is known.
+/// Number of joints of every supported arm.
 pub const JOINTS: usize = 6;
 
-/// The largest angle that is taken for one, radians: a joint that reports more than a thousand turns is broken, and
-/// the sine of far larger numbers says nothing.
+/// The largest plausible joint angle, radians: a joint that reports more than a thousand turns is broken, and the sine
+/// of far larger numbers is meaningless.
 const MAX_ANGLE_RAD: f64 = 6300.0;
 
-/// Length that weighs as much as a radian, metres: about the arm's reach halved.
+/// The length weighted like a radian, metres: about half the arm's reach.
 pub(super) const METRES_PER_RAD: f64 = 0.3;
 
-/// A joint that turns about the z axis of its frame.
+/// A joint that rotates about the z axis of its frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
-    /// Its frame within the frame before it, at angle zero.
+    /// Its frame relative to the frame before it, at angle zero.
     pub parent_from_joint_at_zero: Isometry3<f64>,
-    /// The least and the largest angle, radians; none for a joint that turns without end.
+    /// The least and the largest angle, radians; `None` for a joint without limits.
     pub limits_rad: Option<[f64; 2]>,
-    /// The fastest that it turns, rad/s.
+    /// Its highest speed, rad/s.
     pub max_speed_rad_s: f64,
 }
 
@@ -36,21 +36,21 @@ pub struct Chain {
     last_from_tool: Isometry3<f64>,
 }
 
-/// Angles that are none of this chain's.
+/// Joint angles that do not fit this chain.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BadAngles {
-    /// There are more or fewer than the chain has joints.
+    /// There are more or fewer angles than joints.
     #[error("`{found}` joint angles were given to an arm with `{JOINTS}` joints")]
     Count {
         /// How many were given.
         found: usize,
     },
-    /// One is no angle.
-    #[error("the angle `{angle_rad}` of joint `{joint}` is no angle")]
+    /// One is not a valid angle.
+    #[error("the angle `{angle_rad}` of joint `{joint}` is not a valid angle")]
     NotAnAngle {
         /// The joint, from 1 at the base.
         joint: usize,
-        /// What was given, radians.
+        /// The given value, radians.
         angle_rad: f64,
     },
 }
@@ -78,19 +78,19 @@ impl Chain {
         &self.joints
     }
 
-    /// Returns where the tool is within the frame of the last joint; its z axis points out of the hand.
+    /// Returns the tool's pose in the frame of the last joint; its z axis points out of the hand.
     pub fn last_from_tool(&self) -> &Isometry3<f64> {
         &self.last_from_tool
     }
 
-    /// Returns where the tool is at these angles.
+    /// Returns the tool's pose at these angles.
     ///
-    /// - `joints_rad`: one for each joint, from the base; limits are not looked at.
+    /// - `joints_rad`: one for each joint, from the base; limits are not checked.
     pub fn base_from_tool(&self, joints_rad: &[f64]) -> Result<Isometry3<f64>, BadAngles> {
         Ok(self.tool_at(&self.angles(joints_rad)?))
     }
 
-    /// Returns the frames of all links at these angles, in the base frame: that of each joint, then the tool's.
+    /// Returns the frames of all links at these angles, in the base frame: each joint's, then the tool's.
     pub fn frames(&self, joints_rad: &[f64]) -> Result<Vec<Isometry3<f64>>, BadAngles> {
         let angles = self.angles(joints_rad)?;
         let links = self.links_at(&angles);
@@ -98,15 +98,15 @@ impl Chain {
         Ok(links.into_iter().chain([tool]).collect())
     }
 
-    /// Returns how the tool moves with each joint: the geometric Jacobian in the base frame.
+    /// Returns the geometric Jacobian in the base frame: how the tool moves with each joint.
     ///
     /// Column `j` is the velocity of the tool's origin (m/s), then its angular velocity (rad/s), while joint `j` turns
-    /// with 1 rad/s.
+    /// at 1 rad/s.
     pub fn jacobian(&self, joints_rad: &[f64]) -> Result<Matrix6<f64>, BadAngles> {
         Ok(self.motion_at(&self.angles(joints_rad)?).1)
     }
 
-    /// Returns the first joint, from 1 at the base, whose angle lies past a limit.
+    /// Returns the first joint, from 1 at the base, whose angle exceeds a limit.
     pub fn joint_past_limit(&self, joints_rad: &[f64]) -> Option<usize> {
         let past = |(joint, angle): (&Joint, &f64)| {
             joint
@@ -167,8 +167,8 @@ impl Chain {
         (tool, jacobian)
     }
 
-    /// Returns how far the last joint must turn so that the tool, brought to `tool` now, is turned as at `target`; where
-    /// their hands point elsewhere, as near as that joint can bring them.
+    /// Returns by how much the last joint must turn so that the tool, now at `tool`, has the rotation of `target`; if
+    /// their hands point in different directions, as close as that joint can bring them.
     pub(super) fn last_joint_between(&self, tool: &Isometry3<f64>, target: &Isometry3<f64>) -> f64 {
         let last_from_tool = self.last_from_tool.rotation;
         let between =
@@ -176,7 +176,7 @@ impl Chain {
         2.0 * between.k.atan2(between.w)
     }
 
-    /// Returns 1 where the arm turns about the base's z axis as its first joint does, -1 where it turns against it.
+    /// Returns 1 if a positive angle of the first joint turns the arm positively about the base's z axis, otherwise -1.
     pub(super) fn first_turns(&self) -> f64 {
         let axis = self.joints[0].parent_from_joint_at_zero.rotation * Vector3::z();
         axis.z.signum()
@@ -193,7 +193,7 @@ pub(super) fn about_z(angle_rad: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle_rad)
 }
 
-/// Returns the angle plus as many full turns as bring it nearest to `near`.
+/// Returns the angle plus the multiple of a full turn that brings it closest to `near`.
 pub(super) fn nearest_turn(angle_rad: f64, near_rad: f64) -> f64 {
     angle_rad + TAU * ((near_rad - angle_rad) / TAU).round()
 }

@@ -1,71 +1,72 @@
 //! Inverse kinematics: joint angles that move the tool to a pose.
 //!
-//! In: a tool pose in the base frame, and angles to stay near. Out: angles within the limits, else how near the best
-//! attempt came and what blocked it. Damped least squares runs from each of a fixed list of starts, with the damping of
-//! Sugihara ("Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method", 2011): it grows with the
-//! remaining error, so no step has to be undone. Equal input gives equal angles. Collisions are not checked.
+//! In: a tool pose in the base frame, and angles to stay near. Out: angles within the limits, otherwise how close the
+//! best attempt came and what blocked it. Damped least squares runs from each of a fixed list of starts, with the
+//! damping of Sugihara ("Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method", 2011): it grows
+//! with the remaining error, so no step has to be undone. Equal input gives equal angles. Collisions are not checked.
 
 use super::chain::{BadAngles, Chain, JOINTS, METRES_PER_RAD, nearest_turn};
 use super::starts;
 use nalgebra::{Isometry3, Matrix6, Vector6};
 
-/// How far the tool may be from the pose that was asked for, metres.
+/// How far the tool may be from the requested pose, metres.
 pub const POSITION_TOLERANCE_M: f64 = 1e-4;
 
-/// How far it may be turned against it, radians: 0.01 degrees.
+/// How far it may be rotated from the requested pose, radians: 0.01 degrees.
 pub const ANGLE_TOLERANCE_RAD: f64 = 0.01 * std::f64::consts::PI / 180.0;
 
-/// What an attempt goes on to, far within the tolerance: the steps converge quadratically, so that it costs one more.
+/// The error at which an attempt ends, far below the tolerance: the steps converge quadratically, so this costs only
+/// one more.
 const FINE: f64 = 1e-9;
 
-/// The most steps of an attempt. Of attempts that end well, 99 in 100 take fewer than 25.
+/// The most steps of an attempt. Of successful attempts, 99 in 100 take fewer than 25.
 const MAX_STEPS: usize = 40;
 
-/// The most attempts, the one from the angles that were given included. Of 300 000 poses of random joints, 98 are not
-/// found with 12 attempts, 13 with 20, and each with 40.
+/// The most attempts, including the one from the given angles. Of 300 000 poses of random joints, 98 are not found with
+/// 12 attempts, 13 with 20, and none with 40.
 const MAX_ATTEMPTS: usize = 64;
 
-/// The most that a joint turns in a step, radians; the linear model says nothing about farther away.
+/// The largest turn of a joint in a step, radians; the linear model is not valid farther away.
 const MAX_TURN_RAD: f64 = 0.6;
 
-/// Damping that is left where the error vanishes; keeps the equations solvable in a singular posture.
+/// Remaining damping as the error vanishes; keeps the equations solvable in a singular posture.
 const LEAST_DAMPING: f64 = 1e-9;
 
 /// Why there are no joint angles for a pose.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoSolution {
-    /// The angles to stay near are none of this chain's.
+    /// The angles to stay near do not fit this chain.
     #[error(transparent)]
     BadAngles(#[from] BadAngles),
-    /// The pose holds something that is no number.
-    #[error("the pose that was asked for holds a number that is none")]
+    /// The pose contains NaN or infinity.
+    #[error("the requested pose holds a number that is not finite")]
     NotAPose,
-    /// No attempt came there.
+    /// No attempt reached the pose.
     #[error("the arm came to `{:.1}` mm and `{:.2}` degrees of the pose: {obstacle}", .distance_m * 1e3, .angle_rad.to_degrees())]
     NotReached {
-        /// How far the tool was from it in the best attempt, metres.
+        /// The tool's distance from it in the best attempt, metres.
         distance_m: f64,
-        /// How far it was turned against it, radians.
+        /// The tool's rotation from it in that attempt, radians.
         angle_rad: f64,
-        /// What blocked it.
+        /// What blocked the attempt.
         obstacle: Obstacle,
     },
 }
 
-/// What keeps the arm from a pose, as far as the best attempt tells.
+/// What keeps the arm from a pose, judged by the best attempt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Obstacle {
-    /// The pose lies farther out than the arm reaches.
+    /// The pose is beyond the arm's reach.
     #[error("it lies too far out")]
     TooFar,
-    /// It lies nearer to the base than the arm comes.
+    /// It is closer to the base than the arm can reach.
     #[error("it lies too near to the base")]
     TooNear,
-    /// The arm reaches the point, but not with the hand turned so.
+    /// The arm reaches the point, but not with this rotation of the hand.
     #[error("the hand cannot be turned so at that point")]
     Turn,
-    /// A joint, from 1 at the base, stands at its limit.
-    #[error("joint `{0}` stands at its limit")]
+    /// A joint, from 1 at the base, is at its limit.
+    #[error("joint `{0}` is at its limit")]
     Limit(usize),
 }
 
@@ -87,11 +88,11 @@ impl Attempt {
 }
 
 impl Chain {
-    /// Returns joint angles within the limits that bring the tool to a pose, to 0.1 mm and 0.01 degrees.
+    /// Returns joint angles within the limits that bring the tool to a pose, to within 0.1 mm and 0.01 degrees.
     ///
     /// - `base_from_tool`: the pose.
-    /// - `near_rad`: where the arm is. The attempts begin there, so that an answer nearby is found first; of joints
-    ///   that turn without end the turn is given that lies nearest to it.
+    /// - `near_rad`: the arm's current angles. Attempts start there, so a solution nearby is found first; joints
+    ///   without limits are given the turn closest to these angles.
     pub fn solve(
         &self,
         base_from_tool: &Isometry3<f64>,
@@ -115,8 +116,7 @@ impl Chain {
         Ok(self.judged(base_from_tool, &near, &best)?.to_vec())
     }
 
-    /// Returns joint angles that bring the tool to a pose a little away from where these angles bring it, in one
-    /// attempt.
+    /// Returns joint angles for a pose close to the tool's pose at the given angles, in one attempt.
     pub(super) fn next(
         &self,
         base_from_tool: &Isometry3<f64>,
@@ -142,7 +142,7 @@ impl Chain {
     }
 
     fn best_attempt(&self, base_from_tool: &Isometry3<f64>, near: &[f64; JOINTS]) -> Attempt {
-        // Turning the hand is the last joint's work alone; left to the steps, a large turn leads to another posture.
+        // The last joint alone rotates the hand; if the steps did it, a large rotation would lead to another posture.
         let mut turned = *near;
         turned[JOINTS - 1] += self.last_joint_between(&self.tool_at(near), base_from_tool);
         let mut best = self.approach(base_from_tool, &turned);
@@ -164,7 +164,7 @@ impl Chain {
         best
     }
 
-    /// Steps from `start` towards a pose until it is reached or the steps are used up.
+    /// Steps from `start` towards a pose until it is reached or the step limit is.
     pub(super) fn approach(
         &self,
         base_from_tool: &Isometry3<f64>,
@@ -200,7 +200,7 @@ impl Chain {
         }
     }
 
-    /// Solves for a damped step; a joint that would be pushed past a limit at which it stands is left out.
+    /// Solves for a damped step; leaves out joints that would be pushed past a limit they are at.
     fn step(
         &self,
         angles: &[f64; JOINTS],
@@ -230,7 +230,7 @@ impl Chain {
         step
     }
 
-    /// Returns the angles with each joint at the limit that it lies past; a full turn too many is taken off first.
+    /// Returns the angles clamped to the joint limits; extra full turns are removed first.
     fn within_limits(&self, angles: &[f64; JOINTS]) -> [f64; JOINTS] {
         let mut within = *angles;
         for (angle, joint) in within.iter_mut().zip(self.joints()) {
@@ -242,7 +242,7 @@ impl Chain {
         within
     }
 
-    /// Returns the same posture with each endless joint on the turn that lies nearest to `near`.
+    /// Returns the same posture with each unlimited joint on the turn closest to `near`.
     pub(super) fn turns_nearest(
         &self,
         angles: &[f64; JOINTS],
@@ -257,7 +257,7 @@ impl Chain {
         nearest
     }
 
-    /// Returns the farthest that the last joint can be from the shoulder, metres: every link in one line.
+    /// Returns the greatest distance between the last joint and the shoulder, metres: all links in one line.
     fn stretched_m(&self) -> f64 {
         let links = self.links_at(&[0.0; JOINTS]);
         let ways = links[1..]
@@ -287,7 +287,7 @@ impl Chain {
     }
 }
 
-/// Says whether a pose is made of numbers.
+/// Returns whether a pose consists of finite numbers.
 pub(super) fn is_pose(pose: &Isometry3<f64>) -> bool {
     let numbers = pose
         .translation
@@ -297,7 +297,8 @@ pub(super) fn is_pose(pose: &Isometry3<f64>) -> bool {
     numbers.copied().all(f64::is_finite)
 }
 
-/// Returns what is left between the tool and the pose: metres over the length that weighs as a radian, then radians.
+/// Returns the remaining error between the tool and the pose: metres divided by the length weighted like a radian, then
+/// radians.
 fn error(base_from_tool: &Isometry3<f64>, tool: &Isometry3<f64>) -> Vector6<f64> {
     let moved = (base_from_tool.translation.vector - tool.translation.vector) / METRES_PER_RAD;
     let turned = (base_from_tool.rotation * tool.rotation.inverse()).scaled_axis();

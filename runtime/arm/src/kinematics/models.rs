@@ -1,7 +1,7 @@
 //! The supported arms, read from `models.toml`.
 //!
-//! In: a model's name. Out: its [`Chain`], or the names of the supported models. `models.toml` holds the figures and the
-//! source of each; only their units are converted here.
+//! In: a model's name. Out: its [`Chain`], or the names of the supported models. `models.toml` holds the figures and
+//! the source of each; only their units are converted here.
 
 use super::chain::{Chain, JOINTS, Joint};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
@@ -9,13 +9,13 @@ use serde::Deserialize;
 
 const MODELS: &str = include_str!("models.toml");
 
-/// A model that is not known.
+/// An unknown model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{name}` is not a model of an arm that is known: {}", .available.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "))]
 pub struct UnknownModel {
-    /// What was asked for.
+    /// The requested name.
     pub name: String,
-    /// The models that are known.
+    /// The supported models.
     pub available: Vec<String>,
 }
 
@@ -44,7 +44,7 @@ struct JointFigures {
 }
 
 impl Chain {
-    /// Returns the names of the models that are known.
+    /// Returns the names of the supported models.
     pub fn models() -> Vec<String> {
         read()
             .chain

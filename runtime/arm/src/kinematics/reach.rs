@@ -1,10 +1,11 @@
 //! The reach of a hand that points straight down.
 //!
-//! In: a point in the base frame, and heights above it that the hand must reach too. Out: joint angles at the point from
-//! which the hand can go straight up; else the point's distance from the base, the range at that height, and why the point
-//! is not reached. The last joint turns without limit, so reach does not depend on the rotation of the hand. Three
-//! conditions apply beyond the joint limits: the elbow stays above the point by more than a link's thickness, because the
-//! table lies below the point; the hand stays off the base; and the path up is straight. Other collisions are not checked.
+//! In: a point in the base frame, and heights above it that the hand must reach too. Out: joint angles at the point
+//! from which the hand can go straight up; else the point's distance from the base, the range at that height, and why
+//! the point is not reached. The last joint turns without limit, so reach does not depend on the rotation of the hand.
+//! Three conditions apply beyond the joint limits: the elbow stays above the point by more than a link's thickness,
+//! because the table lies below the point; the hand stays off the base; and the path up is straight. Other collisions
+//! are not checked.
 //!
 //! At the height of the base, the tool comes to within 0.18 m of the first axis and 0.70 m away from it (`j2n6s200`,
 //! `j2n6s300`), or 0.16 m and 0.72 m (`j2s6s200`).
@@ -17,25 +18,25 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
 
-/// How far the elbow's axis stays over the point, metres: the radius of a large link, 0.044 (`large_ring` of
-/// dm_control's `jaco_arm.xml`), and a little.
+/// How far the elbow's axis stays above the point, metres: the radius of a large link, 0.044 (`large_ring` of
+/// dm_control's `jaco_arm.xml`), plus a margin.
 const ELBOW_OVER_POINT_M: f64 = 0.05;
 
-/// How much lower than the highest an elbow may be to count as up, metres; postures that differ in the wrist alone differ
-/// by a few millimetres, the elbow down by far more.
+/// How much lower than the highest an elbow may be to count as up, metres; postures that differ only in the wrist
+/// differ by a few millimetres, the elbow-down posture by far more.
 const ELBOW_UP_M: f64 = 0.05;
 
-/// How far the tool stays from the first axis, metres: the radius of shoulder and base, 0.051, and that of the palm, 0.059
-/// (meshes `shoulder.stl` and `hand_3finger_main.stl` of dm_control).
+/// How far the tool stays from the first axis, metres: the radius of shoulder and base, 0.051, plus that of the palm,
+/// 0.059 (meshes `shoulder.stl` and `hand_3finger_main.stl` of dm_control).
 const HAND_OFF_BASE_M: f64 = 0.11;
 
 /// The longest step of the path up, metres.
 const STEP_M: f64 = 0.02;
 
-/// The largest coordinate or height that is looked at, metres; no arm comes near it.
+/// The largest coordinate or height considered, metres; no arm comes near it.
 const MAX_M: f64 = 10.0;
 
-/// Step of the search for what is reached, metres; halved to 0.1 mm at both ends.
+/// Step of the search for the reachable range, metres; both ends are bisected to 0.1 mm.
 const RANGE_STEP_M: f64 = 0.02;
 const RANGE_HALVINGS: usize = 8;
 
@@ -45,41 +46,41 @@ const CACHE_STEP_M: f64 = 0.005;
 /// The most heights in the cache.
 const MAX_CACHED: usize = 4096;
 
-/// How the hand is turned about the vertical.
+/// The rotation of the hand about the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Turn {
-    /// By this angle, radians: at 0 the tool's x axis lies along the base's.
+    /// This angle, radians: at 0 the tool's x axis lies along the base's.
     Fixed(f64),
-    /// As it comes, with the last joint at zero.
+    /// Any angle: the last joint stays at zero.
     Free,
 }
 
 /// Distances from the first joint's axis, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// The least.
+    /// The smallest.
     pub nearest_m: f64,
     /// The largest.
     pub farthest_m: f64,
 }
 
-/// A point that the hand does not reach pointing down, or cannot leave straight up.
+/// A point that the hand cannot reach pointing down, or cannot leave straight up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutOfReach {
-    /// How far the point is from the first joint's axis, metres.
+    /// Distance of the point from the first joint's axis, metres.
     pub radius_m: f64,
-    /// How far over the point the hand cannot be, metres; 0 for the point itself.
+    /// Height above the point that the hand cannot reach, metres; 0 for the point itself.
     pub above_m: f64,
-    /// What is reached at that height, without a gap up to the farthest; none where nothing is.
+    /// The range reached at that height, contiguous up to the farthest; `None` if nothing is reached.
     pub range: Option<Range>,
-    /// Why not.
+    /// The reason.
     pub why: WhyNot,
 }
 
 /// Why a point is out of reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhyNot {
-    /// A coordinate is no number, or a height is none or below 0.
+    /// A coordinate is not finite, or a height is not finite or is negative.
     NotAPlace,
     /// It is too near to the base.
     TooNear,
@@ -87,9 +88,9 @@ pub enum WhyNot {
     TooFar,
     /// Nothing is reached at that height.
     Height,
-    /// It lies in a narrow gap of what is reached.
+    /// It lies in a narrow gap of the reachable range.
     Gap,
-    /// Each posture for the point reaches a limit on the straight path up, or would have to change.
+    /// Each posture for the point hits a limit on the straight path up, or would have to change.
     WayUp,
 }
 
@@ -125,7 +126,7 @@ impl fmt::Display for OutOfReach {
 
 impl std::error::Error for OutOfReach {}
 
-/// What an arm reaches with its hand pointing down.
+/// The reach of an arm with its hand pointing down.
 #[derive(Debug)]
 pub struct Reach {
     chain: Chain,
@@ -135,7 +136,7 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Prepares for an arm whose hand points straight down.
+    /// Computes the reach of an arm whose hand points straight down.
     pub fn tool_down(chain: &Chain, turn: Turn) -> Reach {
         Reach {
             chain: chain.clone(),
@@ -147,11 +148,11 @@ impl Reach {
 
     /// Returns joint angles at a point from which the hand can rise straight to each height.
     ///
-    /// Of several postures, one with the elbow up, and of those the one that is farthest from any in which the arm cannot
-    /// move some way (determinant of the Jacobian, Yoshikawa 1985).
+    /// Of several postures, one with the elbow up, and of those the one farthest from a singularity (determinant of the
+    /// Jacobian, Yoshikawa 1985).
     ///
-    /// - `point`: where the tool is to be, base frame, metres.
-    /// - `heights_above_m`: over the point, metres, none below 0.
+    /// - `point`: the tool's target, base frame, metres.
+    /// - `heights_above_m`: above the point, metres, none negative.
     pub fn check(
         &self,
         point: &Point3<f64>,
@@ -180,10 +181,11 @@ impl Reach {
         Err(self.refusal(radius_m, point.z, heights_above_m))
     }
 
-    /// Returns what is reached at a height over the base, without a gap up to the farthest; none where nothing is.
+    /// Returns the range reached at a height above the base, contiguous up to the farthest; `None` if nothing is
+    /// reached.
     ///
-    /// Exact to 1 mm for heights that are multiples of 5 mm; others are taken to the nearest. A gap narrower than 20 mm may
-    /// be passed over; there are such less than 0.2 m from the axis.
+    /// Exact to 1 mm for heights that are multiples of 5 mm; others are rounded to the nearest. A gap narrower than 20
+    /// mm may be missed; such gaps exist less than 0.2 m from the axis.
     pub fn range(&self, height_m: f64) -> Option<Range> {
         if height_m.is_nan() || height_m.abs() > 2.0 * MAX_M {
             return None;
@@ -227,7 +229,7 @@ impl Reach {
         })
     }
 
-    /// Returns the postures with the tool at a distance and a height whose elbow is over the tool.
+    /// Returns the postures with the tool at a distance and a height whose elbow is above the tool.
     fn postures(&self, radius_m: f64, height_m: f64) -> Vec<[f64; JOINTS]> {
         if radius_m < HAND_OFF_BASE_M {
             return Vec::new();

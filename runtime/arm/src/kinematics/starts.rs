@@ -1,18 +1,18 @@
 //! Initial guesses for inverse kinematics, used when the arm's own posture does not lead to a pose.
 //!
-//! In: a chain and a pose. Out: postures within the limits, nearest to the pose first. A Kronecker sequence spreads them
-//! evenly over the joint angles, so the list is the same each time. The first and the last joint turn about known axes and
-//! are chosen for the pose.
+//! In: a chain and a pose. Out: postures within the limits, nearest to the pose first. A Kronecker sequence spreads
+//! them evenly over the joint angles, so the list is the same each time. The first and the last joint turn about known
+//! axes and are chosen for the pose.
 
 use super::chain::{Chain, JOINTS, METRES_PER_RAD, about_z, nearest_turn};
 use nalgebra::Isometry3;
 use std::f64::consts::TAU;
 
-/// How many postures are spread out.
+/// Number of postures in the sequence.
 const SPREAD: usize = 256;
 
-/// Fractional parts by which the four middle joints go on from posture to posture: powers of the inverse of the root
-/// of `x^5 = x + 1`, which spreads points evenly in four dimensions (Roberts 2018, "R-sequence").
+/// Fractional increments of the four middle joints from posture to posture: powers of the inverse of the root of `x^5 =
+/// x + 1`, which spread points evenly in four dimensions (Roberts 2018, "R-sequence").
 const STRIDES: [f64; 4] = [
     0.856_674_883_854_502_9,
     0.733_891_856_627_126_6,
@@ -20,7 +20,7 @@ const STRIDES: [f64; 4] = [
     0.538_597_254_223_615_3,
 ];
 
-/// Returns postures to begin from, the most promising first.
+/// Returns initial postures, most promising first.
 pub(super) fn towards(chain: &Chain, base_from_tool: &Isometry3<f64>) -> Vec<[f64; JOINTS]> {
     let mut starts: Vec<(f64, [f64; JOINTS])> = (0..SPREAD)
         .map(|index| facing(chain, base_from_tool, spread(chain, index)))
@@ -39,8 +39,8 @@ fn spread(chain: &Chain, index: usize) -> [f64; JOINTS] {
     angles
 }
 
-/// Turns the first joint until the tool lies in the pose's direction, and the last as the pose is turned; with how far
-/// the tool then is from the pose.
+/// Turns the first joint until the tool lies in the pose's direction, and the last to the pose's rotation; also returns
+/// the tool's remaining distance from the pose.
 fn facing(
     chain: &Chain,
     base_from_tool: &Isometry3<f64>,

@@ -1,45 +1,46 @@
 //! Joint angles along a straight path of the tool.
 //!
 //! In: two poses, and the arm's current angles. Out: angles at points on the line between them. Each is solved from the
-//! angles before it, so that the arm keeps its posture; else where on the line that fails, and why.
+//! angles before it, so the arm keeps its posture; otherwise where on the line that fails, and why.
 
 use super::chain::{Chain, JOINTS};
 use super::inverse::{NoSolution, is_pose};
 use nalgebra::{Isometry3, Translation3};
 
 /// The most that a joint may turn from one point of a line to the next, radians. A step of 10 mm with the hand pointing
-/// down, 0.2 m or farther from the base's axis, stays below half of it; another posture is several times as far away.
+/// down, 0.2 m or more from the base's axis, stays below half of it; another posture is several times as far away.
 pub const MAX_JUMP_RAD: f64 = 0.4;
 
-/// The most that the tool is turned between two points, radians: 5 degrees.
+/// The largest rotation of the tool between two points, radians: 5 degrees.
 const MAX_TURN_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
-/// The most points of a line; 20 m in steps of 10 mm.
+/// The most points of a line: 20 m in steps of 10 mm.
 const MAX_POINTS: f64 = 2000.0;
 
 /// Why a straight path is not possible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotStraight {
-    /// The steps are no lengths, or so short that there would be too many.
+    /// The step is not a positive length, or so short that there would be too many points.
     #[error(
-        "a way of `{way_m}` m cannot be divided into steps of `{step_m}` m: at most 2000 steps"
+        "a path of `{way_m}` m cannot be divided into steps of `{step_m}` m: at most 2000 steps"
     )]
     Steps {
         /// Length of the path, metres.
         way_m: f64,
-        /// The step that was asked for, metres.
+        /// The requested step, metres.
         step_m: f64,
     },
-    /// The arm does not come to a point of the line.
-    #[error("after `{after_m:.3}` m of the straight way {why}")]
+    /// The arm does not reach a point of the line.
+    #[error("after `{after_m:.3}` m along the straight path {why}")]
     NoSolution {
         /// How far along the line, metres.
         after_m: f64,
-        /// Why not.
+        /// The reason.
         why: NoSolution,
     },
-    /// A joint would have to turn far within one step.
-    #[error("after `{after_m:.3}` m of the straight way joint `{joint}` would turn by `{:.0}` degrees within a step, and at most `{:.0}` are let pass", .jump_rad.to_degrees(), MAX_JUMP_RAD.to_degrees())]
+    /// A joint would have to turn too far within one step.
+    #[error("after `{after_m:.3}` m along the straight path joint `{joint}` would turn by `{:.0}` degrees in one \
+     step, and at most `{:.0}` are allowed", .jump_rad.to_degrees(), MAX_JUMP_RAD.to_degrees())]
     Jump {
         /// How far along the line, metres.
         after_m: f64,
@@ -53,12 +54,14 @@ pub enum NotStraight {
 impl Chain {
     /// Returns joint angles along the straight line between two poses of the tool, both ends included.
     ///
-    /// The tool turns evenly from one pose to the other, the shorter way. Between two points whose joints move evenly,
-    /// the tool leaves the line by less than 0.3 mm where `step_m` is 0.01 and the line stays 0.2 m off the base's axis.
+    /// The tool rotates evenly from one pose to the other, the shorter way. Between two points, if the joints move
+    /// evenly, the tool leaves the line by less than 0.3 mm when `step_m` is 0.01 and the line stays 0.2 m off the
+    /// base's axis.
     ///
     /// - `from`, `to`: `base_from_tool` at the ends.
-    /// - `near_rad`: where the arm is; the first point is found from there.
-    /// - `step_m`: the largest distance between two points, metres, above 0; a rotation is divided into steps of 5 degrees.
+    /// - `near_rad`: the arm's current angles; the first point is solved from there.
+    /// - `step_m`: the largest distance between two points, metres, above 0; a rotation is divided into steps of 5
+    ///   degrees.
     pub fn straight(
         &self,
         from: &Isometry3<f64>,
@@ -86,7 +89,7 @@ impl Chain {
             let part = point as f64 / points;
             let after_m = part * way_m;
             let pose = between(from, to, part);
-            // Going on as before leads past postures in which the wrist folds flat and a second family of them begins.
+            // Extrapolating leads past postures in which the wrist folds flat and a second family of postures begins.
             let ahead = std::array::from_fn(|index| 2.0 * last[index] - before[index]);
             let angles = match self.next(&pose, &ahead) {
                 Ok(angles) if jump(&angles, &last).is_none() => angles,
@@ -106,7 +109,7 @@ impl Chain {
     }
 }
 
-/// Returns the first joint, from 1 at the base, that turns farther than may be, and how far.
+/// Returns the first joint, from 1 at the base, that turns too far, and how far.
 fn jump(angles: &[f64; JOINTS], before: &[f64; JOINTS]) -> Option<(usize, f64)> {
     let turned = angles
         .iter()
@@ -118,7 +121,7 @@ fn jump(angles: &[f64; JOINTS], before: &[f64; JOINTS]) -> Option<(usize, f64)> 
         .map(|(index, turned)| (index + 1, turned))
 }
 
-/// Interpolates between two poses, at a share from 0 to 1.
+/// Interpolates between two poses, at a fraction from 0 to 1.
 fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, part: f64) -> Isometry3<f64> {
     let place = from.translation.vector.lerp(&to.translation.vector, part);
     // Half a turn has no shorter direction; any will do.

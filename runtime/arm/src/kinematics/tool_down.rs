@@ -1,14 +1,14 @@
 //! All postures in which the hand points straight down, at a given distance and height.
 //!
-//! In: a chain; the tool's distance from the first joint's axis, and its height. Out: joint angles within the limits. The
-//! list is complete but for one family, so an empty list means out of reach. With the hand down, the last joint's axis is
-//! vertical: that joint only turns the hand. The fifth joint is scanned in steps. Its angle fixes the direction of the
-//! forearm, and with that the position of the elbow. The elbow can be there if its distance from the shoulder equals the
-//! length of the upper arm: a root in one unknown.
+//! In: a chain; the tool's distance from the first joint's axis, and its height. Out: joint angles within the limits.
+//! The list is complete but for one family, so an empty list means out of reach. With the hand down, the last joint's
+//! axis is vertical: that joint only turns the hand. The fifth joint is scanned in steps. Its angle fixes the direction
+//! of the forearm, and with that the position of the elbow. The elbow can be there if its distance from the shoulder
+//! equals the length of the upper arm: a root in one unknown.
 //!
-//! One family is left out: at the two angles of the fifth joint at which forearm and hand are parallel, both may be
-//! vertical with any angle of the fourth. It adds positions less than 0.16 m from the axis, from which most paths lead
-//! nowhere.
+//! One family is omitted: at the two angles of the fifth joint at which forearm and hand are parallel, both may be
+//! vertical with any angle of the fourth. It adds only positions less than 0.16 m from the axis, from which most paths
+//! lead nowhere.
 //!
 //! This relies on what all supported arms share: the first axis is the base's vertical, the second and the third are
 //! horizontal and parallel, and the fourth lies in the plane in which those two move the arm. A test checks each model.
@@ -17,20 +17,20 @@ use super::chain::{Chain, JOINTS, about_z, nearest_turn};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// How many steps the fifth joint is gone through in. Two roots within a step of 2 degrees are missed: where they meet,
-/// at the rim of what is reached, that moves the rim by less than 0.1 mm.
+/// Number of steps of the scan of the fifth joint. Two roots within a step of 2 degrees are missed; that happens where
+/// they meet, at the edge of the reachable range, and moves the edge by less than 0.1 mm.
 const STEPS: usize = 180;
 
-/// Below this length the level part of the fourth axis has no direction.
+/// Below this length the horizontal part of the fourth axis has no direction.
 const LEVEL: f64 = 1e-9;
 
-/// Halvings of a step in which a root lies; leaves 2 degrees / 2^24.
+/// Bisections of a step that contains a root; leaves 2 degrees / 2^24.
 const HALVINGS: usize = 24;
 
 /// Returns the pose of a hand that points straight down.
 ///
-/// - `point`: where its tool is, base frame, metres.
-/// - `turn_rad`: how it is turned about the base's vertical; at 0 the tool's x axis lies along the base's.
+/// - `point`: position of its tool, base frame, metres.
+/// - `turn_rad`: its rotation about the base's vertical; at 0 the tool's x axis lies along the base's.
 pub fn tool_down(point: &Point3<f64>, turn_rad: f64) -> Isometry3<f64> {
     let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
     Isometry3::from_parts(Translation3::from(point.coords), about_z(turn_rad) * down)
@@ -44,21 +44,22 @@ pub(super) struct Downwards {
     steps: [Vec<Side>; 2],
 }
 
-/// The plane in which the second and the third joint move the arm, while the first stands at zero. Along it run `u`,
+/// The plane in which the second and the third joint move the arm, with the first at zero. Its axes are `u`,
 /// horizontal, and the vertical; angles in it grow from the vertical towards `u`, and with the second joint.
 #[derive(Clone, Debug)]
 struct Plane {
     u: Vector3<f64>,
     normal: Vector3<f64>,
-    /// Of the shoulder, along `u` and up, metres.
+    /// Position of the shoulder, along `u` and up, metres.
     shoulder: Vector2<f64>,
-    /// How far beside the first axis the forearm's axis runs, along `normal`, metres.
+    /// Distance of the forearm's axis from the first axis, along `normal`, metres.
     beside_m: f64,
     upper: Link,
     fore: Link,
-    /// How far the forearm's direction is turned against the fourth axis.
+    /// Angle of the forearm's direction relative to the fourth axis.
     fore_from_axis_rad: f64,
-    /// 1 where the third axis points as the second does, else -1; likewise the first and the base's vertical.
+    /// 1 if the third axis points the same way as the second, otherwise -1; likewise the first axis and the base's
+    /// vertical.
     third: f64,
     first: f64,
 }
@@ -66,21 +67,21 @@ struct Plane {
 #[derive(Clone, Debug)]
 struct Link {
     length_m: f64,
-    /// Its direction in the plane while all joints stand at zero, radians.
+    /// Its direction in the plane with all joints at zero, radians.
     at_zero_rad: f64,
 }
 
-/// What an angle of the fifth joint says of the arm, where the plane is turned so that the fourth axis lies in it.
+/// The arm's geometry at an angle of the fifth joint, with the plane rotated so that the fourth axis lies in it.
 #[derive(Clone, Copy, Debug)]
 struct Side {
     fifth_rad: f64,
-    /// The direction seen from above, with the hand unturned, that lies along `u`.
+    /// The horizontal direction along `u`, with the hand unrotated.
     heading: Vector2<f64>,
-    /// How far everything is turned about the vertical for that.
+    /// The rotation about the vertical that this takes.
     turned_rad: f64,
-    /// Of the elbow, from the tool, along `u` and up, metres.
+    /// Position of the elbow from the tool, along `u` and up, metres.
     elbow: Vector2<f64>,
-    /// Of the tool, along the normal, metres.
+    /// Position of the tool along the normal, metres.
     tool_beside_m: f64,
     /// The forearm's direction in the plane.
     fore_rad: f64,
@@ -112,8 +113,8 @@ impl Downwards {
     /// Returns all postures within the limits, with the first joint such that the tool lies along the base's x axis and
     /// the last at zero.
     ///
-    /// - `distance_m`: of the tool from the first joint's axis.
-    /// - `height_m`: of the tool over the base.
+    /// - `distance_m`: distance of the tool from the first joint's axis.
+    /// - `height_m`: height of the tool above the base.
     pub(super) fn postures(&self, distance_m: f64, height_m: f64) -> Vec<[f64; JOINTS]> {
         let mut postures = Vec::new();
         for steps in &self.steps {
@@ -134,7 +135,7 @@ impl Downwards {
         postures
     }
 
-    /// Returns the angle between two neighbours at which what `left` tells of a side changes its sign.
+    /// Bisects the interval between two neighbours for the angle at which `left` changes its sign.
     fn halve(&self, from: &Side, to: &Side, left: impl Fn(&Side) -> Option<f64>) -> Side {
         let (mut low, mut high) = (*from, *to);
         let below = left(&low).is_some_and(|left| left < 0.0);
@@ -149,8 +150,8 @@ impl Downwards {
         low
     }
 
-    /// Returns what an angle of the fifth joint says, with the fourth axis on the side of the plane that is nearest to
-    /// `heading`, so that the sides of neighbouring angles are neighbours where that axis passes the vertical.
+    /// Returns the geometry at an angle of the fifth joint, with the fourth axis on the side of the plane closest to
+    /// `heading`. This keeps neighbouring angles' sides neighbours when that axis passes the vertical.
     fn side(&self, fifth_rad: f64, heading: &Vector2<f64>) -> Side {
         let fourth = self.fourth(fifth_rad);
         let axis = fourth.rotation * Vector3::z();
@@ -175,8 +176,8 @@ impl Downwards {
         }
     }
 
-    /// Returns how much farther from the shoulder the elbow would be than the upper arm is long, metres squared; none
-    /// where the tool would be farther beside the plane than its distance from the axis.
+    /// Returns the elbow's squared distance from the shoulder minus the upper arm's squared length, square metres;
+    /// `None` if the tool would be farther from the plane than its distance from the axis.
     fn upper_arm_lacks_m(&self, side: &Side, distance_m: f64, height_m: f64) -> Option<f64> {
         let elbow = self.elbow(side, distance_m, height_m)?;
         Some((elbow - self.plane.shoulder).norm_squared() - self.plane.upper.length_m.powi(2))
@@ -202,7 +203,7 @@ impl Downwards {
         if self.chain.joint_past_limit(&angles).is_some() {
             return None;
         }
-        // What is missing between the wrist as it is now and as the hand needs it is a turn about the fourth axis.
+        // The difference between the wrist's current and required rotation is a turn about the fourth axis.
         let links = self.chain.links_at(&angles);
         let (fourth, fifth) = (links[3].rotation, links[4].rotation);
         let needed = about_z(side.turned_rad + turn) * self.fifth().rotation;
@@ -215,15 +216,15 @@ impl Downwards {
         self.fourth(fifth_rad).rotation * Vector3::z()
     }
 
-    /// Returns the frame of the fourth joint, likewise.
+    /// Returns the frame of the fourth joint in the same situation.
     fn fourth(&self, fifth_rad: f64) -> Isometry3<f64> {
         let fourth_from_fifth =
             self.chain.joints()[4].parent_from_joint_at_zero * about_z(fifth_rad);
         self.fifth() * fourth_from_fifth.inverse()
     }
 
-    /// Returns the frame of the fifth joint, from the tool, while the hand points down with no turn and the last joint
-    /// stands at zero.
+    /// Returns the frame of the fifth joint relative to the tool, with the hand pointing down unrotated and the last
+    /// joint at zero.
     fn fifth(&self) -> Isometry3<f64> {
         let sixth = tool_down(&Point3::origin(), 0.0) * self.chain.last_from_tool().inverse();
         sixth * self.chain.joints()[5].parent_from_joint_at_zero.inverse()
@@ -257,7 +258,7 @@ impl Plane {
     }
 }
 
-/// Returns how far ahead of the first axis the tool is, along `u`; behind it where the distance is below 0.
+/// Returns how far ahead of the first axis the tool is, along `u`; behind it if the distance is negative.
 fn ahead_m(side: &Side, distance_m: f64) -> Option<f64> {
     let square = distance_m.powi(2) - side.tool_beside_m.powi(2);
     (square >= 0.0).then(|| square.sqrt() * distance_m.signum())

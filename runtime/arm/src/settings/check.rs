@@ -1,7 +1,7 @@
 //! Checks an arm's settings: every number, and what one section requires of another.
 //!
-//! In: parsed settings. Out: nothing, or the first fault: the key, its value and what would be right. Whether the arm
-//! reaches the configured places is left to `fabc robot check`.
+//! In: parsed settings. Out: nothing, or the first fault: the key, its value and what would be right. `fabc robot
+//! check` tests whether the arm reaches the configured places.
 
 use super::{
     CameraSettings, CameraSource, DriverKind, FingerSettings, MotionSettings, RosSettings,
@@ -15,7 +15,7 @@ use std::ops::RangeInclusive;
 /// The largest coordinate, metres: no arm comes near it.
 const MAX_PLACE_M: f64 = 10.0;
 
-/// The largest height over a point, metres.
+/// The largest height above a point, metres.
 const MAX_HEIGHT_M: f64 = 0.5;
 
 /// The longest wait of any kind, seconds.
@@ -26,7 +26,7 @@ const MAX_SIDE_PX: u32 = 16_384;
 
 type Checked = Result<(), String>;
 
-/// Says what is wrong with settings, or that nothing is.
+/// The first fault of settings, if any.
 pub(super) fn check(settings: &Settings) -> Checked {
     model(settings)?;
     table(&settings.table)?;
@@ -45,7 +45,7 @@ fn model(settings: &Settings) -> Checked {
         return wrong("name", &settings.name, "a name such as `lab_jaco`");
     }
     Chain::of_model(&settings.model).map_err(|why| format!("`model`: {why}"))?;
-    // Models are named after the number of their fingers: `j2n6s200` has two.
+    // Model names contain the number of fingers: `j2n6s200` has two.
     let stated = settings.model.chars().nth(5).and_then(|it| it.to_digit(10));
     let count = settings.fingers.count;
     match stated {
@@ -147,7 +147,7 @@ fn fingers(fingers: &FingerSettings) -> Checked {
             "another position than `fingers.open`",
         );
     }
-    // A tolerance of the whole way would call closed fingers open.
+    // A tolerance of the whole travel would accept closed fingers as open.
     if !(tolerance > 0.0 && tolerance < way) {
         let right = format!("above 0 and below `{way}`, the way from open to closed");
         return wrong("fingers.tolerance", &tolerance, &right);
@@ -173,7 +173,7 @@ fn tolerance(tolerance: &Tolerance) -> Checked {
     }
     above_zero("tolerance.settle_s", tolerance.settle_s, MAX_WAIT_S)?;
     above_zero("tolerance.stale_s", tolerance.stale_s, MAX_WAIT_S)?;
-    // A sign of life comes each quarter of a second at the latest.
+    // A heartbeat comes at least every quarter of a second.
     within("tolerance.watchdog_s", tolerance.watchdog_s, 0.5..=60.0)
 }
 
@@ -219,7 +219,7 @@ fn projects(intrinsics: &Intrinsics) -> Checked {
     Ok(())
 }
 
-/// Says what the driver and the camera need of `[ros]` and do not have.
+/// Checks that `[ros]` has everything that the driver and the camera need.
 fn ros(settings: &Settings) -> Checked {
     let driver = match settings.driver {
         DriverKind::Kinova => Some("`driver` is `kinova`"),

@@ -12,7 +12,7 @@ use std::rc::Rc;
 /// Speed of the fingers: a second from open to closed.
 const FINGER_S: f64 = 1.0;
 
-/// Cloth holds the fingers open by this share of their travel.
+/// Cloth keeps the fingers open by this share of their travel.
 const CLOTH_SHARE: f64 = 0.08;
 
 /// The longest step between two points of a motion, metres.
@@ -29,7 +29,7 @@ pub trait SimulatedTable {
     /// Returns whether cloth is between the fingers at a tool pose.
     fn is_cloth_between_fingers(&self, tool: &Isometry3<f64>) -> bool;
 
-    /// Makes the camera over the table stop giving pictures.
+    /// Makes the camera over the table stop delivering pictures.
     fn lose_camera(&mut self) {}
 }
 
@@ -236,7 +236,7 @@ impl Body {
         let before_s = motion.for_s;
         motion.for_s += seconds;
         let now_s = motion.for_s;
-        // The last point that the time has come for, so that points closer than a step of the clock are passed over.
+        // Use the last point whose time has come; this skips points closer together than a clock step.
         let ahead = motion
             .points
             .iter()

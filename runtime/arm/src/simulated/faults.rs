@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Something that goes wrong, once, at or after a time of the arm's clock.
+/// A fault that occurs once, at or after a time of the arm's clock.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fault {
-    /// What goes wrong.
+    /// The fault.
     pub kind: FaultKind,
-    /// From when on, seconds.
+    /// Its earliest time, seconds.
     pub from_s: f64,
 }
 
@@ -35,15 +35,15 @@ pub enum FaultKind {
     PressedStop,
     /// The next motion ends 7 mm short of its goal, and the node reports it as reached.
     FallsShort,
-    /// Every motion does.
+    /// Every motion ends 7 mm short.
     FallsShortAlways,
-    /// The node aborts the next goal that is a motion.
+    /// The node aborts the next goal that causes a motion.
     AbortedGoal,
     /// The arm leaves its path and keeps turning.
     Runaway,
     /// The fingers never move again.
     StuckFingers,
-    /// The camera never gives a picture again.
+    /// The camera never delivers a picture again.
     NoPicture,
 }
 

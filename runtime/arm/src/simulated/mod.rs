@@ -1,10 +1,11 @@
 //! A simulated arm that behaves like the node of the real one.
 //!
-//! In: the messages of a [`Port`], on a clock that only [`Port::wait`] advances. Out: moving joints and fingers, reports
-//! that arrive late or never, and cloth under the hand. As with kinova-ros, readings come ten times a second; a goal
-//! counts as reached within 10 mm and 2 degrees; a goal that is cancelled, preempted or stalls makes the node stop the arm
-//! and *start it again*; and a stopped arm aborts every goal, except a trajectory, which waits until the arm is enabled and
-//! is aborted after twice its duration. There are no dynamics: a motion has constant speed and ends at once.
+//! In: the messages of a [`Port`], on a clock that only [`Port::wait`] advances. Out: moving joints and fingers,
+//! reports that arrive late or never, and cloth under the hand. As with kinova-ros, readings come ten times a second; a
+//! goal counts as reached within 10 mm and 2 degrees; a goal that is cancelled, preempted or stalls makes the node stop
+//! the arm and *start it again*; and a stopped arm aborts every goal, except a trajectory, which waits until the arm is
+//! enabled and is aborted after twice its duration. There are no dynamics: a motion has constant speed and ends at
+//! once.
 
 mod body;
 mod faults;
@@ -40,7 +41,7 @@ pub struct SimulatedArm {
     clock_s: f64,
     readings: Readings,
     read_s: f64,
-    /// Where the tool was when the arm was stopped, and how far it has been from there since, metres.
+    /// The tool's pose when the arm was stopped, and its largest distance from there since, metres.
     since_stop: Option<(Isometry3<f64>, f64)>,
     /// Bounds of all tool positions so far, metres: least and largest.
     extent_m: [[f64; 3]; 2],
@@ -52,22 +53,22 @@ pub struct SimulatedArm {
 pub struct Simulation {
     /// Its joints.
     pub chain: Chain,
-    /// What its finger positions mean.
+    /// The meaning of its finger positions.
     pub fingers: FingerSettings,
-    /// Where its joints are at first, radians.
+    /// Initial joint angles, radians.
     pub joints_rad: Vec<f64>,
-    /// Speed of the tool in Cartesian goals, m/s; the real node takes none.
+    /// Speed of the tool in Cartesian goals, m/s; the real node accepts none.
     pub speed_m_s: f64,
-    /// How far from its goal a motion ends, metres, at the most.
+    /// Largest distance between a goal and the end of its motion, metres.
     pub repeatability_m: f64,
-    /// Draws all chance.
+    /// Seeds everything random.
     pub seed: u64,
-    /// What goes wrong.
+    /// The faults.
     pub faults: Vec<Fault>,
 }
 
 impl Simulation {
-    /// Simulates the arm of the settings, starting at `rest_m`; the error says why it cannot be there.
+    /// Makes a simulation of the settings' arm, starting at `rest_m`; the error says why it cannot be there.
     pub fn of(settings: &Settings) -> Result<Simulation, String> {
         let chain = Chain::of_model(&settings.model).map_err(|error| error.to_string())?;
         let [x, y, z] = settings.workspace.rest_m;
@@ -116,7 +117,8 @@ impl SimulatedArm {
         self.node.is_stopped()
     }
 
-    /// Returns the largest distance of the tool from where it was at the last stop, metres; `None` if the arm is not stopped.
+    /// Returns the largest distance of the tool from its position at the last stop, metres; `None` if the arm is not
+    /// stopped.
     pub fn moved_after_stop_m(&self) -> Option<f64> {
         self.since_stop.map(|(_, moved_m)| moved_m)
     }
@@ -137,7 +139,7 @@ impl SimulatedArm {
         self.faults.add(Fault { kind, from_s });
     }
 
-    /// Returns whether the camera has stopped giving pictures.
+    /// Returns whether the camera has stopped delivering pictures.
     pub fn has_lost_camera(&mut self) -> bool {
         if self.faults.take(FaultKind::NoPicture, self.clock_s) {
             self.has_lost_camera = true;

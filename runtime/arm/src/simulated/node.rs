@@ -138,7 +138,8 @@ impl Node {
         let server = discriminant(&goal);
         let same = |active: &Active| discriminant(&active.goal) == server;
         self.preempt(same, now_s, body, faults);
-        // A goal at the current pose is a question. It can neither fall short nor be aborted: such a fault waits for a motion.
+        // A goal at the current pose is a probe. It can neither fall short nor be aborted: such a fault waits for a
+        // motion.
         let is_motion = match &goal {
             Goal::Trajectory(points) => !is_near(body, points),
             Goal::ToolPose(pose) => Deviation::between(&body.tool(), pose).position_m > REACHED_M,
@@ -187,8 +188,8 @@ impl Node {
         });
     }
 
-    /// Preempts an active goal as kinova-ros does: it stops the arm and starts it again; for a trajectory it empties the
-    /// controller instead.
+    /// Preempts an active goal as kinova-ros does: it stops the arm and starts it again; for a trajectory it empties
+    /// the controller instead.
     fn preempt(
         &mut self,
         is_meant: impl Fn(&Active) -> bool,

@@ -1,9 +1,9 @@
 //! Printed sheets around the cloth on a simulated table, which make a moved camera detectable.
 //!
-//! In: a point on the table. Out: what is printed there. The sheets are grey, so that a colour mask ignores them, and lie
-//! outside the area of a cloth in the middle of the table.
+//! In: a point on the table. Out: what is printed there. The sheets are grey, so that a colour mask ignores them, and
+//! lie outside the area of a cloth in the middle of the table.
 
-/// Middles of the sheets, metres, world frame.
+/// Centres of the sheets, metres, world frame.
 const MIDDLES_M: [[f64; 2]; 12] = [
     [-0.36, -0.36],
     [-0.12, -0.37],
@@ -23,7 +23,7 @@ const MIDDLES_M: [[f64; 2]; 12] = [
 const SQUARES: i64 = 4;
 const SQUARE_M: f64 = 0.012;
 
-/// Returns the grey that is printed at a place of the table; none beside the sheets.
+/// Returns the grey printed at a place of the table; `None` outside the sheets.
 ///
 /// - `place_m`: metres, world frame.
 pub(super) fn printed([x_m, y_m]: [f64; 2]) -> Option<u8> {
@@ -35,7 +35,7 @@ pub(super) fn printed([x_m, y_m]: [f64; 2]) -> Option<u8> {
     })
 }
 
-/// Mixes a grey out of a square's place.
+/// Derives a grey from a square's position.
 fn grey(sheet: i64, [column, row]: [i64; 2]) -> u8 {
     let place = ((sheet * SQUARES + row) * SQUARES + column) as u64;
     // Fibonacci hashing: the upper bits of a product with 2^64 over the golden ratio.

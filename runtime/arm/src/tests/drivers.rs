@@ -1,14 +1,14 @@
-//! A driver trusts no server: each trap of the real arm's node, in both command modes.
+//! Tests of every trap of the real arm's node, in both command modes: a driver must not trust any server.
 
 use super::*;
 use crate::driver::{ArmError, HandContents, Opening};
 use crate::kinematics::tool_down::tool_down;
 use crate::settings::FingerSettings;
 
-/// A place 13 cm from the rest, reached after 1.3 s and a little.
+/// A place 13 cm from the rest position, reached after slightly more than 1.3 s.
 const THERE_M: [f64; 3] = [0.40, -0.25, 0.20];
 
-/// A time at which the arm is on its way there.
+/// A time at which the arm is in motion towards it.
 const ON_THE_WAY_S: f64 = 0.8;
 
 fn there() -> Isometry3<f64> {
@@ -103,7 +103,7 @@ fn cloth_between_the_fingers_is_told_by_their_place() {
     }
 }
 
-/// Documents of the vendor give degrees, turns, or shares of a turn, and either end as zero.
+/// The vendor's documents give degrees, turns, or fractions of a turn, with zero at either end.
 #[test]
 fn fingers_are_told_by_their_place_in_whichever_units() {
     let turns = [[0.0, 6400.0], [0.0, 6800.0], [60.0, 0.0], [-1.0, 51.0]];
@@ -165,7 +165,7 @@ fn fingers_that_do_not_move_are_an_error() {
 fn an_arm_that_stalls_says_so_and_can_be_stopped() {
     for by in By::BOTH {
         let mut bench = Bench::driven(by, &[(FaultKind::StuckJoint, ON_THE_WAY_S)]);
-        // A controller of trajectories knows no stall: it gives up when the time is long over.
+        // A trajectory controller does not detect a stall: it gives up long after the planned time.
         let deviation = match go(&mut bench) {
             Err(ArmError::Stalled { deviation }) if by == By::Poses => deviation,
             Err(ArmError::NotReached {
@@ -175,7 +175,7 @@ fn an_arm_that_stalls_says_so_and_can_be_stopped() {
             moved => panic!("a joint that is stuck: {moved:?}"),
         };
         assert!(deviation.position_m > 0.05, "{deviation}");
-        // The node that gave the goal up let the arm go again.
+        // The node that gave up the goal enabled the arm again.
         assert!(!bench.port().is_stopped());
         bench.driver().stop().unwrap();
         bench.stays_stopped();
@@ -203,7 +203,7 @@ fn a_pressed_stop_is_never_taken_back() {
     }
 }
 
-/// A hand that is interrupted just after somebody pressed the stop: a goal sent then would let the arm go.
+/// A finger motion that is interrupted just after somebody pressed the stop: a goal sent then would enable the arm.
 #[test]
 fn a_pressed_stop_outlives_an_interrupted_hand() {
     for by in By::BOTH {
@@ -282,7 +282,7 @@ fn goals_that_are_lost_are_sent_again() {
 #[test]
 fn a_result_that_is_lost_is_replaced_by_a_look() {
     for by in By::BOTH {
-        // That of the goal that is no motion, and that of the motion.
+        // The result of the probe, and that of the motion.
         for lost_s in [0.0, ON_THE_WAY_S] {
             let mut bench = Bench::driven(by, &[(FaultKind::LostResult, lost_s)]);
             go(&mut bench).unwrap();

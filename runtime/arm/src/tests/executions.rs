@@ -1,4 +1,4 @@
-//! A pick and place from its first segment to its last, and everything that ends it early.
+//! Tests of a pick and place from its first segment to its last, and of everything that ends it early.
 
 use super::*;
 use crate::driver::{ArmError, HandContents};
@@ -22,7 +22,7 @@ fn begun(folder: &Path) -> Vec<SegmentName> {
     names.collect()
 }
 
-/// Does something when one segment moves for the `looks`th time.
+/// Acts at the `looks`th check during the motion of one segment.
 struct At<F: FnMut() -> bool> {
     segment: usize,
     looks: u32,
@@ -175,7 +175,7 @@ fn a_key_that_is_let_go_ends_no_segment() {
     let count = Bench::with(&[]).segments().len();
     for segment in 1..=count {
         let mut bench = Bench::with(&[]);
-        // Let go at its sixth look, and held again at the next.
+        // The key is released at the sixth check, and held again at the next.
         let mut lets_go = At::new(segment, 6, || false);
         let done = bench.run(&mut lets_go, &mut NoWatchdog).unwrap();
         assert_eq!(done.contents, HandContents::Something, "{segment}");

@@ -1,4 +1,5 @@
-//! Any fault at any time: a pick and place ends, the tool stays in its workspace, and a stopped arm stays stopped.
+//! Tests any fault at any time: a pick and place ends, the tool stays in its workspace, and a stopped arm stays
+//! stopped.
 
 use super::*;
 use crate::driver::{ArmError, HandContents};
@@ -8,11 +9,11 @@ use fab_base::chance::Chance;
 /// How much longer than without a fault a pick and place may take, seconds of the arm's clock.
 const LATER_S: f64 = 60.0;
 
-/// How far outside of its box an arm that runs away may get, metres: it turns at 0.3 rad/s, the farthest corner of the
-/// box is 0.92 m from the axis, a reading is up to 0.1 s old, and it is looked at every 0.05 s, with a tick to each.
+/// How far outside its box a runaway arm may get, metres: it turns at 0.3 rad/s, the farthest corner of the box is 0.92
+/// m from the axis, a reading is up to 0.1 s old, and it is checked every 0.05 s, plus a clock tick for each.
 const RUNAWAY_M: f64 = 0.3 * 0.92 * (0.1 + 0.05 + 0.02);
 
-/// Executes a pick and place with one fault; returns whether it was completed all the same.
+/// Executes a pick and place with one fault; returns whether it was completed nevertheless.
 fn survives(by: By, seed: u64, usual_s: f64) -> bool {
     let mut chance = Chance::seeded(seed);
     let kind = FaultKind::ALL[chance.below(FaultKind::ALL.len())];
@@ -75,7 +76,7 @@ fn survive(by: By, seeds: std::ops::Range<u64>) -> usize {
 fn any_fault_at_any_time_ends_well() {
     for by in By::BOTH {
         let carried_out = survive(by, 0..50);
-        // Neither does every fault end an action, nor none.
+        // Some faults must end an action, and some must not.
         assert!((10..40).contains(&carried_out), "{carried_out} of 50");
     }
 }

@@ -1,4 +1,4 @@
-//! The run state that a journal shows after a crash truncated it.
+//! Tests of the run state that a journal shows after a crash truncated it.
 
 use super::*;
 use crate::driver::Opening;
@@ -17,7 +17,7 @@ fn a_journal_cut_anywhere_tells_whether_cloth_may_be_held() {
     for cut in 0..=bytes.len() {
         fs::write(folder.path().join(ARM_FILE), &bytes[..cut]).unwrap();
         let said = run_state(folder.path()).unwrap();
-        // What is known of the lines that are whole: from the beginning of the grasp to the verified release.
+        // The expected state, from the whole lines: between the start of the grasp and the verified release.
         let text = std::str::from_utf8(&bytes[..cut]).unwrap();
         let whole = text
             .split_inclusive('\n')

@@ -1,4 +1,4 @@
-//! Motions that the limits allow stay within them.
+//! Tests that motions permitted by the limits stay within them.
 
 use super::*;
 use crate::driver::{ArmError, Opening};
@@ -27,7 +27,7 @@ fn workspace() -> Workspace {
     }
 }
 
-/// A coordinate, sometimes out of every box and sometimes no number.
+/// A coordinate, sometimes outside every box and sometimes NaN or infinite.
 fn coordinate(least: f64, most: f64) -> impl Strategy<Value = f64> {
     let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 0.0];
     prop_oneof![
@@ -82,7 +82,7 @@ proptest! {
         }
     }
 
-    /// A check that refuses everything would pass the law above.
+    /// A check that refused everything would pass the law above.
     #[test]
     #[ignore = "long"]
     fn ways_well_within_pass(
@@ -94,7 +94,7 @@ proptest! {
     }
 }
 
-/// A tool that came to rest nearer to a zone than its margin is not caught there.
+/// A tool that came to rest inside a zone's margin must not be trapped there.
 #[test]
 fn a_tool_within_the_margin_of_a_zone_may_go_away_from_it() {
     let allowed = |from: [f64; 3], to: [f64; 3]| {
@@ -156,7 +156,7 @@ fn what_is_refused_does_not_move() {
     assert!(bench.off_m(bench.settings.workspace.rest_m) < 1e-6);
 }
 
-/// How far a runaway arm leaves its box, until it is stopped.
+/// How far a runaway arm leaves its box before it is stopped.
 #[test]
 fn an_arm_that_runs_away_is_stopped_at_its_limits() {
     let mut bench = Bench::with(&[(FaultKind::Runaway, 0.8)]);

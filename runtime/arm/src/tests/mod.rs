@@ -48,7 +48,7 @@ fn settings() -> Settings {
     Settings::parse(ROBOT).unwrap()
 }
 
-/// A small piece of cloth, which goes where closed fingers take it.
+/// A small piece of cloth that follows closed fingers.
 struct Patch {
     at: Point3<f64>,
     is_grasped: bool,
@@ -69,7 +69,7 @@ impl SimulatedTable for Patch {
 
 type Driven = PortArm<SimulatedArm>;
 
-/// How a driver says motions.
+/// The kind of commands that a driver sends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum By {
     Poses,
@@ -103,7 +103,7 @@ fn simulation(settings: &Settings, seed: u64, faults: &[(FaultKind, f64)]) -> Si
     }
 }
 
-/// An arm over a patch of cloth, at rest, with everything around it.
+/// An arm above a patch of cloth, at rest, with all its surroundings.
 struct Bench {
     settings: Settings,
     arm: Limited<Driven>,
@@ -113,7 +113,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// - `seed`: draws where within its repeatability the arm comes to rest.
+    /// - `seed`: determines where within its repeatability the arm comes to rest.
     fn of(by: By, seed: u64, faults: &[(FaultKind, f64)]) -> Bench {
         let settings = settings();
         let cloth = Rc::new(RefCell::new(Patch {
@@ -185,7 +185,7 @@ impl Bench {
         execution.run([PICK_M.into(), PLACE_M.into()], &segments, &tail)
     }
 
-    /// Lets time pass, and fails where a stopped arm moves in it or is let go.
+    /// Lets time pass, and fails if a stopped arm moves or is enabled.
     #[track_caller]
     fn stays_stopped(&mut self) {
         let port = self.port();
@@ -195,14 +195,14 @@ impl Bench {
         assert!(port.moved_after_stop_m().unwrap() < 1e-9);
     }
 
-    /// Returns how far the tool is from a place, metres.
+    /// Returns the tool's distance from a place, metres.
     fn off_m(&mut self, place_m: [f64; 3]) -> f64 {
         let at = self.port().tool().translation.vector;
         (at - Point3::from(place_m).coords).norm()
     }
 }
 
-/// An arm of which the joints are not heard from a time on, and that notes when a goal was cancelled.
+/// An arm whose joint readings stop at a given time, and which records when a goal was cancelled.
 struct Tapped {
     arm: SimulatedArm,
     deaf_s: f64,
@@ -250,7 +250,7 @@ impl Port for Tapped {
     }
 }
 
-/// Lets every motion go on.
+/// Permits every motion.
 fn nobody(_: &ArmState) -> Result<(), Halt> {
     Ok(())
 }

@@ -1,17 +1,17 @@
-//! Pausing a motion: the arm comes to rest under supervision, and a pressed stop stays.
+//! Tests of pausing a motion: the arm comes to rest under supervision, and a pressed stop stays.
 
 use super::*;
 use crate::driver::{ArmError, Opening};
 use crate::kinematics::tool_down::tool_down;
 
-/// When the key is let go: in the middle of a motion of 1.3 s.
+/// When the key is released: in the middle of a motion of 1.3 s.
 const LET_GO_S: f64 = 0.85;
 
 fn there() -> Isometry3<f64> {
     tool_down(&Point3::new(0.40, -0.25, 0.20), 0.0)
 }
 
-/// Lets the key go at a time, for good.
+/// Releases the key at a time, for good.
 fn lets_go(at_s: f64) -> impl FnMut(&ArmState) -> Result<(), Halt> {
     move |state| match state.at_s > at_s {
         true => Err(Halt::Pause),
@@ -31,7 +31,7 @@ fn a_paused_arm_is_at_rest_and_goes_on_afterwards() {
             let mut bench = Bench::driven(by, &[]);
             let paused = go(&mut bench, f64::from(tenth) * 0.1);
             let told = format!("{by:?}, {tenth}: {paused:?}");
-            // Where it was almost there when the key was let go, it arrived.
+            // If it was almost there when the key was released, it arrived.
             assert!(matches!(paused, Err(ArmError::Paused) | Ok(_)), "{told}");
             let off_m = bench.off_m([0.40, -0.25, 0.20]);
             assert!(tenth >= 11 || off_m > 0.02, "{told}");
@@ -46,7 +46,7 @@ fn a_paused_arm_is_at_rest_and_goes_on_afterwards() {
     }
 }
 
-/// The node answers a cancellation by a stop and a start, and looks ten times a second whether it is stopped.
+/// The node responds to a cancellation with a stop and a start, and checks ten times a second whether it is stopped.
 #[test]
 #[ignore = "long"]
 fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
@@ -55,7 +55,7 @@ fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
     let looks = (8..28).step_by(5);
     let both = |look: u32| By::BOTH.map(|by| (by, look));
     for (by, let_go_at_look) in looks.flat_map(both) {
-        // Around the look at which the key is let go: the driver looks every 0.05 s.
+        // Around the check at which the key is released: the driver checks every 0.05 s.
         for hundredth in 0..70 {
             let pressed_s = f64::from(let_go_at_look) * 0.05 - 0.4 + f64::from(hundredth) * 0.01;
             let pressed = [(FaultKind::PressedStop, pressed_s)];
@@ -71,7 +71,8 @@ fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
             };
             let halted = arm.move_tool(&there(), SPEED_M_S, &mut watch);
             let cancelled_s = arm.port().cancelled_s;
-            // A stop that is pressed while the cancellation is on its way cannot be told from it, to the tool's millimetre.
+            // A stop pressed while the cancellation is in transit cannot be distinguished from it, at the tool's
+            // resolution of a millimetre.
             if cancelled_s.is_some_and(|cancelled_s| pressed_s > cancelled_s - 0.015) {
                 continue;
             }
@@ -79,7 +80,7 @@ fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
             let is_pressed = arm.port().arm.moved_after_stop_m().is_some();
             lifted += usize::from(is_pressed && !arm.port().arm.is_stopped());
             if halted != Err(ArmError::Stopped) {
-                // Not lifted, or not pressed yet.
+                // Not released, or not pressed yet.
                 assert!(halted == Err(ArmError::Paused) || halted.is_ok(), "{told}");
                 arm.wait(1.5);
                 let next = arm.move_tool(&there(), SPEED_M_S, &mut nobody);
@@ -123,12 +124,12 @@ fn a_pause_lets_the_fingers_end_and_their_hand_not_leave() {
             matches!(carried_off, Err(ArmError::OutOfLimits(_))),
             "{carried_off:?}"
         );
-        // Noticed at once, and not when the fingers have closed.
+        // Noticed at once, not when the fingers have closed.
         assert!(bench.off_m(bench.settings.workspace.rest_m) < 0.05);
     }
 }
 
-/// A stuck arm does not move after its pause; whether somebody stopped it cannot be told, so that it is.
+/// A jammed arm does not move after its pause; whether somebody stopped it is unknown, so it counts as stopped.
 #[test]
 fn an_arm_that_was_not_seen_to_move_is_stopped_rather_than_paused() {
     let mut bench = Bench::with(&[(FaultKind::StuckJoint, 0.7)]);

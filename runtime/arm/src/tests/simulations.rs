@@ -1,9 +1,9 @@
-//! The simulated arm behaves as its documentation says.
+//! Tests that the simulated arm behaves as documented.
 
 use super::*;
 use crate::port::{Ending, Goal, GoalState, Waypoint};
 
-/// As kinova-ros's controller does, which takes no notice of a stop.
+/// Like kinova-ros's controller, which ignores a stop.
 #[test]
 fn a_trajectory_goes_on_where_an_arm_is_let_go() {
     let settings = settings();

@@ -1,4 +1,4 @@
-//! Traps of the driver with joint trajectories: a controller that ignores the stop, and joint paths planned here.
+//! Tests of traps with joint trajectories: a controller that ignores the stop, and joint paths planned here.
 
 use super::*;
 use crate::driver::ArmError;
@@ -15,7 +15,7 @@ fn go<P: Port>(arm: &mut PortArm<P>) -> Result<ArmState, ArmError> {
     arm.move_tool(&there(), SPEED_M_S, &mut nobody)
 }
 
-/// Fails where the arm moves in the next seconds.
+/// Fails if the arm moves in the next seconds.
 #[track_caller]
 fn rests(bench: &mut Bench) {
     let at = bench.port().tool();
@@ -26,7 +26,7 @@ fn rests(bench: &mut Bench) {
 
 #[test]
 fn a_stopped_trajectory_is_not_gone_on_with() {
-    // Stopped by the driver, and let go by it, or by somebody else.
+    // Stopped by the driver, and enabled by it or by somebody else.
     for by_driver in [true, false] {
         let mut bench = Bench::driven(By::Trajectories, &[]);
         let halted = bench
@@ -52,7 +52,7 @@ fn a_stopped_trajectory_is_not_gone_on_with() {
 
 #[test]
 fn a_trajectory_under_a_pressed_stop_is_not_gone_on_with() {
-    // The driver alone is told, or stops it as an execution does; or it is let go without the driver.
+    // The driver only notices the stop, or stops the arm as well; then the driver or somebody else enables it.
     for (is_stopped, by_driver) in [(false, true), (true, true), (true, false)] {
         let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::PressedStop, ON_THE_WAY_S)]);
         assert_eq!(go(bench.driver()), Err(ArmError::Stopped));
@@ -71,7 +71,7 @@ fn a_trajectory_under_a_pressed_stop_is_not_gone_on_with() {
     }
 }
 
-/// What the controller has left to do is not known to be gone.
+/// The controller may still hold a trajectory.
 #[test]
 fn an_arm_is_not_let_go_while_its_controller_takes_nothing() {
     let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::LostGoals, 1.0)]);
@@ -110,7 +110,7 @@ fn joints_that_are_not_heard_are_silent_and_not_stopped() {
         }
         let is_told = matches!(moved, Err(ArmError::Silent { what, .. }) if what == "joints are");
         assert!(is_told, "{deaf_s}: {moved:?}");
-        // By poses nobody needs them.
+        // Tool poses do not need joint readings.
         let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
         go(&mut By::Poses.drive(Tapped::deaf(port, deaf_s), &settings)).unwrap();
     }

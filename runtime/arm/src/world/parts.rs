@@ -17,9 +17,9 @@ pub struct Parts {
     pub settings: Settings,
     /// The hash of the settings' text.
     pub settings_hash: String,
-    /// Where the camera's pixels lie for the arm.
+    /// The calibration of the camera.
     pub calibration: Calibration,
-    /// What looks at pictures.
+    /// The vision functions.
     pub sight: Sight,
     /// Side of the square picture that the task's camera takes, pixels.
     pub image_px: u32,

@@ -1,7 +1,7 @@
 //! The task's square picture, cut from the camera's full picture; and the picture of the flat cloth.
 //!
-//! In: a shot in the camera's full size, or the file that the settings name. Out: the square picture of the task's camera,
-//! with its camera model. Taking pictures and detecting a moved camera are left to the world.
+//! In: a shot in the camera's full size, or the file that the settings name. Out: the square picture of the task's
+//! camera, with its camera model. Taking pictures and detecting a moved camera are left to the world.
 
 use super::Parts;
 use super::base_from_world;
@@ -17,16 +17,16 @@ use image::RgbImage;
 use image::imageops::{self, FilterType};
 use std::path::Path;
 
-/// The camera's own picture of the flat cloth, of the size that the calibration is for.
+/// The camera's own picture of the flat cloth, in the size that the calibration is for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlatPicture(RgbImage);
 
 impl FlatPicture {
-    /// Reads the picture that settings name; none where they name none.
+    /// Reads the picture named in the settings; `None` if they name none.
     ///
-    /// - `path`: the settings file, which the picture's name is relative to.
+    /// - `path`: the settings file; the picture's path is relative to it.
     ///
-    /// Says what is wrong where it cannot be read, or has another size than the calibrated camera's pictures.
+    /// Fails if it cannot be read, or its size differs from the calibrated camera's pictures.
     pub fn load(
         path: &Path,
         settings: &Settings,
@@ -50,7 +50,7 @@ impl FlatPicture {
         Ok(Some(FlatPicture(rgb)))
     }
 
-    /// Returns it as a shot whose depth is without a reading.
+    /// Returns it as a shot without depth readings.
     pub(super) fn shot(&self) -> Shot {
         Shot {
             rgb: self.0.clone(),
@@ -65,7 +65,7 @@ impl FlatPicture {
     }
 }
 
-/// Takes the camera's own picture of the table that settings simulate, without a cloth.
+/// Takes the camera's own picture of the settings' simulated table, without a cloth.
 pub fn simulated_table(settings: &Settings) -> Result<RgbImage, WorldError> {
     let table = ClothTable::new(settings, &base_from_world(settings))?;
     Ok(table.bare_shot()?.rgb)

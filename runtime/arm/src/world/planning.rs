@@ -26,7 +26,7 @@ pub const PLAN_FILE: &str = "plan.json";
 /// Name of its drawing.
 pub const PLAN_PICTURE: &str = "plan.png";
 
-/// The longest plan that is read, bytes.
+/// The longest plan accepted, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// A table under a camera, and an arm to plan for.

@@ -119,7 +119,7 @@ mod tests {
     use crate::world::load;
     use std::path::Path;
 
-    /// A point at the rim can be reached in one posture only: an arm that is a millimetre off does not get there.
+    /// A point at the rim can be reached in one posture only: an arm that is off by a millimetre does not get there.
     #[test]
     fn points_at_the_rim_are_left_out_by_what_an_arm_may_be_off() {
         let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/real/simulated.toml");
@@ -137,7 +137,7 @@ mod tests {
         assert!(why.contains("it lies 0.71 m from the arm's base"), "{why}");
         assert!(at(0.187).is_some(), "the same holds near the base");
         assert_eq!(at(0.19), None);
-        // The arm itself would call both reached.
+        // By its kinematics alone, the arm would reach both.
         for radius_m in [0.7072, 0.187] {
             let base = Point3::new(radius_m * angle_rad.cos(), radius_m * angle_rad.sin(), 0.02);
             assert!(reach.0.check(&base, &[0.05, 0.10]).is_ok(), "{radius_m}");

@@ -1,6 +1,7 @@
 //! A simulated arm's world with injected faults.
 //!
-//! In: the parts of a world, and faults. Out: a world like any other, and a handle to its arm for inspection afterwards.
+//! In: the parts of a world, and faults. Out: a world like any other, and a handle to its arm for inspection
+//! afterwards.
 
 use super::{ArmWorld, Parts, base_from_world, motion};
 use crate::driver::PortArm;

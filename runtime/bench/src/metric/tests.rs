@@ -1,11 +1,11 @@
-//! What metrics read of a rollout: each case is a metric, and its values after one step and after all.
+//! Tests of metrics on a rollout: each case is a metric, with its values after one step and after all.
 #![allow(clippy::unwrap_used)]
 
 use super::*;
 use crate::record::Rollout;
 use serde_json::{Value, json};
 
-/// A question, and what came of it.
+/// A question and its result.
 fn asked(result: Value) -> Value {
     json!({
         "stage": "plan", "attempt": 1, "request_key": "k", "request": "r", "prompt": "p", "reply": "a",
@@ -30,7 +30,8 @@ fn step(attempts: &[Value], coverage: f64, improvement: f64) -> Step {
     }
 }
 
-/// Two steps: the first answer is refused, the second cannot be read, the third is taken; then one answer is taken.
+/// Two steps: in the first, one answer is refused, the second cannot be read, the third is taken; in the second, one
+/// answer is taken.
 fn played() -> Played {
     let refused = action(json!({
         "verdict": "reject", "check": "moves", "values": [], "message": "Nothing would be folded.",

@@ -1,4 +1,4 @@
-//! Where a rollout counts as stopped, how it then ended, and what makes a folder that of another rollout.
+//! Tests of where a rollout counts as stopped, how it then ended, and what identifies another rollout.
 #![allow(clippy::unwrap_used)]
 
 use super::*;
@@ -32,7 +32,7 @@ fn step(improvement: Option<f64>) -> Value {
     })
 }
 
-/// A rollout of these improvements; the last step ended it where `outcome` is a failure.
+/// A rollout with these improvements; the last step ended it if `outcome` is a failure.
 fn rollout(improvements: &[f64], outcome: Outcome) -> Rollout {
     let failed = !matches!(outcome, Outcome::GoalReached | Outcome::HorizonReached);
     let mut lines: Vec<Value> = improvements.iter().map(|it| step(Some(*it))).collect();
@@ -50,8 +50,8 @@ fn rollout(improvements: &[f64], outcome: Outcome) -> Rollout {
     }
 }
 
-/// Improvements, how the rollout ended, after how many actions one looks, whether with the stop; how many steps
-/// count then, and how it then ended.
+/// Improvements, outcome, horizon, whether with the stop; then the number of steps that count and the resulting
+/// outcome.
 type Case<'c> = (&'c [f64], Outcome, u32, bool, usize, Outcome);
 
 #[test]
@@ -173,7 +173,7 @@ fn folders_are_read_for_what_they_hold() {
         std::fs::write(folder.path().join(RECORD_FILE), text.concat()).unwrap();
         super::find(folder.path(), &identity())
     };
-    // Of a step that was done again when the rollout was gone on with, the first time counts.
+    // If a step was repeated when the rollout was resumed, the first time counts.
     let spent = "{\"type\":\"begin\",\"run_id\":\"r\"}\n\
         {\"type\":\"step\",\"step\":1,\"seconds\":{\"act\":0.5,\"observe\":0.25},\"planning_s\":0.125,\"cost_usd_so_far\":0.5}\n\
         {\"type\":\"step\",\"step\":1,\"seconds\":{\"act\":9.0},\"planning_s\":9.0,\"cost_usd_so_far\":0.75}\n";

@@ -1,13 +1,13 @@
-//! The caps on calls and cost of a whole run, shared by all of its rollouts.
+//! Caps on the calls and cost of a whole run, shared by all of its rollouts.
 //!
-//! In: calls that are to be sent and what came of them. Out: permission. A cap is hard: what a call may cost at most is
-//! set aside before it is sent, and a call that may have been billed counts with all of that.
+//! In: calls about to be sent and their results. Out: permission. A cap is hard: the most that a call may cost is
+//! reserved before it is sent, and a call that may have been billed counts with that full amount.
 
 use super::{Billing, CallEnd, CallRefused, Usage, Usd};
 use serde::{Deserialize, Serialize};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The most that a run may do; none where there is no cap.
+/// The most that a run may use; `None` means no cap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Caps {
     /// The most money.
@@ -16,27 +16,27 @@ pub struct Caps {
     pub calls: Option<u64>,
 }
 
-/// What calls came to.
+/// What calls added up to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Spent {
     /// Calls that were sent, or were about to be when the process ended.
     pub calls: u64,
-    /// Those of them that gave no answer and may have been billed.
+    /// Calls without an answer that may have been billed.
     pub possibly_billed: u64,
-    /// Calls that cost something, or may have, nobody knows how much.
+    /// Calls with an unknown cost, or a possible one.
     pub unpriced: u64,
-    /// What answers cost, billionths of a US dollar.
+    /// Cost of all answers, billionths of a US dollar.
     pub cost: Usd,
-    /// The most that the calls cost which may have been billed, likewise.
+    /// The most that the possibly billed calls cost, billionths of a US dollar.
     pub possibly: Usd,
     /// Tokens of all answers.
     pub usage: Usage,
 }
 
 impl Spent {
-    /// Adds what came of one call.
+    /// Adds the result of one call.
     ///
-    /// - `at_most`: what was set aside for it.
+    /// - `at_most`: the amount reserved for it.
     pub fn count(&mut self, at_most: Option<Usd>, end: &CallEnd<'_>) {
         self.calls += 1;
         match end {
@@ -61,7 +61,7 @@ impl Spent {
         }
     }
 
-    /// Adds all that another one counted.
+    /// Adds another count to this one.
     pub fn absorb(&mut self, other: &Spent) {
         self.calls += other.calls;
         self.possibly_billed += other.possibly_billed;
@@ -71,7 +71,7 @@ impl Spent {
         self.usage = self.usage + other.usage;
     }
 
-    /// Says what all of it cost.
+    /// Describes the total cost.
     pub fn in_words(&self) -> String {
         match (self.unpriced, self.possibly_billed) {
             (0, 0) => self.cost.to_string(),
@@ -86,7 +86,7 @@ impl Spent {
         }
     }
 
-    /// Returns the most that all of it cost, as far as prices are known.
+    /// Returns the most that everything cost, as far as prices are known.
     pub fn at_most(&self) -> Usd {
         self.cost + self.possibly
     }
@@ -102,14 +102,14 @@ pub struct Budget {
 #[derive(Debug, Default)]
 struct State {
     spent: Spent,
-    /// Set aside for calls that are under way.
+    /// Reserved for calls in progress.
     reserved: Usd,
-    /// How many those are.
+    /// Number of calls in progress.
     under_way: u64,
 }
 
 impl Budget {
-    /// Makes a budget of which `spent` is used up already, by earlier parts of the same run.
+    /// Makes a budget with `spent` already used by earlier parts of the same run.
     pub fn new(caps: Caps, spent: Spent) -> Budget {
         Budget {
             caps,
@@ -120,7 +120,7 @@ impl Budget {
         }
     }
 
-    /// Returns what has been spent so far, without calls that are under way.
+    /// Returns what has been spent so far, without calls in progress.
     pub fn spent(&self) -> Spent {
         self.state().spent
     }
@@ -130,14 +130,14 @@ impl Budget {
         self.state().spent.absorb(spent);
     }
 
-    /// Sets aside what a call may cost; fails where a cap would be passed.
+    /// Reserves what a call may cost; fails if that would exceed a cap.
     pub(super) fn reserve(&self, at_most: Option<Usd>) -> Result<(), CallRefused> {
         let mut state = self.state();
         let calls = state.spent.calls + state.under_way;
         if let Some(cap) = self.caps.calls.filter(|cap| calls >= *cap) {
             let noun = if cap == 1 { "call" } else { "calls" };
             return Err(CallRefused::Budget(format!(
-                "the cap of {cap} {noun} is reached; a higher `--max-calls` goes on from here"
+                "the cap of {cap} {noun} is reached; a higher `--max-calls` continues from here"
             )));
         }
         if let Some(cap) = self.caps.cost {
@@ -155,7 +155,8 @@ impl Budget {
             }
             if taken + at_most > cap {
                 return Err(CallRefused::Budget(format!(
-                    "the next call may cost {at_most}, and of the cap of {cap} {} is left; a higher `--max-cost` goes on from here",
+                    "the next call may cost {at_most}, and of the cap of {cap} {} is left; a higher `--max-cost` \
+                     continues from here",
                     cap.less(taken)
                 )));
             }
@@ -165,7 +166,7 @@ impl Budget {
         Ok(())
     }
 
-    /// Counts a call for which `at_most` was set aside.
+    /// Counts a call for which `at_most` was reserved.
     pub(super) fn settle(&self, at_most: Option<Usd>, end: &CallEnd<'_>) {
         let mut state = self.state();
         state.under_way = state.under_way.saturating_sub(1);
@@ -174,7 +175,7 @@ impl Budget {
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        // Each change is whole before anything can panic.
+        // A panic cannot interrupt a change halfway, so a poisoned lock still guards sound data.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

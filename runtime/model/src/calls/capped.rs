@@ -1,12 +1,12 @@
-//! Caps on questions outside of any run: held, and nothing is kept.
+//! Enforces caps on questions outside any run, without storing anything.
 
 use super::{Budget, Call, CallEnd, CallRefused, Calls, Usd};
 
-/// Holds the caps of a budget.
+/// Enforces the caps of a budget.
 #[derive(Debug)]
 pub struct Capped<'b> {
     budget: &'b Budget,
-    /// What was set aside for the call under way.
+    /// The amount reserved for the call in progress.
     at_most: Option<Usd>,
 }
 

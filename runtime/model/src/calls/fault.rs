@@ -1,4 +1,4 @@
-//! How a call can fail: a closed list, whose names stand in journals and recordings.
+//! How a call can fail: a closed list with names that journals and recordings use.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,19 +16,19 @@ pub enum Fault {
     BadRequest,
     /// The model declined to answer.
     Refused,
-    /// A filter of the provider took the question or the answer away.
+    /// A filter of the provider removed the question or the answer.
     ContentFiltered,
-    /// No whole answer came in time.
+    /// No complete answer came in time.
     TimedOut,
     /// The connection could not be made; nothing was sent.
     Unreachable,
-    /// The connection ended before the whole answer was there.
+    /// The connection ended before the answer was complete.
     ConnectionCut,
     /// The provider failed or is overloaded.
     ServerFailed,
-    /// The answer ends where its longest length was reached.
+    /// The answer was cut off at its maximum length.
     Truncated,
-    /// What came is not what the provider's interface promises, such as invalid JSON.
+    /// The reply breaks the provider's own interface, for example with invalid JSON.
     InvalidReply,
 }
 
@@ -72,9 +72,9 @@ impl Fault {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Billing {
-    /// The provider answered that it did nothing, or it never got the call.
+    /// The provider said that it did nothing, or never got the call.
     No,
-    /// The provider may have worked for it.
+    /// The provider may have processed it.
     Possibly,
 }
 

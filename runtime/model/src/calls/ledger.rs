@@ -1,8 +1,8 @@
-//! The calls of one rollout on disk: each before it is sent, and what came of it.
+//! The calls of one rollout on disk: each call before it is sent, and its result.
 //!
-//! In: a run folder. Out: `calls.jsonl`, one synced line per beginning and end, and the answers that it holds, so that
-//! none is ever bought twice. A call without an end was sent perhaps, and counts as possibly billed. A rollout
-//! that sends nothing leaves no such file.
+//! In: a run folder. Out: `calls.jsonl`, with one synced line per start and end of a call, and the answers in it, so no
+//! answer is ever bought twice. A call without an end may have been sent, and counts as possibly billed. A rollout that
+//! sends nothing leaves no such file.
 
 use super::budget::{Budget, Spent};
 use super::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usd};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Name of the ledger in a run folder.
 pub const LEDGER_FILE: &str = "calls.jsonl";
 
-/// The largest ledger that is read.
+/// The largest ledger accepted, bytes.
 const MAX_BYTES: u64 = 1 << 30;
 
 /// A line of the ledger.
@@ -31,9 +31,9 @@ enum Line {
         number: u32,
         at_most: Option<Usd>,
     },
-    /// It was answered.
+    /// The call was answered.
     Answered { call: u64, reply: Reply },
-    /// It was not.
+    /// The call failed.
     Failed {
         call: u64,
         fault: Fault,
@@ -45,14 +45,14 @@ enum Line {
     Kept { key: String, reply: Reply },
 }
 
-/// What a ledger holds.
+/// The contents of a ledger.
 #[derive(Clone, Debug, Default)]
 pub struct Noted {
     /// Answers by the key of their question.
     pub answered: BTreeMap<String, Reply>,
-    /// What the calls came to.
+    /// What the calls added up to.
     pub spent: Spent,
-    /// Failed calls by what went wrong.
+    /// Number of failed calls by fault.
     pub faults: BTreeMap<Fault, u32>,
     /// Calls so far.
     calls: u64,
@@ -62,7 +62,7 @@ pub struct Noted {
 
 /// Reads the ledger of a run folder; an absent one holds nothing.
 ///
-/// Fails where it cannot be read, or holds a whole line that is none of a ledger's.
+/// Fails if it cannot be read, or holds a whole line that is not a ledger line.
 pub fn read(folder: &Path) -> Result<Noted, LedgerError> {
     let path = folder.join(LEDGER_FILE);
     let unreadable = |why: String| LedgerError {
@@ -145,21 +145,21 @@ pub struct LedgerError {
     pub why: String,
 }
 
-/// The ledger of a rollout under way.
+/// The ledger of a rollout in progress.
 #[derive(Debug)]
 pub struct Ledger<'b> {
     path: PathBuf,
     file: Option<Appender>,
     budget: &'b Budget,
     noted: Noted,
-    /// The call under way: its number, its question, and what was set aside for it.
+    /// The call in progress: its number, its question, and the amount reserved for it.
     open: Option<(u64, String, Option<Usd>)>,
 }
 
 impl<'b> Ledger<'b> {
     /// Opens the ledger of a run folder, which may hold calls of an earlier part of the same rollout.
     ///
-    /// - `budget`: counts those earlier calls already.
+    /// - `budget`: already includes those earlier calls.
     pub fn open(folder: &Path, budget: &'b Budget) -> Result<Ledger<'b>, LedgerError> {
         Ok(Ledger {
             path: folder.join(LEDGER_FILE),
@@ -170,22 +170,22 @@ impl<'b> Ledger<'b> {
         })
     }
 
-    /// Returns the answer that a question got already.
+    /// Returns the stored answer to a question.
     pub fn answered(&self, key: &str) -> Option<&Reply> {
         self.noted.answered.get(key)
     }
 
-    /// Returns what the rollout's calls came to.
+    /// Returns what the rollout's calls added up to.
     pub fn spent(&self) -> Spent {
         self.noted.spent
     }
 
-    /// Returns how many calls failed, by what went wrong.
+    /// Returns the number of failed calls by fault.
     pub fn faults(&self) -> &BTreeMap<Fault, u32> {
         &self.noted.faults
     }
 
-    /// Keeps an answer that cost no call, so that the rest of the rollout stays the same whatever becomes of its source.
+    /// Stores an answer that cost no call, so a resumed rollout does not depend on its source.
     pub fn keep(&mut self, key: &str, reply: &Reply) -> Result<(), CallRefused> {
         if self.noted.answered.contains_key(key) {
             return Ok(());

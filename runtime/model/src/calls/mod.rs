@@ -1,7 +1,7 @@
-//! Calls that leave for a model: noted before they are sent, counted, priced, bounded.
+//! Calls to a model over the network: noted before they are sent, counted, priced, limited.
 //!
-//! In: what a model is about to send, and what came of it. Out: permission, or a refusal because of a cap. A model
-//! that sends nothing tells nothing. How a call is made, and which failures are tried again, is left to the model.
+//! In: what a model is about to send, and its result. Out: permission, or a refusal because of a cap. A model that
+//! sends nothing reports nothing. How a call is made, and which failures are retried, is up to the model.
 
 pub mod ledger;
 
@@ -19,18 +19,18 @@ pub use usage::{Usage, Usd};
 use crate::Reply;
 use std::fmt;
 
-/// Hears of every call before it is sent, and of its end.
+/// Is told of every call before it is sent, and of its end.
 ///
-/// A call is one message over the network; a question that is tried again makes several.
+/// A call is one message over the network; a retried question makes several.
 pub trait Calls {
-    /// Notes that a call is about to be sent; where this fails it must not be sent.
+    /// Notes that a call is about to be sent; if this fails, the call must not be sent.
     ///
-    /// What was noted outlives the process, so that a call that never ended is known to have been sent perhaps.
+    /// The note survives a crash, so a call without an end is known to have possibly been sent.
     fn begin(&mut self, call: &Call<'_>) -> Result<(), CallRefused>;
 
-    /// Notes what came of the call that was begun last.
+    /// Notes the result of the last call.
     ///
-    /// An answer is kept whole: the same question is never sent again.
+    /// A complete answer is stored: the same question is never sent again.
     fn end(&mut self, end: &CallEnd<'_>) -> Result<(), CallRefused>;
 }
 
@@ -41,26 +41,26 @@ pub struct Call<'a> {
     pub model: &'a str,
     /// The question: [`crate::Request::key`].
     pub key: &'a str,
-    /// Which try of the question it is, from 1.
+    /// The attempt number for this question, from 1.
     pub number: u32,
-    /// The most that it may cost; none where the price is not known.
+    /// The most that it may cost; `None` if the price is unknown.
     pub at_most: Option<Usd>,
 }
 
-/// What came of a call.
+/// The result of a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CallEnd<'a> {
-    /// An answer; its usage and cost stand in it.
+    /// An answer, with its usage and cost.
     Answered(&'a Reply),
-    /// None.
+    /// No answer.
     Failed {
         /// What went wrong.
         fault: Fault,
-        /// The same in words, without any key.
+        /// The failure in words, without any API key.
         why: &'a str,
         /// Whether it may have been billed.
         billing: Billing,
-        /// What it cost, where the provider said so.
+        /// What it cost, if the provider said so.
         cost: Option<Usd>,
     },
 }
@@ -74,19 +74,20 @@ pub enum CallRefused {
     /// The note cannot be written.
     #[error("a call cannot be noted, so it is not sent: {0}")]
     NotNoted(String),
-    /// The call was sent, and what came of it cannot be written everywhere.
+    /// The call was sent, but its result could not be stored everywhere.
     #[error(
-        "an answer came and could not be kept: {0}; with room to write, `fabc resume` goes on from here"
+        "an answer came but could not be stored: {0}; once there is room to write, `fabc resume` continues from here"
     )]
     NotKept(String),
-    /// An answer that a done step had is not there any more.
+    /// A completed step's answer is no longer there.
     #[error(
-        "a step that is done put a question whose answer is not in the ledger of calls: the ledger, the subgoal pictures, the facts about the model or the task changed since; nothing was sent"
+        "a completed step asks a question whose answer is not in the ledger of calls: the ledger, the subgoal \
+         pictures, the facts about the model or the task changed since; nothing was sent"
     )]
     Lost,
 }
 
-/// Hears of calls and keeps nothing: for questions outside of any run.
+/// Accepts all calls and stores nothing: for questions outside any run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unkept;
 

@@ -1,16 +1,16 @@
-//! What a call used, and amounts of money.
+//! Token usage of a call, and amounts of money.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::iter::Sum;
 use std::ops::Add;
 
-/// What the provider says that a call used, tokens.
+/// Usage as reported by the provider, tokens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Usage {
     /// Tokens of the question, pictures and cached ones included.
     pub input_tokens: u64,
-    /// Those of them that the provider had in its cache.
+    /// Input tokens that came from the provider's cache.
     #[serde(default)]
     pub cached_input_tokens: u64,
     /// Tokens of the answer, its hidden reasoning included.
@@ -31,7 +31,7 @@ impl Add for Usage {
     }
 }
 
-/// An amount of money in billionths of a US dollar, so that sums are exact and caps are hard.
+/// An amount of money in billionths of a US dollar; integers keep sums exact and caps hard.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
@@ -44,15 +44,15 @@ impl Usd {
     /// Nothing.
     pub const ZERO: Usd = Usd { nano: 0 };
 
-    /// Makes an amount of billionths.
+    /// Makes an amount from billionths.
     pub const fn from_nano(nano: u64) -> Usd {
         Usd { nano }
     }
 
-    /// Makes an amount of dollars, rounded up to a billionth; None where it is negative, too large or no number.
+    /// Makes an amount from dollars, rounded up to a billionth; `None` if negative, too large or not a number.
     pub fn from_dollars(dollars: f64) -> Option<Usd> {
         let nano = (dollars * 1e9).ceil();
-        // Below 2^63, so that the conversion is exact.
+        // Below 2^63, so the conversion is exact.
         (0.0..9.2e18)
             .contains(&nano)
             .then_some(Usd { nano: nano as u64 })
@@ -68,7 +68,7 @@ impl Usd {
         self.nano as f64 / 1e9
     }
 
-    /// Returns the difference, nothing where `other` is more.
+    /// Returns the difference, or zero if `other` is more.
     pub fn less(self, other: Usd) -> Usd {
         Usd {
             nano: self.nano.saturating_sub(other.nano),

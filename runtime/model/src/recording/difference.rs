@@ -1,13 +1,13 @@
-//! Says which part of a request is not as it was recorded.
+//! Reports which part of a request differs from the recording.
 
 use super::Exchange;
 use crate::Request;
 use serde_json::Value;
 
-/// The longest piece of a text that is quoted, characters.
+/// The longest text quoted, characters.
 const MAX_QUOTED: usize = 80;
 
-/// Names the recorded exchange that is most like a request, and what differs.
+/// Names the recorded exchange most similar to a request, and what differs.
 ///
 /// - `exchanges`: at least one.
 pub(super) fn nearest(exchanges: &[Exchange], request: &Request) -> String {
@@ -38,7 +38,7 @@ pub(super) fn nearest(exchanges: &[Exchange], request: &Request) -> String {
     )
 }
 
-/// How much two requests have in common; the more important first.
+/// How much two requests have in common, most important criterion first.
 type Likeness = (bool, bool, usize, usize);
 
 fn likeness(recorded: &Value, asked: &Value) -> Likeness {
@@ -56,7 +56,7 @@ fn likeness(recorded: &Value, asked: &Value) -> Likeness {
     )
 }
 
-/// Lists what differs, by its place in the request; both are JSON of a [`Request`].
+/// Lists the differences by their path in the request; both are JSON of a [`Request`].
 pub(super) fn differences(recorded: &Value, asked: &Value) -> Vec<String> {
     let mut found = Vec::new();
     for name in [

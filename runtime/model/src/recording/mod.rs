@@ -1,7 +1,8 @@
-//! Recordings: every question with its answer in one file, from which a rollout can be run again without the model.
+//! Recordings: every question with its answer in one file, so a rollout can be replayed without the model.
 //!
-//! In: exchanges as they happen ([`Recorder`]), or such a file ([`Replay`]). Out: JSON lines, the first of which says what
-//! they are. Pictures stand as the hash of their bytes. A line that was cut off while it was written is no line.
+//! In: exchanges as they happen ([`Recorder`]), or a recording ([`Replay`]). Out: JSON lines, with a header as the
+//! first line. Pictures are replaced by the hash of their bytes. A line that was cut off while it was written does not
+//! count.
 
 mod difference;
 mod recorder;
@@ -26,11 +27,11 @@ const SCHEMA: u32 = 1;
 enum Line {
     /// The first one.
     Recording { schema: u32, fabc: String },
-    /// A question and what came of it.
+    /// A question and its result.
     Exchange(Exchange),
 }
 
-/// A question and what came of it.
+/// A question and its result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Exchange {
     /// [`super::Request::key`].
@@ -38,15 +39,15 @@ struct Exchange {
     model: String,
     nature: Nature,
     lowering: Lowering,
-    /// The request as JSON, each picture as the SHA-256 of its bytes.
+    /// The request as JSON, with each picture replaced by the SHA-256 of its bytes.
     request: Value,
     #[serde(flatten)]
     outcome: Outcome,
-    /// What it took, seconds.
+    /// Duration, seconds.
     took_s: f64,
 }
 
-/// What came of a question.
+/// The result of a question.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Outcome {

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// A recording that is being written; several rollouts may share it.
+/// A recording in progress; several rollouts may share it.
 #[derive(Debug)]
 pub struct Recorder {
     path: PathBuf,
@@ -24,9 +24,9 @@ struct State {
 }
 
 impl Recorder {
-    /// Opens a recording; one that exists is added to.
+    /// Opens a recording; an existing one is appended to.
     ///
-    /// Fails where the file is there and no recording, or cannot be written.
+    /// Fails if the file exists but is not a recording, or cannot be written.
     pub fn open(path: &Path) -> Result<Recorder, RecordingError> {
         let wrong = |error: std::io::Error| RecordingError {
             path: path.to_owned(),
@@ -63,9 +63,9 @@ impl Recorder {
         })
     }
 
-    /// Writes an exchange, unless its answer is in the recording already.
+    /// Writes an exchange, unless its answer is already in the recording.
     ///
-    /// Fails where it cannot be written: a rollout whose recording has a gap could not be replayed.
+    /// Fails if it cannot be written: a rollout whose recording has a gap could not be replayed.
     pub fn keep(
         &self,
         model: &dyn Model,
@@ -75,7 +75,7 @@ impl Recorder {
     ) -> Result<(), CallRefused> {
         let outcome = match answered {
             Ok(reply) => Outcome::Reply(reply.clone()),
-            // What was never sent is no exchange.
+            // A question that was never sent is not an exchange.
             Err(ModelError::NotSent(_) | ModelError::Interrupted) => return Ok(()),
             Err(ModelError::Failed { fault, why, .. }) => Outcome::Failure {
                 fault: Some(*fault),
@@ -87,7 +87,7 @@ impl Recorder {
             },
         };
         let key = request.key();
-        // An answer is written whole or not at all, so a lock that was held in a panic guards a sound file.
+        // An answer is written whole or not at all, so after a panic the poisoned lock still guards a sound file.
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if state.answered.contains(&key) {
             return Ok(());

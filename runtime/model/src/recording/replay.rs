@@ -7,7 +7,7 @@ use fab_base::cache::Cache;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// A recording in the place of the model of one role.
+/// A recording in place of the model of one role.
 #[derive(Debug)]
 pub struct Replay {
     name: String,
@@ -20,19 +20,19 @@ pub struct Replay {
     by_key: BTreeMap<String, usize>,
 }
 
-/// What makes a question the recorded one.
+/// How a question is matched with a recorded one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Matching {
-    /// All of it: [`Request::key`].
+    /// By everything: [`Request::key`].
     Whole,
-    /// The role and the messages; settings, schema, repetition and the number of the action may differ.
+    /// By role and messages; settings, schema, repetition and action number may differ.
     Words,
 }
 
 impl Replay {
-    /// Reads a recording for a role; its name is `replay(MODEL)`, with the model that was recorded in that role.
+    /// Reads a recording for a role; the name is `replay(MODEL)`, with the model that was recorded in that role.
     ///
-    /// Fails where the file is no recording, or holds no exchange.
+    /// Fails if the file is not a recording, or holds no exchange.
     pub fn load(path: &Path, role: ModelRole) -> Result<Replay, RecordingError> {
         let exchanges = read(path)?.exchanges;
         if exchanges.is_empty() {
@@ -52,11 +52,11 @@ impl Replay {
         let models: BTreeSet<&str> = own.iter().map(|it| it.model.as_str()).collect();
         let models: Vec<&str> = models.into_iter().collect();
         let is_stand_in = own.iter().any(|it| it.nature == Nature::StandIn);
-        // One model has one lowering; of several the first decides, and the others' questions differ by name.
+        // One model has one lowering; with several models the first decides, and the others' questions differ by name.
         let lowering = own.first().map_or(Lowering::PIXELS, |it| it.lowering);
         let mut by_key = BTreeMap::new();
         for (index, exchange) in exchanges.iter().enumerate() {
-            // Of a question that was put again after a failure, the last answer counts.
+            // If a question was asked again after a failure, the last answer counts.
             let is_failure = matches!(exchange.outcome, Outcome::Failure { .. });
             if !is_failure || !by_key.contains_key(&exchange.key) {
                 by_key.insert(exchange.key.clone(), index);
@@ -76,8 +76,8 @@ impl Replay {
         })
     }
 
-    /// Answers whoever puts a recorded question in the same words and pictures, as a program that knows nothing of
-    /// steps and schemas; of questions that came in several steps the first answer counts.
+    /// Matches questions by words and pictures alone, for programs that know nothing about steps and schemas; for a
+    /// question repeated in several steps the first answer counts.
     pub fn by_words(mut self) -> Replay {
         self.matching = Matching::Words;
         self.by_key.clear();
@@ -101,7 +101,7 @@ impl Replay {
     }
 }
 
-/// Names what a request's JSON says and shows.
+/// Hashes a request's words and pictures.
 fn words_key(request: &serde_json::Value) -> String {
     let (role, messages) = (request["role"].to_string(), request["messages"].to_string());
     Cache::key([role.as_str(), &messages])
@@ -132,7 +132,7 @@ impl Model for Replay {
             });
         };
         match &self.exchanges[*index].outcome {
-            // A replay buys nothing, so what the answer cost then is not said.
+            // A replay buys nothing, so it does not report the original cost.
             Outcome::Reply(reply) => Ok(Reply {
                 cost: None,
                 ..reply.clone()

@@ -1,4 +1,4 @@
-//! Recordings written, cut off, damaged and answered from.
+//! Tests of recordings: written, cut off, damaged and replayed.
 #![allow(clippy::unwrap_used)]
 
 use super::*;
@@ -7,7 +7,7 @@ use crate::{Message, Model, ModelError, ModelRole, Nature, Part, Png, Request, S
 use serde_json::json;
 use std::time::Duration;
 
-/// A model whose name alone is asked for.
+/// A model that is only asked for its name.
 struct Silent;
 
 impl Model for Silent {
@@ -66,7 +66,7 @@ fn failed() -> ModelError {
     }
 }
 
-/// Replies with letters and signs that a careless writer would change.
+/// Replies with characters that a careless writer would change.
 const TEXTS: [&str; 3] = ["Pick Point = (1, 2)\r\n", "\u{1F9E6} \\\" \u{0} ende", ""];
 
 fn recorded(folder: &Path) -> PathBuf {

@@ -1,16 +1,16 @@
-//! What lies between a ray and its pixel: focal lengths, the middle, distortion.
+//! Maps between rays and pixels: focal lengths, principal point, distortion.
 //!
-//! In: points of the camera's own frame (x image right, y image down, z the optical axis; metres), pixels. Out: the
-//! other. Distortion is `plumb_bob` (Brown 1966), as `sensor_msgs/CameraInfo` and OpenCV have it.
+//! In: points of the camera's own frame (x image right, y image down, z the optical axis; metres), or pixels. Out: the
+//! other. Distortion is `plumb_bob` (Brown 1966), as in `sensor_msgs/CameraInfo` and OpenCV.
 
 use nalgebra::Point3;
 
-/// How often an undistorted place is improved; five suffice for the lenses of depth cameras.
+/// Most iterations of undistorting; five suffice for the lenses of depth cameras.
 const MAX_STEPS: usize = 30;
-/// How near to the given pixel an undistorted place must be distorted to, in focal lengths.
+/// How close the distorted result must come to the given pixel, in focal lengths.
 const CLOSE: f64 = 1e-12;
 
-/// Focal lengths, middle and distortion of a camera.
+/// Focal lengths, principal point and distortion of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
     /// Distance of the image plane along columns and rows, pixels.
@@ -22,7 +22,7 @@ pub struct Lens {
 }
 
 impl Lens {
-    /// A lens that draws straight lines straight.
+    /// Makes a lens without distortion.
     pub fn undistorted(focal_px: [f64; 2], middle_px: [f64; 2]) -> Lens {
         Lens {
             focal_px,
@@ -31,7 +31,7 @@ impl Lens {
         }
     }
 
-    /// Returns the same lens for a part of the picture, whose top left is at `origin_px`, enlarged `scale` times.
+    /// Returns the same lens for a crop of the picture whose top left is at `origin_px`, enlarged `scale` times.
     pub fn cut(&self, origin_px: [f64; 2], scale: f64) -> Lens {
         let [left, top] = origin_px;
         Lens {
@@ -51,7 +51,7 @@ impl Lens {
         }
         let [x, y] = match self.is_distorted() {
             true => self.distorted([seen.x / seen.z, seen.y / seen.z]),
-            // Multiplied before divided: the simulator's digests know the rounding.
+            // Multiply before dividing: the simulator's digests depend on the rounding.
             false => {
                 let pixel = [
                     self.middle_px[0] + self.focal_px[0] * seen.x / seen.z,
@@ -65,7 +65,7 @@ impl Lens {
 
     /// Returns the point of the camera's frame that a pixel shows at a depth, metres along the optical axis.
     ///
-    /// `None` where the depth is no reading (zero, negative, not finite) or no ray leads to the pixel.
+    /// `None` if the depth is not a reading (zero, negative, not finite) or no ray leads to the pixel.
     pub fn camera_from_pixel(&self, pixel: [f64; 2], depth_m: f64) -> Option<Point3<f64>> {
         if !(depth_m.is_finite() && depth_m > 0.0) {
             return None;
@@ -78,7 +78,7 @@ impl Lens {
         ))
     }
 
-    /// Returns where a pixel would be if the lens drew straight lines straight; `None` where no ray leads to it.
+    /// Returns where a pixel would be without distortion; `None` if no ray leads to it.
     pub fn straightened(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
         if !self.is_distorted() {
             return all_finite(pixel);
@@ -99,7 +99,7 @@ impl Lens {
         None
     }
 
-    /// Returns where the lens draws what a straight one would draw at a pixel.
+    /// Returns where the lens draws what an undistorted lens would draw at a pixel.
     pub fn bent(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
         if !self.is_distorted() {
             return all_finite(pixel);

@@ -1,4 +1,4 @@
-//! A camera without distortion as programs in other languages read and write it.
+//! A camera without distortion, in the form that programs in other languages read and write.
 //!
 //! In and out: plain numbers, the camera's pose as a matrix of four rows.
 
@@ -6,10 +6,10 @@ use super::{Camera, Lens, Projection};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// How far from a rotation the upper left of a pose may be, largest number of `R * R^T - I`.
+/// How far the pose's upper left may be from a rotation, as the largest entry of `R * R^T - I`.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
-/// A camera that draws straight lines straight.
+/// A camera without distortion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pinhole {
     /// Distance of the image plane along columns and rows, pixels.
@@ -21,7 +21,7 @@ pub struct Pinhole {
 }
 
 impl Pinhole {
-    /// Describes a camera; `None` for one with distortion, and for one of which only the table's plane is known.
+    /// Describes a camera; `None` for a camera with distortion or a plane-only one.
     pub fn of(camera: &Camera) -> Option<Pinhole> {
         let Projection::Pinhole {
             world_from_camera,
@@ -41,7 +41,7 @@ impl Pinhole {
         })
     }
 
-    /// Makes the camera, for pictures of a size; says what is wrong with a number that no camera has.
+    /// Makes the camera for pictures of a given size; fails with the reason if a number is impossible.
     pub fn camera(&self, size_px: [u32; 2]) -> Result<Camera, String> {
         let [fx, fy] = self.focal_px;
         if !(fx.is_finite() && fy.is_finite() && fx > 0.0 && fy > 0.0) {
@@ -62,7 +62,7 @@ impl Pinhole {
         if error > ROTATION_TOLERANCE || turn.determinant() < 0.0 || pose[3] != [0.0, 0.0, 0.0, 1.0]
         {
             return Err(
-                "`world_from_camera` is no pose: its upper left has to be a rotation, its last row 0, 0, 0, 1"
+                "`world_from_camera` is not a pose: its upper left must be a rotation, its last row 0, 0, 0, 1"
                     .to_owned(),
             );
         }

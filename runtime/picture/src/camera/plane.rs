@@ -1,4 +1,4 @@
-//! A plane seen by a camera whose own place is not known.
+//! A plane seen by a camera whose own pose is unknown.
 //!
 //! In: the homography from pixels to the plane. Out: points of the plane, and the pixels that show them.
 
@@ -8,12 +8,12 @@ use nalgebra::{Matrix3, Point3, Vector3};
 /// How pixels lie on a plane of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// From straightened pixels `(column, row, 1)` to the world's `(x, y, 1)`, metres, up to a factor that is positive
-    /// for what the camera sees.
+    /// From undistorted pixels `(column, row, 1)` to the world's `(x, y, 1)`, metres, up to a factor that is positive
+    /// for everything the camera sees.
     pub world_from_pixel: Matrix3<f64>,
     /// The plane's height: `z = height[0] + height[1] x + height[2] y`, metres.
     pub height: [f64; 3],
-    /// The lens, where it bends lines; only its distortion counts.
+    /// The lens, if it has distortion; only its distortion counts.
     pub lens: Option<Lens>,
 }
 
@@ -29,10 +29,10 @@ impl Plane {
         Some(Point3::new(x, y, level + along_x * x + along_y * y))
     }
 
-    /// Returns the pixel that shows the point of the plane below or above a point; `None` where none does.
+    /// Returns the pixel that shows the plane's point below or above a point; `None` if no pixel does.
     pub fn pixel_from_world(&self, point: Point3<f64>) -> Option<[f64; 2]> {
         let pixel_from_world = self.world_from_pixel.try_inverse()?;
-        // The factor's sign is kept only from pixel to world, so that the way back is checked by going forth.
+        // The factor's sign is known only from pixel to world, so check by mapping the result back.
         let pixel = divided(pixel_from_world * Vector3::new(point.x, point.y, 1.0))?;
         through(&self.world_from_pixel, pixel)?;
         match &self.lens {
@@ -42,7 +42,7 @@ impl Plane {
     }
 }
 
-/// Returns the image of a point under a homography; `None` where the factor is not positive.
+/// Returns the image of a point under a homography; `None` unless the factor is positive.
 pub fn through(homography: &Matrix3<f64>, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
     let image = homography * Vector3::new(u, v, 1.0);
     (image.z > 0.0).then(|| divided(image))?

@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// A camera whose picture is not square, nor its pixels, nor its axis in the middle.
+/// A camera with a picture and pixels that are not square and an off-centre optical axis.
 fn pinhole(world_from_camera: Isometry3<f64>, distortion: [f64; 5]) -> Camera {
     let lens = Lens {
         focal_px: [500.0, 480.0],
@@ -26,7 +26,7 @@ fn focal_of(camera: &Camera) -> f64 {
     }
 }
 
-/// A camera a metre above the table that looks down almost straight.
+/// A camera a metre above the table, looking almost straight down.
 fn over_the_table(tilt: [f64; 3], place: [f64; 2]) -> Isometry3<f64> {
     let straight = Isometry3::new(
         Vector3::new(place[0], place[1], 1.0),
@@ -35,7 +35,7 @@ fn over_the_table(tilt: [f64; 3], place: [f64; 2]) -> Isometry3<f64> {
     straight * Isometry3::rotation(Vector3::from(tilt))
 }
 
-/// The plane that such a camera sees, found from where four pixels lie at height 0.
+/// The plane-only camera for such a camera, fitted from four pixels at height 0.
 fn plane_of(camera: &Camera) -> Camera {
     let Projection::Pinhole {
         world_from_camera,
@@ -247,14 +247,14 @@ proptest! {
             prop_assert!((plane.world_from_pixel(pixel, depth_m).unwrap() - point).norm() < 1e-8);
         }
         prop_assert!((plane.table_from_pixel(pixel).unwrap() - point).norm() < 1e-8);
-        // What lies above the plane is shown where the plane below it is.
+        // A point above the plane is shown where the plane's point below it is.
         let [u, v] = plane.pixel_from_world(point + Vector3::z() * above_m).unwrap();
         prop_assert!((u - pixel[0]).abs() < 1e-6 && (v - pixel[1]).abs() < 1e-6, "{u}, {v}");
         let way = [2.0 * way.cos(), 2.0 * way.sin()];
         let (ours, theirs) = (camera.table_direction(pixel, way).unwrap(), plane.table_direction(pixel, way).unwrap());
         prop_assert!((ours - theirs).norm() < 1e-6, "{ours} {theirs}");
         prop_assert!((ours.norm() - 2.0).abs() < 1e-9 && ours.z == 0.0);
-        // A step along it leads to where the picture's way leads.
+        // A step along it leads where the image direction leads.
         let there = camera.pixel_from_world(point + ours * 1e-4).unwrap();
         let led = [there[0] - pixel[0], there[1] - pixel[1]];
         let across = (led[0] * way[1] - led[1] * way[0]) / led[0].hypot(led[1]) / 2.0;

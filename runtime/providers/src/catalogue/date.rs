@@ -1,13 +1,13 @@
-//! Days, as facts about models name them.
+//! Dates in facts about models.
 //!
-//! In: `2026-11-20`, or `2024-12` where only the month is known. Out: an order, and distances in days. What day it is
-//! today is left to whoever asks.
+//! In: `2026-11-20`, or `2024-12` if only the month is known. Out: an order, and distances in days. The caller supplies
+//! today's date.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
 
-/// A day, or a month whose day is not known and which counts from its first day.
+/// A day, or a month without a known day, which counts from its first day.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Date {
     year: u16,
@@ -15,17 +15,15 @@ pub struct Date {
     day: Option<u8>,
 }
 
-/// A text that is no date.
+/// A text that is not a date.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{0}` is no date; write one such as `2026-11-20`, or `2026-11` where the day is not known"
-)]
+#[error("`{0}` is not a date; write one such as `2026-11-20`, or `2026-11` if the day is unknown")]
 pub struct NoDate(String);
 
 impl Date {
-    /// Returns the day so many days after 1970-01-01, e.g. of a system clock in UTC.
+    /// Returns the date this many days after 1970-01-01, e.g. of a system clock in UTC.
     ///
-    /// Days after the year 9999 are its last one.
+    /// Days after the year 9999 are clamped to its last day.
     pub fn from_unix_days(days: u64) -> Date {
         let mut left = days.min(2_932_896);
         let mut year = 1970;
@@ -45,7 +43,7 @@ impl Date {
         }
     }
 
-    /// Returns how many days later `other` is; negative where it is earlier.
+    /// Returns how many days later `other` is; negative if it is earlier.
     pub fn days_until(self, other: Date) -> i64 {
         other.days() - self.days()
     }
@@ -102,7 +100,7 @@ impl FromStr for Date {
             is_real.then_some(Date { year, month, day })
         };
         let mut read = read;
-        // A long text is not repeated whole.
+        // A long text is not repeated in full.
         read().ok_or_else(|| NoDate(text.chars().take(40).collect()))
     }
 }

@@ -10,15 +10,15 @@ pub enum CatalogueError {
     Unreadable {
         /// The file.
         file: String,
-        /// What the system said.
+        /// The system's error.
         why: String,
     },
-    /// It is no TOML, or of another form; the text names line and column.
+    /// It is not TOML, or has another structure; the text names line and column.
     #[error("`{file}` holds no facts about models: {why}")]
     Shape {
         /// The file.
         file: String,
-        /// What the reader said.
+        /// The parser's error.
         why: String,
     },
     /// An entry is wrong.
@@ -31,17 +31,17 @@ pub enum CatalogueError {
         /// What is wrong, and what would be right.
         why: String,
     },
-    /// A model was named in another way than PROVIDER:NAME.
-    #[error("`{0}` is no model; write PROVIDER:NAME, with a name of at most {max} bytes on one line", max = file::MAX_NAME)]
+    /// A model name is not in the form PROVIDER:NAME.
+    #[error("`{0}` is not a model; write PROVIDER:NAME, with a name of at most {max} bytes on one line", max = file::MAX_NAME)]
     NoModel(String),
     /// There is no such provider.
     #[error("there is no provider `{name}`{near}; there is {among}", near = meant(near.as_deref()))]
     NoProvider {
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// The one that was probably meant.
         near: Option<String>,
-        /// All there are.
+        /// All known providers.
         among: String,
     },
 }

@@ -1,7 +1,7 @@
-//! What can be known of a model, each part on its own.
+//! The facts that can be known about a model.
 //!
-//! In: an entry of a file. Out: [`Facts`], in which None is "unknown". What a fact means for a request, a picture or
-//! a price is left to the neighbours.
+//! In: an entry of a file. Out: [`Facts`], in which `None` means "unknown". Other modules interpret them for requests,
+//! pictures and prices.
 
 use super::date::Date;
 use super::price::Price;
@@ -11,61 +11,61 @@ use fab_program::pointing::{CoordinateUnit, Order};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 
-/// What is known of a model; None is unknown, never a default.
+/// The known facts about a model; `None` is unknown, never a default.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Facts {
     /// Whether it takes pictures.
     pub vision: Option<bool>,
-    /// Whether its answer can be held to a JSON Schema.
+    /// Whether it supports a JSON Schema for its answer.
     pub structured_output: Option<bool>,
-    /// The sampling temperatures that it takes.
+    /// The sampling temperatures that it accepts.
     pub temperature: Option<Accepted>,
-    /// The same of nucleus sampling.
+    /// The values of nucleus sampling that it accepts.
     pub top_p: Option<Accepted>,
-    /// What Chat Completions call the longest answer.
+    /// The Chat Completions field for the maximum answer length.
     pub max_tokens_field: Option<MaxTokensField>,
-    /// The longest side of a picture that it looks at unshrunk, pixels.
+    /// The longest side of a picture that is not downscaled, pixels.
     pub largest_side_px: Option<u32>,
-    /// The largest picture that it looks at unshrunk, pixels in all.
+    /// The largest picture that is not downscaled, total pixels.
     pub largest_area_px: Option<u64>,
     /// What a picture costs.
     pub image_tokens: Option<ImageTokens>,
-    /// How it says where something is in a picture.
+    /// How it states positions in a picture.
     pub coordinates: Option<Habit>,
-    /// What tokens cost, earliest first.
+    /// Token prices, earliest first.
     pub price: Option<Vec<Price>>,
-    /// When it stops to answer, or did.
+    /// When it stops answering, or stopped.
     pub shutdown: Option<Date>,
-    /// Whether the vendor may put another model behind its id; None: as the id looks.
+    /// Whether the vendor may put another model behind its id; `None`: inferred from the id.
     pub moving: Option<bool>,
 }
 
-/// How a model says where something is.
+/// How a model states positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Habit {
-    /// What its numbers count.
+    /// The unit of its numbers.
     pub unit: CoordinateUnit,
-    /// Which comes first.
+    /// Which coordinate comes first.
     pub order: Order,
-    /// The sides of the picture in whose pixels it answers are multiples of this, the nearest to those that were
-    /// sent; None: it answers in pixels of the picture that was sent.
+    /// The sides of the picture in whose pixels it answers are multiples of this, those closest to the sent picture's;
+    /// `None`: it answers in pixels of the picture as sent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub multiples_of_px: Option<u32>,
 }
 
-/// The values of a sampling parameter that a model takes.
+/// The accepted values of a sampling parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Accepted {
-    /// These and no other.
+    /// These and no others.
     Only(Vec<f64>),
     /// All from the first to the second.
     Range([f64; 2]),
 }
 
 impl Accepted {
-    /// Returns whether a value is taken.
+    /// Returns whether a value is accepted.
     pub fn takes(&self, value: f64) -> bool {
         match self {
             Accepted::Only(values) => values.contains(&value),
@@ -86,7 +86,7 @@ impl std::fmt::Display for Accepted {
     }
 }
 
-/// What Chat Completions call the longest answer.
+/// The Chat Completions field for the maximum answer length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MaxTokensField {
@@ -97,8 +97,8 @@ pub enum MaxTokensField {
 }
 
 impl Facts {
-    /// Returns how the model is told of places, and in which size it is sent pictures, so that it has no reason to
-    /// resize them; in pixels of the picture that is sent where its habit is not known.
+    /// Returns how the model gets points, and a picture size that it has no reason to change; without a known habit,
+    /// pixels of the picture as sent.
     pub fn lowering(&self) -> Lowering {
         let within = self.largest_side_px.and_then(NonZeroU32::new);
         let resize = within.map_or(Resize::Never, |side_px| Resize::Within { side_px });
@@ -117,7 +117,7 @@ impl Facts {
         }
     }
 
-    /// Returns these facts, and where one is unknown that of `other`.
+    /// Returns these facts, with unknown ones filled in from `other`.
     pub fn or(self, other: &Facts) -> Facts {
         Facts {
             vision: self.vision.or(other.vision),

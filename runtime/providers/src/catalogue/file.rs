@@ -1,7 +1,7 @@
-//! Reads files of facts: their form, and what a value may be.
+//! Parses and validates files of facts.
 //!
-//! In: TOML text. Out: providers and models with each given field, or an error with file and line. Laying one file
-//! over another is [`super::Catalogue::overlaid`].
+//! In: TOML text. Out: providers and models with their given fields, or an error with file and line.
+//! [`super::Catalogue::overlaid`] merges files.
 
 use super::date::Date;
 use super::facts::{Accepted, Facts, Habit, MaxTokensField};
@@ -13,14 +13,14 @@ use fab_base::files::line_of;
 use serde::Deserialize;
 use toml::Spanned;
 
-/// The longest file that is read, bytes.
+/// The longest file accepted, bytes.
 pub(super) const MAX_BYTES: usize = 1 << 20;
 /// The longest id, name or address, bytes.
 pub(super) const MAX_NAME: usize = 200;
-/// The most that a count in a file may be, so that no sum of tokens overflows.
+/// The largest count in a file, so that no sum of tokens overflows.
 const MOST: u32 = 100_000;
 
-/// The form of a file.
+/// The structure of a file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Form {
@@ -30,7 +30,7 @@ struct Form {
     model: Vec<Spanned<ModelForm>>,
 }
 
-/// One provider of a file, with the fields that it gives.
+/// One provider of a file, with its given fields.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ProviderForm {
@@ -76,13 +76,13 @@ struct ModelForm {
 pub(super) enum Subject {
     /// The model with this id.
     Id(String),
-    /// The model that is called so; its id is not known.
+    /// The model with this name; its id is unknown.
     Name(String),
-    /// All models whose id has these words.
+    /// All models whose id contains these words.
     Part(String),
 }
 
-/// One model of a file, with the facts that it gives.
+/// One model of a file, with its given facts.
 #[derive(Clone, Debug)]
 pub(super) struct ModelEntry {
     pub provider: Option<String>,
@@ -92,13 +92,13 @@ pub(super) struct ModelEntry {
     pub sources: Vec<Source>,
 }
 
-/// An entry with the line that it begins on, from 1.
+/// An entry with its first line's number, from 1.
 pub(super) struct At<T> {
     pub line: usize,
     pub entry: T,
 }
 
-/// What a file holds.
+/// The contents of a file.
 pub(super) struct Read {
     pub providers: Vec<At<ProviderForm>>,
     pub models: Vec<At<ModelEntry>>,
@@ -240,7 +240,7 @@ fn check_provider(entry: &ProviderForm) -> Result<(), String> {
     }
     if let Some(url) = &entry.base_url {
         plain("base_url", url)?;
-        // What looks like a key is not to be repeated in a message, a table, or anything else.
+        // Something that looks like a key must not be repeated in a message, a table, or anything else.
         if url.contains(['@', '?', '#']) {
             return Err("`base_url` holds `@`, `?` or `#`; it is an address alone, and a key has no place in it".to_owned());
         }
@@ -251,7 +251,7 @@ fn check_provider(entry: &ProviderForm) -> Result<(), String> {
         }
     }
     for name in entry.key_env.iter().flatten() {
-        // A key that was written here by mistake is not to be repeated in a message.
+        // A key put here by mistake must not be repeated in a message.
         if !is_key_name(name) {
             return Err(
                 "`key_env` lists names of variables, such as `OPENAI_API_KEY`, and never keys"
@@ -350,7 +350,7 @@ fn sourced(source: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Holds what is sent and printed to one short line.
+/// Restricts sent or printed text to one short line.
 fn plain(key: &str, text: &str) -> Result<(), String> {
     if (1..=MAX_NAME).contains(&text.len()) && !text.chars().any(char::is_control) {
         return Ok(());

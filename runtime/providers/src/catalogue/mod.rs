@@ -1,8 +1,8 @@
-//! What is known of models and of where they are to be had.
+//! The catalogue of known models and providers.
 //!
-//! In: the embedded `models.toml`, and a user's file of the same form that is laid over it. Out: the [`Profile`] of a
-//! `PROVIDER:NAME`, its notices, prices and estimates. What has no source is absent, and absent is unknown. Sending
-//! anything, and what day it is, is left to others.
+//! In: the embedded `models.toml`, and a user's file of the same form that overrides it. Out: the [`Profile`] of a
+//! `PROVIDER:NAME`, its notices, prices and estimates. Facts without a source are absent, and absent means unknown.
+//! Nothing here sends anything or reads the date.
 
 mod date;
 mod error;
@@ -34,47 +34,47 @@ use std::path::Path;
 
 const BUILTIN: &str = include_str!("models.toml");
 
-/// What is known of all models.
+/// Everything known about models.
 #[derive(Clone, Debug)]
 pub struct Catalogue {
     providers: Vec<Provider>,
     models: Vec<ModelEntry>,
 }
 
-/// All that is known of one model at one provider.
+/// Everything known about one model at one provider.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Profile {
-    /// Where it is to be had.
+    /// The provider that offers it.
     pub provider: Provider,
-    /// What the provider calls it.
+    /// The provider's id for it.
     pub id: String,
-    /// By what it was found.
+    /// How it was found.
     pub listed: Listed,
-    /// What is known of it.
+    /// The known facts.
     pub facts: Facts,
-    /// Where that is from, what counts most first.
+    /// Sources of the facts, highest precedence first.
     pub sources: Vec<Source>,
 }
 
-/// By what the facts of a model were found.
+/// How the facts of a model were found.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Listed {
     /// An entry has its id.
     ById,
-    /// An entry has a name that the id spells.
+    /// An entry has a name that matches the id.
     ByName(String),
-    /// Entries of families have words of its id.
+    /// Family entries match words of its id.
     ByFamily,
-    /// Nothing: no entry fits.
+    /// No entry matches.
     Not {
-        /// A known id that looks like it.
+        /// A similar known id.
         near: Option<String>,
     },
 }
 
 impl Catalogue {
-    /// Returns what is known without any file of the user's.
+    /// Returns the catalogue without any user's file.
     pub fn builtin() -> Catalogue {
         let empty = Catalogue {
             providers: Vec::new(),
@@ -85,7 +85,7 @@ impl Catalogue {
             .expect("a test reads the embedded facts")
     }
 
-    /// Lays a file over what is known: a field that an entry gives replaces the one there was, others stay.
+    /// Overrides the catalogue with a file: fields given in an entry replace existing ones, others stay.
     ///
     /// `file` names it in errors.
     pub fn overlaid(mut self, text: &str, file: &str) -> Result<Catalogue, CatalogueError> {
@@ -107,7 +107,7 @@ impl Catalogue {
             let (name, other) = lost;
             return Err(wrong(
                 1,
-                format!("`{name}` has the models of `{other}`, which is no provider"),
+                format!("`{name}` has the models of `{other}`, which is not a provider"),
             ));
         }
         for At { line, entry } in read.models {
@@ -119,7 +119,7 @@ impl Catalogue {
         Ok(self)
     }
 
-    /// Lays a file of at most 1 MiB over what is known.
+    /// Overrides the catalogue with a file of at most 1 MiB.
     pub fn overlaid_by(self, path: &Path) -> Result<Catalogue, CatalogueError> {
         let name = path.display().to_string();
         let unreadable = |why: String| CatalogueError::Unreadable {
@@ -146,9 +146,9 @@ impl Catalogue {
         })
     }
 
-    /// Returns the profiles of all models that are listed with an id or a name, as their first provider has them.
+    /// Returns the profiles of all models listed with an id or a name, at their first provider.
     ///
-    /// For a model that is known by its name alone the id is that name.
+    /// If only a model's name is known, the name serves as the id.
     pub fn profiles(&self) -> Vec<Profile> {
         let listed = self.models.iter().filter_map(|entry| {
             let provider = self.provider(entry.provider.as_deref()?).ok()?;
@@ -160,8 +160,8 @@ impl Catalogue {
         listed.collect()
     }
 
-    /// Returns the families of models: words that their ids have in common, at which provider (None: at any), and
-    /// what is known of them all.
+    /// Returns the model families: the common words of their ids, at which provider (`None`: at any), and their common
+    /// facts.
     pub fn families(&self) -> impl Iterator<Item = (&str, Option<&str>, &Facts, &[Source])> {
         self.models.iter().filter_map(|entry| match &entry.subject {
             Subject::Part(part) => Some((
@@ -174,7 +174,7 @@ impl Catalogue {
         })
     }
 
-    /// Finds a model by `PROVIDER:NAME`; of a name that fits no entry nothing is known.
+    /// Finds a model by `PROVIDER:NAME`; for a name without a matching entry nothing is known.
     pub fn find(&self, model: &str) -> Result<Profile, CatalogueError> {
         let no_model = || CatalogueError::NoModel(model.chars().take(80).collect());
         let (provider, id) = model.split_once(':').ok_or_else(no_model)?;
@@ -204,7 +204,7 @@ impl Catalogue {
                 Some((*entry, longest))
             })
             .collect();
-        // What is said of fewer models counts more.
+        // More specific families take precedence.
         families.sort_by_key(|(_, length)| std::cmp::Reverse(*length));
         let listed = match own.map(|entry| &entry.subject) {
             Some(Subject::Name(name)) => Listed::ByName(name.clone()),
@@ -299,7 +299,7 @@ impl ModelEntry {
     }
 }
 
-/// Returns the entry that is about one model: by its id, else by an alias, the longest first, else by its name.
+/// Returns the entry of one model: by its id, else by an alias, the longest first, else by its name.
 fn own_entry<'e>(entries: &[&'e ModelEntry], id: &str) -> Option<&'e ModelEntry> {
     let by_id = || entries.iter().find(|entry| entry.id() == Some(id));
     let by_alias = || {
@@ -329,12 +329,12 @@ impl Profile {
         format!("{}:{}", self.provider.name, self.id)
     }
 
-    /// Returns how the model is told of places in a picture; see [`Facts::lowering`].
+    /// Returns how the model gets points of a picture; see [`Facts::lowering`].
     pub fn lowering(&self) -> Lowering {
         self.facts.lowering()
     }
 
-    /// Returns whether no call is billed, since the user's own machine answers.
+    /// Returns whether no call is billed, because the user's own machine answers.
     pub fn is_free(&self) -> bool {
         self.provider.runs_on == Some(RunsOn::Own)
     }

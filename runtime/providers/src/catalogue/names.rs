@@ -1,7 +1,7 @@
-//! Compares what models are called.
+//! Compares model ids and names.
 //!
-//! In: ids and names. Out: whether one means the other. Letters' case and the signs between words do not count, so
-//! that `Qwen/Qwen3-VL-8B` has the words of `qwen3-vl`.
+//! In: ids and names. Out: whether they match. Case and the separators between words do not count, so
+//! `Qwen/Qwen3-VL-8B` contains the words of `qwen3-vl`.
 
 /// Returns the words of an id: runs of letters and digits, in lower case.
 fn words(name: &str) -> Vec<String> {
@@ -11,14 +11,14 @@ fn words(name: &str) -> Vec<String> {
         .collect()
 }
 
-/// Returns whether an id holds the words of a family's name, one after the other.
+/// Returns whether an id contains the words of a family's name, one after the other.
 pub(super) fn holds(id: &str, part: &str) -> bool {
     let (id, part) = (words(id), words(part));
     !part.is_empty() && id.windows(part.len()).any(|window| window == part)
 }
 
-/// Returns whether an id is a name with its words joined, as in `claude-opus-5-5` and Claude Opus 5.5, a date after it
-/// or not.
+/// Returns whether an id is a name with its words joined, such as `claude-opus-5-5` for Claude Opus 5.5, optionally
+/// followed by a date.
 pub(super) fn spells(id: &str, name: &str) -> bool {
     let (id, name) = (words(id), words(name));
     id.strip_prefix(name.as_slice()).is_some_and(|rest| {
@@ -26,7 +26,7 @@ pub(super) fn spells(id: &str, name: &str) -> bool {
     })
 }
 
-/// Returns whether an id names a day, a month or a year: some word of it is a number of four digits or more.
+/// Returns whether an id contains a date: some word of it is a number of four digits or more.
 pub(super) fn is_dated(id: &str) -> bool {
     has_date(&words(id))
 }
@@ -39,7 +39,7 @@ fn is_number(word: &str) -> bool {
     word.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Returns whether an id is an alias, which may end in `*` for "and whatever follows".
+/// Returns whether an id matches an alias, which may end in `*` as a wildcard.
 pub(super) fn is_alias(id: &str, alias: &str) -> bool {
     match alias.strip_suffix('*') {
         Some(start) => id.starts_with(start),

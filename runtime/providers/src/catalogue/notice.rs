@@ -1,48 +1,48 @@
-//! What a user should know of a model before using it.
+//! Notices about a model for its user.
 //!
-//! In: a [`Profile`] and the day. Out: notices as data; printing them is the command's.
+//! In: a [`Profile`] and the date. Out: notices as data; the command prints them.
 
 use super::date::Date;
 use super::{Listed, Profile, names};
 use serde::Serialize;
 use std::fmt;
 
-/// A shutdown is told from so many days before it on.
+/// A shutdown is announced this many days in advance.
 const SOON_DAYS: i64 = 90;
 
-/// Something that a user should know of a model.
+/// Something that a user should know about a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "notice", rename_all = "snake_case")]
 pub enum Notice {
-    /// It does not answer any more.
+    /// It no longer answers.
     Retired {
         /// Since when.
         on: Date,
     },
-    /// It will soon not answer any more.
+    /// It will soon stop answering.
     RetiresSoon {
-        /// From when on.
+        /// From when.
         on: Date,
         /// In how many days.
         days: i64,
     },
     /// The vendor may put another model behind its id.
     Undated,
-    /// It will cost something else.
+    /// Its price will change.
     PriceChanges {
-        /// From when on.
+        /// From when.
         on: Date,
     },
-    /// What it costs is not known.
+    /// Its price is unknown.
     PriceUnknown,
-    /// How it says where something is in a picture is not known.
+    /// How it states positions in a picture is unknown.
     CoordinatesUnknown,
-    /// Nothing is known of an id such as this one.
+    /// No entry matches the id.
     Unlisted {
-        /// A known id that looks like it.
+        /// A similar known id.
         near: Option<String>,
     },
-    /// It is known by the name that its vendor gives it, and the id was found by that.
+    /// Its entry has only the vendor's name, which matched the id.
     ByName {
         /// The name.
         name: String,
@@ -50,7 +50,7 @@ pub enum Notice {
 }
 
 impl Notice {
-    /// Returns whether a run with the model is likely to fail or to mislead; the others are good to know.
+    /// Returns whether a run with the model is likely to fail or to mislead; other notices are merely informative.
     pub fn is_warning(&self) -> bool {
         !matches!(
             self,
@@ -60,7 +60,7 @@ impl Notice {
 }
 
 impl Profile {
-    /// Returns what a user should know of the model on a day, what weighs most first.
+    /// Returns the notices about the model on a date, most important first.
     pub fn notices(&self, today: Date) -> Vec<Notice> {
         let mut notices = Vec::new();
         if let Some(on) = self.facts.shutdown {
@@ -97,7 +97,7 @@ impl Profile {
         notices
     }
 
-    /// Returns whether the vendor may put another model behind the id: where no entry says so, if it holds no date.
+    /// Returns whether the vendor may put another model behind the id: if no entry says so, when it holds no date.
     pub fn is_moving(&self) -> bool {
         let own = self.provider.runs_on == Some(super::RunsOn::Own);
         self.facts
@@ -118,7 +118,7 @@ impl fmt::Display for Notice {
             Notice::PriceChanges { on } => write!(f, "its price changes on {on}"),
             Notice::PriceUnknown => f.write_str("its price is not known"),
             Notice::CoordinatesUnknown => f.write_str(
-                "it is not known how it says where something is in a picture: `fabc probe` finds out",
+                "it is not known how it states positions in a picture: `fabc probe` finds out",
             ),
             Notice::Unlisted { near: Some(near) } => {
                 write!(f, "no entry fits its id; did you mean `{near}`?")

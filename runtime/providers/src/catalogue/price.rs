@@ -1,7 +1,7 @@
-//! What tokens cost.
+//! Token prices.
 //!
-//! In: a price per million tokens, and how many there were or may be. Out: an amount, exact but for the last
-//! billionth of a dollar, which is rounded up. Counting tokens is [`super::tokens`].
+//! In: a price per million tokens, and a count of tokens or its bound. Out: an amount, exact except that the last
+//! billionth of a dollar is rounded up. [`super::tokens`] counts tokens.
 
 use super::Profile;
 use super::date::Date;
@@ -10,33 +10,33 @@ use fab_model::Request;
 use fab_model::calls::{Usage, Usd};
 use serde::{Deserialize, Serialize};
 
-/// The input of a request may have so many times the tokens that are estimated.
+/// Safety factor between the estimated and the most possible input tokens of a request.
 ///
-/// A text of numbers and brackets, as lists of points are, has about one token per 1.7 letters instead of the four
-/// that the estimate takes; no vendor documents a bound.
+/// A text of numbers and brackets, such as a list of points, has about one token per 1.7 letters, while the estimate
+/// assumes four; no vendor documents a bound.
 pub const SAFETY: u64 = 3;
 
-/// What a million tokens cost, from a day on.
+/// The price of a million tokens, from a date on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Price {
-    /// The first day that it counts; None: since always.
+    /// The first day that it applies; `None`: always.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<Date>,
-    /// US dollars per million tokens of the question.
+    /// US dollars per million input tokens.
     pub input: f64,
-    /// The same of those that the provider had in its cache; unknown: they are counted like others.
+    /// US dollars per million cached input tokens; if unknown, they cost as much as others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cached_input: Option<f64>,
-    /// The same of the answer.
+    /// US dollars per million output tokens.
     pub output: f64,
 }
 
 impl Price {
-    /// The most that a million tokens may cost for the price to be believed, US dollars.
+    /// The highest plausible price of a million tokens, US dollars.
     pub const MOST: f64 = 1e6;
 
-    /// What costs nothing.
+    /// The price of zero.
     pub const FREE: Price = Price {
         from: None,
         input: 0.0,
@@ -44,9 +44,9 @@ impl Price {
         output: 0.0,
     };
 
-    /// Returns what a call cost.
+    /// Returns the cost of a call.
     ///
-    /// Cached tokens without a price of theirs are counted at the full one, so that a sum is never too low.
+    /// Cached tokens without their own price cost the full one, so a sum is never too low.
     pub fn cost(&self, usage: Usage) -> Usd {
         let cached = usage.cached_input_tokens.min(usage.input_tokens);
         let parts = [
@@ -62,12 +62,12 @@ impl Price {
     }
 }
 
-/// Returns a price as whole billionths of a dollar, the nearest to the decimal number that was written.
+/// Converts a price to whole billionths of a dollar, the nearest to the decimal number as written.
 fn nano_per_million(dollars: f64) -> u128 {
     (dollars * 1e9).round() as u128
 }
 
-/// A model's price on a day: what requests may cost, and what calls did.
+/// A model's price on a date, for bounds on requests and costs of calls.
 #[derive(Clone, Debug)]
 pub struct Priced {
     profile: Profile,
@@ -75,7 +75,7 @@ pub struct Priced {
 }
 
 impl Profile {
-    /// Returns what a million tokens cost on a day; None where that is not known.
+    /// Returns the price of a million tokens on a date; `None` if unknown.
     pub fn price_on(&self, today: Date) -> Option<Price> {
         if self.is_free() {
             return Some(Price::FREE);
@@ -85,7 +85,7 @@ impl Profile {
         prices.iter().rfind(counts).copied()
     }
 
-    /// Fixes the day, for a run whose calls are to be priced alike.
+    /// Fixes the date, so that all calls of a run have the same price.
     pub fn priced_on(&self, today: Date) -> Priced {
         Priced {
             profile: self.clone(),
@@ -95,14 +95,14 @@ impl Profile {
 }
 
 impl Priced {
-    /// Returns what a call cost; None where the price is not known.
+    /// Returns the cost of a call; `None` if the price is unknown.
     pub fn cost(&self, usage: Usage) -> Option<Usd> {
         Some(self.price?.cost(usage))
     }
 
     /// Returns the most that a request may cost: [`SAFETY`] times its estimated input, and the longest answer.
     ///
-    /// None where the price, the longest answer, or what one of its pictures counts is not known.
+    /// `None` if the price, the longest answer, or the tokens of one of its pictures are unknown.
     pub fn at_most(&self, request: &Request) -> Option<Usd> {
         if self.profile.is_free() {
             return Some(Usd::ZERO);

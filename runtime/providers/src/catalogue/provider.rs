@@ -1,31 +1,31 @@
-//! Where models are to be had, as data.
+//! Providers of models, as data.
 //!
-//! In: an entry of a file. Out: a [`Provider`]. Sending to it is left to the models that do.
+//! In: an entry of a file. Out: a [`Provider`]. Nothing here sends anything.
 
 use super::date::Date;
 use serde::{Deserialize, Serialize};
 use std::net::{Ipv4Addr, SocketAddr};
 
-/// Where models are to be had.
+/// A provider of models.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Provider {
-    /// What stands before the colon of `--model PROVIDER:NAME`.
+    /// The part of `--model PROVIDER:NAME` before the colon.
     pub name: String,
     /// The form of its messages.
     pub wire: Wire,
-    /// What the paths of its interface are appended to; None: the user has to say.
+    /// The base of its interface's paths; `None`: the user has to state it.
     pub base_url: Option<String>,
-    /// The names that a key is looked for under; the first one found counts.
+    /// Variable names that may hold its key; the first one found counts.
     pub key_env: Vec<String>,
     /// Whether it needs a key.
     pub key: KeyNeed,
     /// Whose machine answers; None: unknown.
     pub runs_on: Option<RunsOn>,
-    /// Another provider that has the same models.
+    /// Another provider with the same models.
     pub models_of: Option<String>,
-    /// The command that starts its server at the address that is known.
+    /// The command that starts its server at the known address.
     pub start: Option<String>,
-    /// Where this is from, newest layer first.
+    /// Sources of these facts, newest layer first.
     pub sources: Vec<Source>,
 }
 
@@ -67,9 +67,9 @@ impl Wire {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum KeyNeed {
-    /// It does not answer without.
+    /// It does not answer without a key.
     Required,
-    /// It was perhaps set up to want one.
+    /// It may be configured to require a key.
     Optional,
 }
 
@@ -77,34 +77,34 @@ pub enum KeyNeed {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RunsOn {
-    /// The vendor's, who bills each call.
+    /// The vendor's, which bills each call.
     Vendor,
     /// The user's; no call is billed.
     Own,
 }
 
-/// Where facts are from.
+/// A source of facts.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Source {
     /// When they were gathered.
     pub as_of: Date,
-    /// From where.
+    /// Their origin.
     pub source: String,
 }
 
-/// Returns whether a key may be looked for under a name: 1 to 60 capital letters, digits and `_`, as variables have them.
+/// Returns whether a name can hold a key: 1 to 60 capital letters, digits and `_`, as for variables.
 pub(crate) fn is_key_name(name: &str) -> bool {
     let is_of_it = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
     (1..=60).contains(&name.len()) && name.chars().all(is_of_it)
 }
 
 impl Provider {
-    /// Returns the name of the provider whose models it has: its own, or another's.
+    /// Returns the name of the provider whose models it offers: its own, or another's.
     pub fn owner(&self) -> &str {
         self.models_of.as_ref().unwrap_or(&self.name)
     }
 
-    /// Returns where its server listens, if that is on this machine by its address.
+    /// Returns the address of its server, if that is a loopback address.
     pub fn on_loopback(&self) -> Option<SocketAddr> {
         let host = self
             .base_url

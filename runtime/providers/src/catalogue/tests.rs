@@ -1,4 +1,4 @@
-//! Facts as they are found, laid over each other, refused, told of and priced.
+//! Tests of the catalogue: lookup, merging, rejection, notices and prices.
 
 mod files;
 mod money;

@@ -1,7 +1,7 @@
-//! Estimates how many tokens a question has.
+//! Estimates the number of tokens of a question.
 //!
-//! In: texts, and sizes of pictures. Out: estimates, called so wherever they appear: what the provider reports is what
-//! counts. Only the formula of a picture is a vendor's; that of text is a rule of thumb.
+//! In: texts, and sizes of pictures. Out: estimates, always labelled as such: the provider's own count is what is
+//! billed. Only the picture formulas come from vendors; the one for text is a rule of thumb.
 
 use fab_model::{Message, Part};
 use fab_picture::png;
@@ -10,17 +10,17 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Add;
 
-/// A number of tokens that is not known exactly.
+/// An inexact number of tokens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tokens {
-    /// The fewest.
+    /// The lower bound.
     pub at_least: u64,
-    /// The most.
+    /// The upper bound.
     pub at_most: u64,
 }
 
 impl Tokens {
-    /// Makes a number without doubt.
+    /// Makes an exact number.
     pub fn exactly(tokens: u64) -> Tokens {
         Tokens {
             at_least: tokens,
@@ -54,11 +54,11 @@ impl fmt::Display for Tokens {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ImageTokens {
-    /// So many squares as cover the picture, each `percent` of a token, rounded up in all.
+    /// The number of squares that cover the picture, each `percent` of a token, rounded up in total.
     Patches(Patches),
-    /// So many squares as cover the picture once its short side fits, each `each` tokens, and `base` in all.
+    /// The number of squares that cover the picture after its short side is scaled, each `each` tokens, plus `base`.
     Tiles(Tiles),
-    /// Whatever the size.
+    /// Independent of the size.
     Flat(Flat),
 }
 
@@ -73,27 +73,27 @@ pub struct Patches {
     pub percent: u32,
 }
 
-/// Squares that cover a picture which was made to fit.
+/// Squares that cover a scaled picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tiles {
     /// Side of a square, pixels.
     pub side_px: u32,
-    /// What the picture's short side becomes, pixels.
+    /// Scaled length of the picture's short side, pixels.
     pub short_side_px: u32,
-    /// Tokens of any picture.
+    /// Tokens per picture.
     pub base: u32,
-    /// Tokens of a square.
+    /// Tokens per square.
     pub each: u32,
 }
 
-/// A number of tokens that the size does not change.
+/// A number of tokens independent of the size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Flat {
-    /// The fewest that were seen.
+    /// The lowest observed number.
     pub at_least: u32,
-    /// The most.
+    /// The highest.
     pub at_most: u32,
 }
 
@@ -102,9 +102,9 @@ fn hundred() -> u32 {
 }
 
 impl ImageTokens {
-    /// Returns the tokens of a picture, pixels.
+    /// Returns the tokens of a picture; sides in pixels.
     ///
-    /// Whether small pictures are enlarged to fit tiles is not documented, so that both are counted.
+    /// It is not documented whether small pictures are enlarged to fit tiles, so the bounds cover both.
     pub fn of(&self, width: u32, height: u32) -> Tokens {
         let squares = |width: u64, height: u64, side: u32| {
             let side = u64::from(side.max(1));
@@ -148,7 +148,7 @@ impl ImageTokens {
     }
 }
 
-/// Estimates the tokens of a conversation; None where it has pictures whose tokens cannot be told.
+/// Estimates the tokens of a conversation; `None` if it has pictures with unknown tokens.
 pub fn of_messages(messages: &[Message], formula: Option<&ImageTokens>) -> Option<Tokens> {
     let parts = messages.iter().flat_map(|message| &message.parts);
     parts
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn pictures_have_the_tokens_that_the_vendors_formulas_give() {
-        // The first two are figures that the vendor's page states itself.
+        // The first two figures come from the vendor's own page.
         assert_eq!(GPT_6.of(224, 224), Tokens::exactly(59));
         assert_eq!(GPT_6.of(720, 720), Tokens::exactly(635));
         assert_eq!(CLAUDE.of(224, 224), Tokens::exactly(64));
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn tiles_are_counted_after_the_short_side_fits() {
-        // 720 pixels are two tiles a side, enlarged or not; 224 are one, or two once enlarged.
+        // 720 pixels are two tiles a side, enlarged or not; 224 are one, or two when enlarged.
         assert_eq!(GPT_4O.of(720, 720), Tokens::exactly(85 + 4 * 170));
         let small = GPT_4O.of(224, 224);
         assert_eq!((small.at_least, small.at_most), (85 + 170, 85 + 4 * 170));

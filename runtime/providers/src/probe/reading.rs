@@ -1,16 +1,16 @@
-//! Reads pairs of numbers and the names they belong to out of an answer.
+//! Extracts pairs of numbers and their names from an answer.
 //!
-//! In: any text. Out: the first two numbers after each name; or before it, where an answer puts numbers first, as
-//! `[{"point": [y, x], "label": "red"}]` does. Nothing is guessed: a name with one number has no pair.
+//! In: any text. Out: the first two numbers after each name; or before it, if the answer puts numbers first, as in
+//! `[{"point": [y, x], "label": "red"}]`. Nothing is guessed: a name with one number has no pair.
 
-/// A thing that matters in an answer.
+/// A relevant token of an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Found {
     Name(usize),
     Number(f64),
 }
 
-/// The most that is read of an answer, bytes.
+/// The most of an answer that is read, bytes.
 const MOST: usize = 100_000;
 
 /// Returns the pair of each name, in their order.

@@ -1,21 +1,21 @@
-//! Scripted models that see the dots well and answer in a frame of their own.
+//! Tests with scripted models that see the dots well and answer in their own convention.
 
 use super::*;
 use fab_model::calls::Unkept;
 use fab_model::{Nature, Reply};
 
-/// Finds the dots in the picture by their colours and names them in one frame, whatever it is asked for.
+/// Finds the dots in the picture by their colours and names them in a fixed convention, whatever it is asked for.
 struct Seeing {
-    /// How it is told of places.
+    /// The lowering used in questions.
     told: Lowering,
-    /// How it says where they are; what it resizes is the picture that it got.
+    /// The convention of its answers, relative to the picture that it got.
     says: Lowering,
-    /// What it says of the place, from two numbers.
+    /// Formats an answer from two numbers.
     form: fn(&str, [f64; 2]) -> String,
 }
 
 impl Seeing {
-    /// Writes a place, its own way: parts of the picture's sides.
+    /// Converts a position, given as fractions of the picture's sides, to its own convention.
     fn numbers(&self, part: [f64; 2], got: [u32; 2]) -> [f64; 2] {
         let looked_at = |side: u32| match self.says.resize {
             Resize::Multiples { of_px } => {
@@ -191,7 +191,7 @@ fn errors_count_pixels_of_the_cameras_picture_whatever_was_sent() {
     let says = Lowering::PIXELS;
     let found = probe(&Seeing { told, says, form }, 7, &mut Unkept).expect("it answers");
     let error = found.error.expect("it was read");
-    // One pixel of the small picture, which is sent as it is, and of the large one, which is sent at half its size.
+    // One pixel of the small picture, which is sent unchanged, and of the large one, which is sent at half its size.
     assert!((error.mean - 1.5).abs() < 0.2, "{error:?}");
     assert!((error.max - 2.0).abs() < 0.5, "{error:?}");
 }

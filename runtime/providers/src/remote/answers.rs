@@ -1,7 +1,7 @@
-//! Answers that were paid for, kept on disk.
+//! Paid answers, cached on disk.
 //!
-//! In: what a question's answer depends on. Out: the answer that is kept, or the right to ask for it. Of several
-//! threads with one question, one asks and the others wait for what it keeps. Without a folder nothing is kept, and
+//! In: everything that a question's answer depends on. Out: the cached answer, or the right to ask for it. If several
+//! threads have the same question, one asks and the others wait for its answer. Without a folder nothing is cached, and
 //! everybody asks.
 
 use fab_base::cache::Cache;
@@ -15,10 +15,10 @@ use std::time::Duration;
 /// How soon a waiting thread notices that the user stopped it.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// The form of the kept files; another one is not read.
+/// Format of the cached files; other formats are ignored.
 const FORMAT: u32 = 1;
 
-/// Answers by what they answer; shared by all rollouts.
+/// Cached answers by key; shared by all rollouts.
 #[derive(Debug)]
 pub struct Answers {
     cache: Cache,
@@ -26,7 +26,7 @@ pub struct Answers {
     settled: Condvar,
 }
 
-/// An answer as it is kept.
+/// A cached answer.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Kept {
@@ -35,24 +35,24 @@ pub(super) struct Kept {
     pub usage: Option<Usage>,
 }
 
-/// What there is of an answer.
+/// The result of a lookup.
 pub(super) enum Found<'a> {
     /// The answer.
     Kept(Kept),
-    /// Nothing; this thread asks.
+    /// No answer; this thread asks.
     Nothing(Claim<'a>),
-    /// The user stopped the waiting.
+    /// The user interrupted the wait.
     Interrupted,
 }
 
-/// The right to ask, until it is dropped.
+/// The right to ask, held until it is dropped.
 pub(super) struct Claim<'a> {
     answers: &'a Answers,
     key: String,
 }
 
 impl Answers {
-    /// Keeps answers in a cache's folder.
+    /// Caches answers in a cache's folder.
     pub fn kept_in(cache: Cache) -> Answers {
         Answers {
             cache,
@@ -61,7 +61,7 @@ impl Answers {
         }
     }
 
-    /// Keeps nothing.
+    /// Caches nothing.
     pub fn none() -> Answers {
         Answers::kept_in(Cache::none())
     }
@@ -77,7 +77,7 @@ impl Answers {
                 return Found::Nothing(Claim { answers: self, key });
             }
             if !asked.contains(&key) {
-                // Under the lock, so that nobody asks between the look and the claim.
+                // Under the lock, so nobody can ask between lookup and claim.
                 if let Some(kept) = self.read(&key) {
                     return Found::Kept(kept);
                 }
@@ -100,7 +100,7 @@ impl Answers {
 }
 
 impl Claim<'_> {
-    /// Keeps the answer.
+    /// Caches the answer.
     pub(super) fn keep(&self, text: &str, usage: Option<Usage>) {
         let kept = Kept {
             format: FORMAT,
@@ -108,7 +108,7 @@ impl Claim<'_> {
             usage,
         };
         let bytes = serde_json::to_vec(&kept).expect("an answer holds a string and numbers");
-        // An answer that cannot be kept is still an answer.
+        // Failing to cache an answer does not make it less of an answer.
         let _ = self.answers.cache.put(&self.key, &bytes);
     }
 }

@@ -1,13 +1,13 @@
-//! Where a provider's interface lies.
+//! The base URL of a provider's interface.
 //!
-//! In: a URL that a person wrote. Out: the addresses that calls go to. A URL that carries a secret is refused, and no
-//! message repeats any of it.
+//! In: a URL written by a person. Out: the addresses for calls. A URL that contains a secret is refused, and no message
+//! repeats any of it.
 
 use super::Wire;
 use reqwest::Url;
 use std::fmt;
 
-/// Parts of a query parameter's name that make its value look like a secret.
+/// Parts of a query parameter's name that suggest a secret value.
 const SECRET_NAMES: [&str; 7] = [
     "key",
     "token",
@@ -25,17 +25,21 @@ pub struct BaseUrl(Url);
 /// Why a base URL is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BaseUrlError {
-    /// It cannot be read, or it is not of the web.
-    #[error("the base URL is none; one looks like `http://localhost:8000/v1` or `https://host/v1`")]
-    NoUrl,
-    /// It carries a user's name or password.
+    /// It cannot be parsed, or is not an HTTP address.
     #[error(
-        "the base URL carries a user name or password, which would end in logs; leave it out, and give the key by the environment or the file of keys"
+        "the base URL is not valid; it must look like `http://localhost:8000/v1` or `https://host/v1`"
+    )]
+    NoUrl,
+    /// It contains a user name or password.
+    #[error(
+        "the base URL carries a user name or password, which would end up in logs; leave it out, and give the key in \
+         the environment or in the file of keys"
     )]
     UserInformation,
-    /// Its query looks like it carries a key.
+    /// Its query seems to contain a key.
     #[error(
-        "the base URL's query seems to carry a key, which would end in logs; leave it out, and give the key by the environment or the file of keys"
+        "the base URL's query seems to carry a key, which would end up in logs; leave it out, and give the key in \
+         the environment or in the file of keys"
     )]
     KeyInQuery,
 }
@@ -43,7 +47,7 @@ pub enum BaseUrlError {
 impl BaseUrl {
     /// Reads a base URL.
     ///
-    /// One without a path gets the version that is usual for the interface, when an address is made of it.
+    /// A URL without a path gets the interface's usual version when an endpoint is built.
     pub fn parse(text: &str) -> Result<BaseUrl, BaseUrlError> {
         let mut url = Url::parse(text.trim()).map_err(|_| BaseUrlError::NoUrl)?;
         if !matches!(url.scheme(), "http" | "https") || !url.has_host() {
@@ -63,7 +67,7 @@ impl BaseUrl {
         Ok(BaseUrl(url))
     }
 
-    /// Returns whether the host is this computer, by its name or address.
+    /// Returns whether the host is this computer, by name or address.
     pub fn is_loopback(&self) -> bool {
         match self.0.host_str() {
             Some("localhost") => true,
@@ -76,12 +80,12 @@ impl BaseUrl {
         }
     }
 
-    /// Returns whether a key may go there: nobody on the way can read it.
+    /// Returns whether a key may be sent there: nobody on the way can read it.
     pub fn keeps_secrets(&self) -> bool {
         self.0.scheme() == "https" || self.is_loopback()
     }
 
-    /// Returns the address that questions to a model go to.
+    /// Returns the endpoint for questions to a model.
     pub(super) fn endpoint(&self, wire: Wire, model: &str) -> Url {
         let mut url = self.0.clone();
         let is_bare = url.path().trim_matches('/').is_empty();

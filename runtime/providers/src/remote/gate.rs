@@ -1,7 +1,7 @@
-//! How many calls to one provider may be under way at once, over all rollouts.
+//! Limits concurrent calls to one provider, over all rollouts.
 //!
 //! In: calls that begin and end. Out: permission to begin. The width grows by one after as many successes as it is
-//! wide, up to a bound, and is halved when the provider says that it is too much.
+//! wide, up to a maximum, and is halved when the provider reports overload.
 
 use fab_base::interrupt::Interrupt;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -10,7 +10,7 @@ use std::time::Duration;
 /// How soon a waiting call notices that the user stopped it.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// Lets calls through, a bounded number at once; shared by everything that asks one provider.
+/// Lets a limited number of calls through at once; shared by all users of one provider.
 #[derive(Debug)]
 pub struct Gate {
     most: usize,
@@ -23,20 +23,20 @@ struct State {
     width: usize,
     under_way: usize,
     successes: usize,
-    /// How often it was narrowed: calls that were under way then say nothing new about the load.
+    /// How often it was narrowed: calls already in flight at that moment are no new evidence of load.
     narrowed: u64,
 }
 
-/// How a call ended, as far as the load goes.
+/// The result of a call as evidence of load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Load {
     /// The provider answered.
     Answered,
-    /// It said that it is too much.
+    /// It reported overload.
     TooMuch,
 }
 
-/// Permission for one call, until it is dropped.
+/// Permission for one call, held until it is dropped.
 #[derive(Debug)]
 pub(super) struct Pass<'g> {
     gate: &'g Gate,
@@ -44,7 +44,7 @@ pub(super) struct Pass<'g> {
 }
 
 impl Gate {
-    /// Makes a gate for at most `most` calls at once, and at least one; it begins fully open.
+    /// Makes a gate for at most `most` concurrent calls, but at least one; it starts fully open.
     pub fn new(most: usize) -> Gate {
         let most = most.max(1);
         Gate {
@@ -59,12 +59,12 @@ impl Gate {
         }
     }
 
-    /// Returns how many calls may be under way at present.
+    /// Returns the current limit on concurrent calls.
     pub fn width(&self) -> usize {
         self.state().width
     }
 
-    /// Waits until a call may begin; None where the user stopped it.
+    /// Waits until a call may begin; `None` if the user interrupts.
     pub(super) fn enter(&self, interrupt: &Interrupt) -> Option<Pass<'_>> {
         let mut state = self.state();
         loop {
@@ -83,14 +83,14 @@ impl Gate {
         }
     }
 
-    /// The counts hold whatever a thread did that panicked: each change is whole.
+    /// A panic cannot leave the counts inconsistent, because each change is complete.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Pass<'_> {
-    /// Tells how the call ended; one of which nothing is told changes nothing.
+    /// Reports how the call ended; without a report nothing changes.
     pub(super) fn tell(&self, load: Load) {
         let mut state = self.gate.state();
         match load {

@@ -1,16 +1,16 @@
-//! How long a provider asks to wait, as its headers say.
+//! How long a provider asks clients to wait, from its headers.
 //!
-//! In: the headers of a reply and the time. Out: a wait of at most a day; None where nothing readable is said.
+//! In: the headers of a reply and the time. Out: a wait of at most a day; `None` if there is no readable hint.
 
 use reqwest::header::HeaderMap;
 use std::time::{Duration, SystemTime};
 
-/// The longest wait that is believed; whether one so long is waited for is the retry's to decide.
+/// Waits are clamped to this; the retry policy decides whether to wait that long.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
 
-/// Reads `retry-after-ms`, `retry-after`, and else the `x-ratelimit-reset-…` of what is used up.
+/// Reads `retry-after-ms`, `retry-after`, or else the `x-ratelimit-reset-…` of the exhausted limit.
 ///
-/// Dates count from the reply's own `date` where it has one, so that a wrong clock here does no harm.
+/// Dates are relative to the reply's own `date` if it has one, so a wrong local clock does no harm.
 pub(super) fn wait(headers: &HeaderMap, now: SystemTime) -> Option<Duration> {
     let text = |name: &str| headers.get(name).and_then(|value| value.to_str().ok());
     let now = text("date")
@@ -24,7 +24,7 @@ pub(super) fn wait(headers: &HeaderMap, now: SystemTime) -> Option<Duration> {
         .map(|wait| wait.min(LONGEST))
 }
 
-/// Returns when what is used up comes back; where nothing is said to be used up, what comes back first.
+/// Returns when the exhausted limit resets; if none is reported as exhausted, the earliest reset.
 fn reset(headers: &HeaderMap, now: SystemTime) -> Option<Duration> {
     let mut first: Option<Duration> = None;
     let mut used_up: Option<Duration> = None;
@@ -60,7 +60,7 @@ fn seconds(text: &str) -> Option<Duration> {
     Duration::try_from_secs_f64(number).ok()
 }
 
-/// Reads such as `6m0s`, `1h2m3.5s` or `20ms`.
+/// Reads durations such as `6m0s`, `1h2m3.5s` or `20ms`.
 fn spans(text: &str) -> Option<Duration> {
     let mut rest = text.trim();
     let mut whole = Duration::ZERO;
@@ -99,7 +99,7 @@ mod tests {
                 HeaderValue::from_static(value),
             );
         }
-        // 1994-11-06 08:49:37, of the standard's own example.
+        // 1994-11-06 08:49:37, from the standard's own example.
         let now = SystemTime::UNIX_EPOCH + Duration::from_secs(784_111_777);
         wait(&headers, now).map(|wait| wait.as_secs_f64())
     }

@@ -1,8 +1,8 @@
-//! Keys of providers: found by name, and never shown.
+//! API keys of providers: found by name, and never shown.
 //!
-//! In: a lookup of names (the command gives the environment's), a TOML file that only its owner can read. Out: a
-//! [`Key`], whose value leaves it only for a request's header; or the names in that file alone. Hiding keys in what
-//! comes back is [`Redactor`](super::Redactor)'s.
+//! In: a lookup of names (the command passes the environment's), a TOML file that only its owner can read. Out: a
+//! [`Key`], whose value is exposed only for a request's header; or just the names in that file.
+//! [`Redactor`](super::Redactor) hides keys in replies.
 
 use crate::catalogue::is_key_name;
 use fab_base::files::{self, line_of};
@@ -12,10 +12,10 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use toml::{Spanned, Value};
 
-/// The longest file of keys that is read, bytes.
+/// The longest key file accepted, bytes.
 const MAX_FILE_BYTES: u64 = 64 * 1024;
 
-/// The longest key, bytes; those of today's providers have fewer than 300.
+/// The longest key, bytes; those of current providers have fewer than 300.
 const MAX_KEY_BYTES: usize = 8 * 1024;
 
 /// A provider's key; its `Debug` form is its name.
@@ -28,8 +28,8 @@ pub struct Key {
 /// Why a key cannot be used; no message repeats any part of a key.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum KeyError {
-    /// It cannot stand in a request.
-    #[error("the value of `{name}` is no key: {why}")]
+    /// It cannot be sent in a request.
+    #[error("the value of `{name}` is not a valid key: {why}")]
     Malformed {
         /// Name of the variable or the entry.
         name: String,
@@ -41,7 +41,7 @@ pub enum KeyError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         why: String,
     },
     /// Others can read the file.
@@ -54,7 +54,7 @@ pub enum KeyError {
         /// Its permission bits.
         mode: u32,
     },
-    /// The file is no list of keys.
+    /// The file is not a list of keys.
     #[error("line {line} of `{path}` is not of the form `NAME = \"KEY\"`")]
     NotAList {
         /// The file.
@@ -65,9 +65,9 @@ pub enum KeyError {
 }
 
 impl Key {
-    /// Makes a key of a variable's or an entry's value; white space around it does not belong to it.
+    /// Makes a key from the value of a variable or entry, without surrounding white space.
     ///
-    /// Fails where it is empty, too long, or has characters that a header cannot carry.
+    /// Fails if it is empty, too long, or has characters that a header cannot carry.
     pub fn new(name: &str, value: &str) -> Result<Key, KeyError> {
         let value = value.trim();
         let why = if value.is_empty() {
@@ -91,9 +91,9 @@ impl Key {
         }
     }
 
-    /// Finds the first of `names` that is set: each by `lookup`, then each in the file; None where there is none.
+    /// Finds the first of `names` that is set: each by `lookup`, then each in the file; `None` if there is none.
     ///
-    /// A variable that is set and empty counts as not set. Fails where what is found cannot be used.
+    /// An empty variable counts as not set. Fails if the value found cannot be used.
     pub fn find(
         names: &[&str],
         lookup: &dyn Fn(&str) -> Option<String>,
@@ -113,16 +113,16 @@ impl Key {
         Ok(None)
     }
 
-    /// Reads the key `name` from a TOML file of lines `NAME = "KEY"`; None where it is not in there.
+    /// Reads the key `name` from a TOML file of lines `NAME = "KEY"`; `None` if it is not there.
     ///
-    /// Fails where the file cannot be read, is no such list, or, on Unix, can be read by others than its owner.
+    /// Fails if the file cannot be read, is not such a list, or, on Unix, can be read by others than its owner.
     pub fn from_file(path: &Path, name: &str) -> Result<Option<Key>, KeyError> {
         let entries = entries(path)?;
         let found = entries.get(name).map(|value| Key::new(name, value));
         found.transpose()
     }
 
-    /// Returns the names in such a file, in alphabetical order; whether their keys are any is not looked at.
+    /// Returns the names in such a file, in alphabetical order, without checking their keys.
     ///
     /// Fails as [`Key::from_file`] does.
     pub fn names_in(path: &Path) -> Result<Vec<String>, KeyError> {
@@ -134,7 +134,7 @@ impl Key {
         &self.name
     }
 
-    /// Returns the key itself, for a header and for hiding it.
+    /// Returns the key itself, for a header and for redaction.
     pub(super) fn expose(&self) -> &str {
         self.secret.expose_secret()
     }
@@ -146,7 +146,7 @@ impl fmt::Debug for Key {
     }
 }
 
-/// Reads a file of keys.
+/// Reads a key file.
 fn entries(path: &Path) -> Result<BTreeMap<String, String>, KeyError> {
     refuse_open_file(path)?;
     let text = files::read_text(path, MAX_FILE_BYTES).map_err(|why| KeyError::Unreadable {
@@ -165,7 +165,7 @@ fn entries(path: &Path) -> Result<BTreeMap<String, String>, KeyError> {
     for (name, value) in table {
         let start = name.span().start;
         match value {
-            // A line the wrong way round has a key where its name should stand.
+            // In a reversed line the key is in the place of its name.
             Value::String(value) if is_key_name(name.get_ref()) => {
                 entries.insert(name.into_inner(), value);
             }

@@ -1,9 +1,9 @@
-//! Models of providers, asked over HTTP.
+//! Provider models, called over HTTP.
 //!
-//! In: a [`Request`]. Out: a [`Reply`], bought once and kept, or a named fault. [`wire`] knows what providers want to
-//! read and write, `transport` sends one message, `retry` says what is tried again, `gate` how much at once, `answers`
-//! keeps what was paid for. Every message is told to [`Calls`] before it is sent, and its end after. Which model has
-//! which facts and prices is left to whoever makes the [`Settings`].
+//! In: a [`Request`]. Out: a [`Reply`], bought once and cached, or a named fault. [`wire`] knows the providers' message
+//! formats, `transport` sends one message, `retry` decides what is tried again, `gate` limits concurrency, `answers`
+//! caches paid answers. Every message is reported to [`Calls`] before it is sent, and again when it ends. The maker of
+//! the [`Settings`] decides about facts and prices.
 
 pub mod settings;
 pub mod wire;
@@ -51,32 +51,32 @@ pub struct Remote {
     shared: Shared,
 }
 
-/// What the models of a run have in common.
+/// The common parts of a run's models.
 #[derive(Clone, Debug)]
 pub struct Shared {
-    /// How many calls are under way at once; one gate per provider.
+    /// Limits concurrent calls; one gate per provider.
     pub gate: Arc<Gate>,
-    /// The answers that are kept.
+    /// The cached answers.
     pub answers: Arc<Answers>,
     /// Ends waiting calls.
     pub interrupt: Interrupt,
-    /// Told in words why a question waits for a further try.
+    /// Told why a question waits for a retry.
     pub tell: Tell,
-    /// Further keys to hide in whatever comes back, such as those of other providers.
+    /// Further keys to hide in replies, such as those of other providers.
     pub hidden: Vec<Key>,
 }
 
-/// Hears what a user may want to know while a question waits.
+/// Receives messages for the user while a question waits.
 #[derive(Clone)]
 pub struct Tell(Arc<dyn Fn(&str) + Send + Sync>);
 
 impl Tell {
-    /// Tells `listener`.
+    /// Passes messages to `listener`.
     pub fn to(listener: impl Fn(&str) + Send + Sync + 'static) -> Tell {
         Tell(Arc::new(listener))
     }
 
-    /// Tells nobody.
+    /// Discards messages.
     pub fn nobody() -> Tell {
         Tell::to(|_| {})
     }
@@ -94,11 +94,11 @@ impl fmt::Debug for Tell {
 pub struct SetupError {
     /// The model's name.
     pub model: String,
-    /// What the system said.
+    /// The system's error.
     pub why: String,
 }
 
-/// A call that gave no answer.
+/// A call without an answer.
 struct Ended {
     fault: Fault,
     billing: Billing,
@@ -110,8 +110,8 @@ struct Ended {
 impl Remote {
     /// Makes the model; its name is `PROVIDER:NAME`. Nothing is sent.
     ///
-    /// A host that is this computer is reached without a proxy. Fails where the system's certificates or sockets
-    /// cannot be had, and where a key stands in the name or the base URL, since both are shown.
+    /// This computer is contacted without a proxy. Fails if the system's certificates or sockets are unavailable, or if
+    /// the name or the base URL contains a key, because both are shown.
     pub fn new(settings: Settings, shared: Shared) -> Result<Remote, SetupError> {
         let redactor = Redactor::of(settings.key.iter().chain(&shared.hidden));
         let endpoint = settings.base_url.endpoint(settings.wire, &settings.model);
@@ -120,7 +120,7 @@ impl Remote {
         if name != named || redactor.text(endpoint.as_str()) != endpoint.as_str() {
             return Err(SetupError {
                 model: name,
-                why: "a key stands in its name or its base URL; leave it out there".to_owned(),
+                why: "its name or its base URL contains a key; leave it out".to_owned(),
             });
         }
         let proxy = if settings.base_url.is_loopback() {
@@ -144,7 +144,7 @@ impl Remote {
 
     /// Returns the question as it would be sent.
     ///
-    /// Fails where the model is known not to take what the request holds.
+    /// Fails if the model is known not to support something in the request.
     pub fn encoded(&self, request: &Request) -> Result<Encoded, ModelError> {
         let encoded = self.settings.wire.encode(request, &self.settings);
         encoded.map_err(|unfit| ModelError::Unsupported {
@@ -153,12 +153,12 @@ impl Remote {
         })
     }
 
-    /// Returns the longest answer that a request asks for in the end, tokens; None where none is sent.
+    /// Returns the maximum answer length finally requested, tokens; `None` if none is sent.
     pub fn longest_answer(&self, request: &Request) -> Option<u32> {
         self.settings.sent_max_tokens(request)
     }
 
-    /// Asks until there is an answer or no further try.
+    /// Asks until there is an answer or no further attempt.
     fn buy(
         &self,
         request: &Request,
@@ -254,9 +254,9 @@ impl Remote {
         }
     }
 
-    /// Reads what came back; nothing of it holds a key.
+    /// Reads a reply; the result holds no key.
     fn read(&self, incoming: &Incoming) -> Result<Answer, Ended> {
-        // A key that the server split over two pieces of text is whole once these are joined.
+        // A key that the server split over two pieces of text is whole once they are joined.
         let hide = |text: String| self.transport.redactor().text(&text);
         match self.decode(incoming) {
             Ok(answer) => Ok(Answer {
@@ -314,7 +314,7 @@ impl Remote {
         headers
     }
 
-    /// Names all that an answer depends on, so that repeats and later steps have answers of their own.
+    /// Hashes everything that an answer depends on, so that repetitions and later steps have their own answers.
     fn cache_key(&self, request: &Request, encoded: &Encoded) -> String {
         let body = String::from_utf8_lossy(&encoded.body);
         let mut parts = vec![

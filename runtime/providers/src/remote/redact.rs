@@ -1,8 +1,8 @@
-//! Hides keys in whatever comes back from the network.
+//! Hides keys in everything that comes back from the network.
 //!
-//! In: every key that is known, and bytes or text. Out: the same with `[key]` in each key's place, also where the key
-//! stands percent-encoded, JSON-escaped, in base64, or in a mixture of such escapes. What is shorter than eight
-//! characters is no secret worth the words that would vanish with it, and stays.
+//! In: every known key, and bytes or text. Out: the same with `[key]` in place of each key, including keys that are
+//! percent-encoded, JSON-escaped, in base64, or in a mixture of such escapes. Keys shorter than eight characters are
+//! not hidden, because ordinary words would vanish with them.
 
 use super::Key;
 use base64::Engine;
@@ -11,23 +11,23 @@ use secrecy::{ExposeSecret, SecretBox};
 use serde_json::Value;
 use std::fmt;
 
-/// What stands in a key's place.
+/// The replacement for a key.
 const HIDDEN: &[u8] = b"[key]";
 
 /// The shortest key that is hidden, characters.
 const SHORTEST: usize = 8;
 
-/// The most backslashes before a letter that are taken for its escape; JSON five times within JSON writes 31.
+/// The most backslashes before a letter that count as its escape; JSON nested five times writes 31.
 ///
-/// Without a bound each byte of a long run would count all that follow.
+/// Without a limit, each byte of a long run would count all the following ones.
 const MOST_SLASHES: usize = 31;
 
 /// Replaces known keys; its `Debug` form says only how many.
 #[derive(Default)]
 pub struct Redactor {
-    /// Keys as they are, longest first; any of their characters may be found escaped.
+    /// Plain keys, longest first; any of their characters may appear escaped.
     plain: Vec<SecretBox<Vec<u8>>>,
-    /// The stretches of base64 that a key leaves wherever it begins in a group of three bytes.
+    /// The fixed parts of each key's base64, for every offset within a group of three bytes.
     encoded: Vec<SecretBox<Vec<u8>>>,
 }
 
@@ -39,7 +39,7 @@ impl Redactor {
             .map(|key| key.expose().as_bytes())
             .filter(|key| key.len() >= SHORTEST)
             .collect();
-        // A key that begins like a shorter one must not be hidden in part.
+        // Longest first: a key that starts like a shorter one must not be hidden only in part.
         keys.sort_by_key(|key| std::cmp::Reverse(key.len()));
         let secret = |bytes: Vec<u8>| SecretBox::new(Box::new(bytes));
         Redactor {
@@ -73,13 +73,14 @@ impl Redactor {
 
     /// Returns the text without any key.
     pub fn text(&self, text: &str) -> String {
-        // Keys are ASCII, so that what is cut out begins and ends between letters.
+        // Keys are ASCII, so cuts fall on character boundaries.
         String::from_utf8_lossy(&self.bytes(text.as_bytes())).into_owned()
     }
 
-    /// Returns a body without any key, neither in its bytes nor in what they mean as JSON.
+    /// Returns a body without any key, in its bytes and in their meaning as JSON.
     ///
-    /// An escape that JSON undoes, such as `\\u0025` for the `%` of another one, hides a key from a look at bytes alone.
+    /// An escape that JSON decodes, such as `\\u0025` for the `%` of another escape, hides a key from a check of the
+    /// bytes alone.
     pub(super) fn body(&self, bytes: &[u8]) -> Vec<u8> {
         let bytes = self.bytes(bytes);
         if self.plain.is_empty() {
@@ -90,11 +91,11 @@ impl Redactor {
         {
             return value.to_string().into_bytes();
         }
-        // What reads a body decides what is to be said of one that is no JSON.
+        // If it is not JSON, the reader of the body reports that.
         bytes
     }
 
-    /// Hides keys in every string; returns whether there was one.
+    /// Hides keys in every string; returns whether there were any.
     fn hides_in(&self, value: &mut Value) -> bool {
         match value {
             Value::String(text) => {
@@ -121,7 +122,7 @@ impl Redactor {
         }
     }
 
-    /// Returns how many bytes at the beginning stand for a key.
+    /// Returns how many bytes at the beginning represent a key.
     fn length_at(&self, bytes: &[u8]) -> Option<usize> {
         let plain = self.plain.iter();
         let plain = plain.filter_map(|key| length_of_key(bytes, key.expose_secret()));
@@ -139,7 +140,7 @@ impl fmt::Debug for Redactor {
     }
 }
 
-/// Returns how many bytes at the beginning stand for the whole key.
+/// Returns how many bytes at the beginning represent the whole key.
 fn length_of_key(bytes: &[u8], key: &[u8]) -> Option<usize> {
     let mut at = 0;
     for wanted in key {
@@ -148,7 +149,7 @@ fn length_of_key(bytes: &[u8], key: &[u8]) -> Option<usize> {
     Some(at)
 }
 
-/// Returns how many bytes at the beginning stand for one letter: itself, `%41`, `\u0041`, or `\/`.
+/// Returns how many bytes at the beginning represent one letter: itself, `%41`, `\u0041`, or `\/`.
 fn length_of_letter(bytes: &[u8], wanted: u8) -> Option<usize> {
     if bytes.first() == Some(&wanted) {
         return Some(1);
@@ -171,14 +172,15 @@ fn length_of_letter(bytes: &[u8], wanted: u8) -> Option<usize> {
     escaped.then_some(slashes + 5)
 }
 
-/// Returns what of the key's base64 does not depend on its neighbours, for the three places where it can begin.
+/// Returns the parts of the key's base64 that do not depend on neighbouring bytes, for the three offsets where it can
+/// begin.
 fn encoded(key: &[u8]) -> Vec<Vec<u8>> {
     let mut stretches = Vec::new();
     for before in 0..3usize {
         let mut bytes = vec![0; before];
         bytes.extend_from_slice(key);
         let whole = bytes.len() / 3 * 4;
-        // The first group holds bits of what comes before, unless the key begins it.
+        // The first group contains bits of the preceding bytes, unless the key starts it.
         let first = if before == 0 { 0 } else { 4 };
         for alphabet in [&STANDARD_NO_PAD, &URL_SAFE_NO_PAD] {
             let text = alphabet.encode(&bytes).into_bytes();

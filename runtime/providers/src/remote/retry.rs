@@ -1,7 +1,7 @@
-//! Which failures are tried again, how often, and after what wait.
+//! Decides which failures are retried, how often, and after which wait.
 //!
-//! In: the faults of one question's calls, as they come. Out: a wait, or why there is no further try. Nothing here
-//! waits or sends; [`Pause`] is how a wait passes.
+//! In: the faults of one question's calls, as they occur. Out: a wait, or why there is no further attempt. Nothing here
+//! waits or sends; a [`Pause`] does the waiting.
 
 use backon::{BackoffBuilder, ExponentialBackoff, ExponentialBuilder};
 use fab_base::interrupt::Interrupt;
@@ -15,20 +15,20 @@ use std::time::{Duration, Instant};
 /// How soon a wait notices that the user stopped it.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// How often calls for one question are made, and how long is waited between them.
+/// Limits on the calls for one question and the waits between them.
 #[derive(Clone, Debug)]
 pub struct Retry {
-    /// The most calls for one question in all.
+    /// The most calls for one question.
     pub calls: u32,
-    /// The first wait, to which up to as much again is added by chance; each later one is twice as long.
+    /// The first wait, plus a random addition of up to the same length; each later wait is twice as long.
     pub first_wait: Duration,
     /// The longest wait before that addition, unless the provider asks for a longer one.
     pub longest_wait: Duration,
-    /// The longest that is waited for one question in all.
+    /// The longest total wait for one question.
     pub waits_in_all: Duration,
-    /// Decides the chance in waits; without it each question draws anew.
+    /// Seeds the random additions; without it each question draws its own.
     pub seed: Option<u64>,
-    /// How waits pass.
+    /// How waits are performed.
     pub pause: Arc<dyn Pause>,
 }
 
@@ -45,7 +45,7 @@ impl Default for Retry {
     }
 }
 
-/// Returns how many calls for one question may end so; one means that none is tried again.
+/// Returns how many calls for one question may end in this fault; one means no retry.
 pub fn most_calls(fault: Fault) -> u32 {
     match fault {
         Fault::RateLimited => 8,
@@ -60,13 +60,13 @@ pub fn most_calls(fault: Fault) -> u32 {
     }
 }
 
-/// Lets a wait pass.
+/// Performs waits.
 pub trait Pause: Send + Sync + fmt::Debug {
     /// Returns after `wait`, or as soon as `interrupt` is raised.
     fn pause(&self, wait: Duration, interrupt: &Interrupt);
 }
 
-/// Waits by the clock.
+/// Waits in real time.
 #[derive(Clone, Copy, Debug)]
 pub struct RealTime;
 
@@ -83,12 +83,12 @@ impl Pause for RealTime {
     }
 }
 
-/// What follows a failure.
+/// The reaction to a failure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Next {
     /// Another call, after a wait.
     After(Duration),
-    /// None; in words, why.
+    /// No further call, and why.
     GiveUp(String),
 }
 
@@ -103,7 +103,7 @@ pub(super) struct Tries<'a> {
 
 impl<'a> Tries<'a> {
     pub(super) fn new(retry: &'a Retry) -> Tries<'a> {
-        // With one seed for all, questions that failed together would come again together.
+        // With one seed for all, questions that failed together would be retried together.
         let seed = retry.seed.unwrap_or_else(|| RandomState::new().hash_one(0));
         let waits = ExponentialBuilder::new()
             .with_min_delay(retry.first_wait)
@@ -126,7 +126,7 @@ impl<'a> Tries<'a> {
         self.made
     }
 
-    /// Decides what follows a call that failed; `asked` is the wait that the provider asks for.
+    /// Decides the reaction to a failed call; `asked` is the wait that the provider asks for.
     pub(super) fn after(&mut self, fault: Fault, asked: Option<Duration>) -> Next {
         let ended = self.ended.entry(fault).or_default();
         *ended += 1;

@@ -1,8 +1,8 @@
-//! What is known of a model and how it is called: data that the command gathers.
+//! The settings for calling a model, as gathered by the command.
 //!
-//! In: a [`Profile`] of the model, where its provider is reached, the day whose prices count, the user's own settings.
-//! Out: [`Settings`]. What is unknown is sent as the task states it, so that the provider decides; only what is known
-//! not to be accepted is refused before it is sent.
+//! In: a [`Profile`] of the model, its provider's address, the date that determines prices, the user's own settings.
+//! Out: [`Settings`]. Unknown facts do not restrict a request, and the provider decides; only requests known to be
+//! unacceptable are refused before they are sent.
 
 use super::{BaseUrl, Key, Retry, Wire};
 use crate::catalogue::{Accepted, Date, MaxTokensField, Priced, Profile};
@@ -12,45 +12,45 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Everything that decides how a model is called.
+/// Everything that determines how a model is called.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// The provider, as in `PROVIDER:NAME`.
     pub provider: String,
-    /// The model, as the provider calls it.
+    /// The provider's id for the model.
     pub model: String,
     /// The form of requests and replies.
     pub wire: Wire,
-    /// Where they go.
+    /// The base address.
     pub base_url: BaseUrl,
-    /// The key, where one is needed.
+    /// The API key, if needed.
     pub key: Option<Key>,
-    /// Whether it takes pictures; None: nobody has said.
+    /// Whether it accepts pictures; `None`: unknown.
     pub pictures: Option<bool>,
-    /// Whether it takes a JSON Schema of its answer; only where it is known to, the schema is sent.
+    /// Whether it accepts a JSON Schema of its answer; the schema is sent only if it is known to.
     pub structured_output: Option<bool>,
-    /// How points are written for it, and what becomes of pictures.
+    /// How points are written for it, and how pictures are resized.
     pub lowering: Lowering,
-    /// The sampling temperatures that it takes; None: nobody has said, and what is stated is sent.
+    /// The sampling temperatures that it accepts; `None`: unknown, and stated values are sent.
     pub temperature: Option<Accepted>,
-    /// The same of `top_p`.
+    /// The values of `top_p` that it accepts.
     pub top_p: Option<Accepted>,
-    /// What Chat Completions call the longest answer; None: `max_tokens`.
+    /// The Chat Completions field for the maximum answer length; `None`: `max_tokens`.
     pub max_tokens_field: Option<MaxTokensField>,
-    /// The longest answer where the stage states none and the provider wants one, tokens.
+    /// The maximum answer length if the stage states none but the provider requires one, tokens.
     pub unstated_max_tokens: u32,
-    /// What is left out although a stage states it.
+    /// Parameters omitted even if a stage states them.
     pub omit: Vec<Parameter>,
-    /// How long one call may take in all.
+    /// Time limit of one call.
     pub timeout: Duration,
-    /// Which failures are tried again, and how often.
+    /// Which failures are retried, and how often.
     pub retry: Retry,
-    /// What calls cost.
+    /// Prices of calls.
     pub pricing: Arc<dyn Pricing>,
 }
 
 impl Settings {
-    /// Makes settings of a model of which nothing is known.
+    /// Makes settings for a model without known facts.
     pub fn new(provider: &str, model: &str, wire: Wire, base_url: BaseUrl) -> Settings {
         Settings {
             provider: provider.to_owned(),
@@ -72,7 +72,7 @@ impl Settings {
         }
     }
 
-    /// Makes the settings of a model of which a profile is known.
+    /// Makes the settings for a model with a profile.
     pub fn of(profile: &Profile, base_url: BaseUrl, today: Date) -> Settings {
         let (provider, facts) = (&profile.provider, &profile.facts);
         Settings {
@@ -89,7 +89,7 @@ impl Settings {
 }
 
 impl Settings {
-    /// Returns the longest answer that is asked for in the end, tokens; None where none is sent.
+    /// Returns the maximum answer length finally requested, tokens; `None` if none is sent.
     pub(super) fn sent_max_tokens(&self, request: &Request) -> Option<u32> {
         let stated = request.max_tokens;
         let sent = stated.filter(|_| !self.omit.contains(&Parameter::MaxTokens));
@@ -107,7 +107,7 @@ pub enum Parameter {
     Temperature,
     /// `top_p`.
     TopP,
-    /// `tokens`, the longest answer.
+    /// `tokens`, the maximum answer length.
     MaxTokens,
 }
 
@@ -129,12 +129,12 @@ impl Parameter {
     }
 }
 
-/// Knows what calls cost.
+/// Prices calls.
 pub trait Pricing: Send + Sync + fmt::Debug {
-    /// Returns the most that one call for the request may cost; None where that is not known.
+    /// Returns the most that one call for the request may cost; `None` if unknown.
     fn at_most(&self, request: &Request) -> Option<Usd>;
 
-    /// Returns what a call cost that used so much; None where the price is not known.
+    /// Returns the cost of a call with this usage; `None` if the price is unknown.
     fn cost(&self, usage: Usage) -> Option<Usd>;
 }
 

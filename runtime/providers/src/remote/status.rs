@@ -1,7 +1,7 @@
-//! What an HTTP status other than success means.
+//! Interprets HTTP statuses other than success.
 //!
-//! In: the status, and the body without any key. Out: a [`Refusal`]: the fault, whether the call may be billed, words,
-//! and the wait that the body asks for.
+//! In: the status, and the body without any key. Out: a [`Refusal`]: the fault, whether the call may be billed, a
+//! message, and the wait that the body asks for.
 
 use super::wire::error::ErrorBody;
 use fab_model::calls::{Billing, Fault};
@@ -16,11 +16,11 @@ pub(super) struct Refusal {
     pub wait: Option<Duration>,
 }
 
-/// Judges a status that is no success.
+/// Interprets a status other than success.
 pub(super) fn judge(status: u16, body: &[u8]) -> Refusal {
     let error = ErrorBody::of_bytes(body);
     let fault = match status {
-        // These say what they mean; a body may only tell quota from rate, or a filter from a fault.
+        // These statuses are unambiguous; a body may only distinguish quota from rate, or a filter from a fault.
         401 => Fault::NotAuthorised,
         402 => Fault::QuotaExhausted,
         408 => Fault::TimedOut,
@@ -40,7 +40,7 @@ pub(super) fn judge(status: u16, body: &[u8]) -> Refusal {
         }
     };
     let billing = match status {
-        // The provider may have worked before its front gave up.
+        // The provider may have done the work before its front end gave up.
         408 | 409 | 500..=502 | 504..=528 | 530..=599 => Billing::Possibly,
         _ => Billing::No,
     };

@@ -1,7 +1,7 @@
-//! Sends one message and waits for what comes back.
+//! Sends one message and waits for the reply.
 //!
-//! In: an address, headers, a body. Out: status, wait and body without any key; or how the message was lost. One
-//! message is sent once: no redirection is followed, nothing is tried again. An interrupt ends the waiting at once.
+//! In: an address, headers, a body. Out: status, wait and body without any key; or how the message was lost. A message
+//! is sent once: no redirect is followed, nothing is retried. An interrupt ends the wait at once.
 
 use super::hints;
 use super::redact::Redactor;
@@ -18,13 +18,13 @@ use tokio::runtime::{Builder, Runtime};
 /// How soon a waiting call notices that the user stopped it.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// How long a connection may take to be made.
+/// Time limit for connecting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// The largest reply that is read, bytes.
+/// The largest reply accepted, bytes.
 const MAX_REPLY_BYTES: usize = 16 * 1024 * 1024;
 
-/// What waits for sockets, for the whole process: calls block their own threads.
+/// The async runtime of the whole process; calls block their own threads.
 static RUNTIME: LazyLock<Result<Runtime, String>> = LazyLock::new(|| {
     Builder::new_multi_thread()
         .worker_threads(1)
@@ -43,7 +43,7 @@ pub(super) struct Transport {
     timeout: Duration,
 }
 
-/// What came back.
+/// A reply.
 pub(super) struct Incoming {
     pub status: u16,
     /// The wait that the headers ask for.
@@ -64,7 +64,7 @@ pub(super) enum Lost {
     },
 }
 
-/// Whether a proxy of the system is used.
+/// Whether the system's proxy is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Proxy {
     OfTheSystem,
@@ -72,14 +72,14 @@ pub(super) enum Proxy {
 }
 
 impl Transport {
-    /// Makes what sends; `timeout` is for one message from its beginning to the end of its reply.
+    /// Makes a transport; `timeout` covers one message from its start to the end of its reply.
     pub(super) fn new(
         redactor: Redactor,
         timeout: Duration,
         proxy: Proxy,
     ) -> Result<Transport, String> {
         let runtime = RUNTIME.as_ref().map_err(String::clone)?;
-        // Fails where one is installed already, which does as well.
+        // Fails if a provider is already installed, which is equally good.
         let _ = rustls::crypto::ring::default_provider().install_default();
         let builder = Client::builder()
             .connect_timeout(CONNECT_TIMEOUT)
@@ -103,7 +103,7 @@ impl Transport {
         })
     }
 
-    /// Returns what hides keys in replies.
+    /// Returns the redactor of replies.
     pub(super) fn redactor(&self) -> &Redactor {
         &self.redactor
     }
@@ -174,7 +174,7 @@ impl Transport {
     }
 }
 
-/// Waits for a result; None as soon as the interrupt is raised.
+/// Waits for a result; `None` as soon as the interrupt is raised.
 async fn unless_raised<F: Future>(future: F, interrupt: &Interrupt) -> Option<F::Output> {
     let mut future = std::pin::pin!(future);
     loop {
@@ -187,7 +187,7 @@ async fn unless_raised<F: Future>(future: F, interrupt: &Interrupt) -> Option<F:
     }
 }
 
-/// Writes an error and what caused it, outermost first.
+/// Formats an error with its causes, outermost first.
 fn chain(error: reqwest::Error) -> String {
     let mut words = error.to_string();
     let mut cause = error.source();

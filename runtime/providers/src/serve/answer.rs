@@ -1,16 +1,16 @@
-//! What both forms of an answer say alike: how many tokens there were, and a name for the answer.
+//! Common parts of both answer formats: token counts, and an id.
 
 use crate::catalogue::{ImageTokens, Patches, tokens};
 use fab_model::calls::Usage;
 use fab_model::{Reply, Request};
 
-/// How the tokens of a picture are estimated, since a stand-in has none: as the GPT-6 models count them.
+/// How the tokens of a picture are estimated, since a stand-in has none: as for the GPT-6 models.
 const PICTURE: ImageTokens = ImageTokens::Patches(Patches {
     side_px: 32,
     percent: 120,
 });
 
-/// Returns what an answer used: what the model reports, else an estimate.
+/// Returns the usage of an answer: as reported by the model, else an estimate.
 pub(super) fn usage(request: &Request, reply: &Reply) -> Usage {
     reply.usage.unwrap_or_else(|| Usage {
         input_tokens: tokens::of_messages(&request.messages, Some(&PICTURE))
@@ -20,7 +20,7 @@ pub(super) fn usage(request: &Request, reply: &Reply) -> Usage {
     })
 }
 
-/// Names an answer by its question, so that equal questions have equal answers to the last byte.
+/// Derives an answer's id from its question, so that equal questions have byte-identical answers.
 pub(super) fn id(prefix: &str, request: &Request) -> String {
     format!("{prefix}{}", &request.key()[..24])
 }

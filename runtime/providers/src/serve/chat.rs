@@ -1,4 +1,4 @@
-//! Chat Completions: reads their requests, writes their answers.
+//! Chat Completions: reads requests, writes answers.
 
 use super::content::{self, Address, Names};
 use super::fields::{Fields, schema};

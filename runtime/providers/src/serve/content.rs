@@ -1,4 +1,4 @@
-//! Reads turns of a conversation: who speaks, words, pictures.
+//! Reads conversation turns: speaker, text, pictures.
 
 use super::fields::Fields;
 use super::refusal::Refusal;
@@ -11,17 +11,17 @@ use serde_json::Value;
 /// The most turns of a conversation.
 const MAX_TURNS: usize = 1000;
 
-/// How one of the two forms names the pieces of a turn.
+/// The names of content types in one of the two formats.
 pub(super) struct Names {
     /// Types of a text.
     pub text: &'static [&'static str],
     /// The type of a picture.
     pub image: &'static str,
-    /// Whether a picture's address stands in an object of its own.
+    /// Whether a picture's address is in an object of its own.
     pub address: Address,
 }
 
-/// Where a picture's address stands.
+/// Where a picture's address is.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Address {
     /// `"image_url": {"url": "data:…"}`.
@@ -52,7 +52,7 @@ fn turn(mut turn: Fields, names: &Names) -> Result<Message, Refusal> {
         "system" | "developer" => Speaker::System,
         "user" => Speaker::User,
         "assistant" => Speaker::Assistant,
-        _ => return Err(turn.wrong("role", "is none of system, developer, user and assistant")),
+        _ => return Err(turn.wrong("role", "must be system, developer, user or assistant")),
     };
     let path = turn.path("content");
     let parts = match turn.required("content")? {
@@ -66,7 +66,7 @@ fn turn(mut turn: Fields, names: &Names) -> Result<Message, Refusal> {
         }
         _ => return Err(turn.wrong("content", "is neither a string nor a list")),
     };
-    // What clients repeat of an answer says nothing further.
+    // Clients echo this field from answers; it carries no information.
     turn.only("tool_calls", Value::Array(Vec::new()))?;
     turn.finish(&["name", "id", "status", "refusal", "annotations"])?;
     Ok(Message { speaker, parts })
@@ -100,7 +100,7 @@ fn part(mut part: Fields, names: &Names) -> Result<Part, Refusal> {
     png(&address, &path).map(Part::Image)
 }
 
-/// Reads a picture out of its address, which has to hold it.
+/// Decodes a picture from a `data:` address.
 fn png(address: &str, path: &str) -> Result<Png, Refusal> {
     const START: &str = "data:image/png;base64,";
     let wrong = |why: &str| Refusal::of(path, format!("`{path}` {why}"));
@@ -116,13 +116,13 @@ fn png(address: &str, path: &str) -> Result<Png, Refusal> {
         Some((start, encoded)) if start.eq_ignore_ascii_case(START) => encoded,
         _ => {
             return Err(wrong(
-                "is no PNG in base64; it has to begin with `data:image/png;base64,`",
+                "is not a PNG in base64; it must begin with `data:image/png;base64,`",
             ));
         }
     };
     let bytes = STANDARD
         .decode(encoded)
-        .map_err(|_| wrong("is no base64"))?;
+        .map_err(|_| wrong("is not base64"))?;
     match png::size(&bytes) {
         Some([width, height]) if width.max(height) <= png::MAX_SIDE_PX => Ok(Png::new(bytes)),
         Some([width, height]) => {
@@ -131,11 +131,11 @@ fn png(address: &str, path: &str) -> Result<Png, Refusal> {
                 "is {width} by {height} pixels; at most {most} by {most} are taken"
             )))
         }
-        None => Err(wrong("is no PNG picture")),
+        None => Err(wrong("is not a PNG picture")),
     }
 }
 
-/// Returns which kind of model a conversation asks: one that sees, where it has a picture.
+/// Returns the role that a conversation asks for: vision if it has a picture.
 pub(super) fn role(messages: &[Message]) -> ModelRole {
     let mut parts = messages.iter().flat_map(|message| &message.parts);
     if parts.any(|part| matches!(part, Part::Image(_))) {

@@ -1,13 +1,13 @@
-//! Takes the fields of a request one by one, so that what is left over is known.
+//! Takes the fields of a request one by one, so that unknown ones can be reported.
 //!
-//! In: a JSON object. Out: typed values, or a refusal that names the field. `null` is the same as no field.
+//! In: a JSON object. Out: typed values, or a refusal that names the field. `null` counts as absent.
 
 use super::refusal::Refusal;
 use serde_json::{Map, Value, json};
 
-/// The fields that nobody has looked at yet.
+/// The fields not taken yet.
 pub(super) struct Fields {
-    /// What stands before their names in messages, such as `messages[2].`.
+    /// The prefix of their names in messages, such as `messages[2].`.
     path: String,
     left: Map<String, Value>,
 }
@@ -20,12 +20,15 @@ impl Fields {
         }
     }
 
-    /// Makes the fields of a value that has to be an object.
+    /// Makes the fields of a value, which must be an object.
     pub(super) fn of(path: impl Into<String>, value: Value) -> Result<Fields, Refusal> {
         let path = path.into();
         match value {
             Value::Object(left) => Ok(Fields::new(format!("{path}."), left)),
-            _ => Err(Refusal::of(path.as_str(), format!("`{path}` is no object"))),
+            _ => Err(Refusal::of(
+                path.as_str(),
+                format!("`{path}` is not an object"),
+            )),
         }
     }
 
@@ -47,7 +50,7 @@ impl Fields {
     pub(super) fn text(&mut self, name: &str) -> Result<String, Refusal> {
         match self.required(name)? {
             Value::String(text) => Ok(text),
-            _ => Err(self.wrong(name, "is no string")),
+            _ => Err(self.wrong(name, "is not a string")),
         }
     }
 
@@ -66,21 +69,21 @@ impl Fields {
             .filter(|number| (least..=most).contains(number));
         number
             .map(Some)
-            .ok_or_else(|| self.wrong(name, &format!("is no number from {least} to {most}")))
+            .ok_or_else(|| self.wrong(name, &format!("is not a number from {least} to {most}")))
     }
 
-    /// Takes a whole number from `least` up.
+    /// Takes an integer from `least` up.
     pub(super) fn whole(&mut self, name: &str, least: u32) -> Result<Option<u32>, Refusal> {
         let Some(value) = self.take(name) else {
             return Ok(None);
         };
         let number = value.as_u64().and_then(|number| u32::try_from(number).ok());
         let number = number.filter(|number| *number >= least);
-        let rule = format!("is no whole number from {least} to {}", u32::MAX);
+        let rule = format!("is not a whole number from {least} to {}", u32::MAX);
         number.map(Some).ok_or_else(|| self.wrong(name, &rule))
     }
 
-    /// Refuses a field unless it has the one value that changes nothing.
+    /// Refuses a field unless it has the value without effect.
     pub(super) fn only(&mut self, name: &str, allowed: Value) -> Result<(), Refusal> {
         match self.take(name) {
             Some(value) if value != allowed && !is_same_number(&value, &allowed) => {
@@ -93,7 +96,7 @@ impl Fields {
         }
     }
 
-    /// Passes over fields that change no answer, and refuses all that are left.
+    /// Ignores fields without effect on the answer, and refuses all others left.
     pub(super) fn finish(mut self, harmless: &[&str]) -> Result<(), Refusal> {
         for name in harmless {
             self.left.remove(*name);
@@ -122,7 +125,7 @@ fn is_same_number(value: &Value, allowed: &Value) -> bool {
         .is_some_and(|(one, other)| one == other)
 }
 
-/// Takes the schema of the answer out of `{"type": "json_schema", …}`; `inner` is where Chat Completions have it.
+/// Takes the answer's schema out of `{"type": "json_schema", …}`; `inner` is its place in Chat Completions.
 pub(super) fn schema(mut format: Fields, inner: Option<&str>) -> Result<Option<Value>, Refusal> {
     let kind = format.text("type")?;
     match kind.as_str() {
@@ -139,9 +142,9 @@ pub(super) fn schema(mut format: Fields, inner: Option<&str>) -> Result<Option<V
             };
             let schema = described.required("schema")?;
             if !schema.is_object() {
-                return Err(described.wrong("schema", "is no object"));
+                return Err(described.wrong("schema", "is not an object"));
             }
-            // Whether it is strict changes nothing: no answer here is held to it by force.
+            // Strictness has no effect: no answer here is constrained by the schema.
             described.finish(&["name", "description", "strict"])?;
             Ok(Some(schema))
         }

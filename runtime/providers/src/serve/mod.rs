@@ -1,9 +1,9 @@
-//! Offers a model as an OpenAI-compatible endpoint on this machine.
+//! Serves a model as an OpenAI-compatible endpoint on this machine.
 //!
-//! In: a [`Model`], and HTTP requests from this machine alone, of which those of foreign pages in a browser are refused.
-//! Out: its answers, in the form of OpenAI's Chat Completions and Responses. A parameter that would change the answer and
-//! cannot be honoured is refused by name, and none is dropped. Token counts are estimates, unless the model reports its
-//! own. Which model is served, and what is printed, is left to the command.
+//! In: a [`Model`], and HTTP requests from this machine only; requests of foreign web pages in a local browser are
+//! refused. Out: its answers, in the formats of OpenAI's Chat Completions and Responses. A parameter that would change
+//! the answer but is not supported is refused by name, never dropped. Token counts are estimates, unless the model
+//! reports its own. The command chooses the model and prints messages.
 
 mod answer;
 mod chat;
@@ -33,11 +33,11 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::Semaphore;
 
-/// The longest body of a request, bytes.
+/// The longest request body, bytes.
 pub const MAX_BODY_BYTES: usize = 32 << 20;
-/// Requests that are held in memory and answered at once; others wait.
+/// The most requests held in memory and answered at once; others wait.
 const AT_ONCE: usize = 8;
-/// Fields that change no answer, in both forms.
+/// Fields without effect on the answer, in both formats.
 const HARMLESS: [&str; 6] = [
     "user",
     "metadata",
@@ -46,33 +46,33 @@ const HARMLESS: [&str; 6] = [
     "prompt_cache_key",
     "safety_identifier",
 ];
-/// How long a body may take to arrive, so that a connection that hangs does not hold a place for ever.
+/// Time limit for a body to arrive, so that a hanging connection does not hold a slot for ever.
 const BODY_TIME: Duration = Duration::from_secs(60);
-/// How long answers under way may take once the server is to end.
+/// Time limit for answers in progress at shutdown.
 const LAST_TIME: Duration = Duration::from_secs(5);
-/// How often the server looks whether it is to end.
+/// How often the server checks for shutdown.
 const LOOK_TIME: Duration = Duration::from_millis(50);
 
 /// Why a model cannot be served.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// The port cannot be had.
+    /// The port is unavailable.
     #[error("cannot listen on 127.0.0.1:{port}: {why}; `--port 0` takes any free port")]
     NoPort {
         /// The port.
         port: u16,
-        /// What the system said.
+        /// The system's error.
         why: io::Error,
     },
-    /// The system gives no thread or no timer, or ended the server.
+    /// The system refused a thread or timer, or ended the server.
     #[error("the server failed: {0}")]
     Failed(#[from] io::Error),
 }
 
-/// Serves a model on 127.0.0.1 until `interrupt` is raised; answers under way are given then.
+/// Serves a model on 127.0.0.1 until `interrupt` is raised; answers in progress are still completed.
 ///
-/// - `port`: 0 takes any free one.
-/// - `ready`: told the address as soon as connections are taken.
+/// - `port`: 0 takes any free port.
+/// - `ready`: told the address as soon as connections are accepted.
 pub fn serve(
     model: Arc<dyn Model>,
     port: u16,
@@ -100,7 +100,7 @@ pub fn serve(
                 Err(_) => {}
             }
         }
-        // A client that does not go is left after a while.
+        // After a while, do not wait any longer for a client to disconnect.
         let _ = tokio::time::timeout(LAST_TIME, server).await;
         Ok(())
     });
@@ -114,7 +114,7 @@ async fn until_raised(interrupt: &Interrupt) {
     }
 }
 
-/// What the handlers share.
+/// Shared by all handlers.
 #[derive(Clone)]
 struct Served {
     model: Arc<dyn Model>,
@@ -146,9 +146,9 @@ async fn from_near(request: axum::extract::Request, next: Next) -> Response {
     }
 }
 
-/// A request in one of the two forms, and what its answer repeats of it.
+/// A request in one of the two formats, with the fields that its answer echoes.
 trait Form: Sized + Send + 'static {
-    /// Reads a body whose model was taken out.
+    /// Reads a body without its model field.
     fn read(fields: Fields) -> Result<(Request, Self), Refusal>;
 
     /// Writes the answer.
@@ -180,7 +180,7 @@ async fn try_answer<F: Form>(
     near::check_type(request.headers())?;
     let place = served.places.acquire_owned().await;
     let place = place.map_err(|_| Refusal::failed("the server is about to end"))?;
-    // Said before it is sent: then nothing of it needs to be read.
+    // Check the declared length first, so that a body that is too large need not be read.
     let length = request.headers().get(CONTENT_LENGTH);
     let length = length.and_then(|value| value.to_str().ok()?.parse::<u64>().ok());
     if length.is_some_and(|length| length > MAX_BODY_BYTES as u64) {
@@ -194,8 +194,8 @@ async fn try_answer<F: Form>(
         let _place = place;
         let body = match serde_json::from_slice(&body) {
             Ok(Value::Object(body)) => body,
-            Ok(_) => return Err(Refusal::wrong("the body is no JSON object")),
-            Err(error) => return Err(Refusal::wrong(format!("the body is no JSON: {error}"))),
+            Ok(_) => return Err(Refusal::wrong("the body is not a JSON object")),
+            Err(error) => return Err(Refusal::wrong(format!("the body is not JSON: {error}"))),
         };
         let model = served.model.as_ref();
         let mut fields = Fields::new("", body);

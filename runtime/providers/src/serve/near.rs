@@ -1,17 +1,17 @@
-//! Refuses what a page in a browser of this machine could send for somebody elsewhere.
+//! Refuses requests that a foreign web page could send through a local browser.
 //!
-//! In: the head of a request. Out: nothing, or a refusal. Only this machine's programs reach the port, and a browser
-//! is one of them: a page may send it plain forms from any site, or call it by a name of its own that leads here. What
-//! a body says is left to others.
+//! In: the headers of a request. Out: nothing, or a refusal. Only programs on this machine can reach the port, but a
+//! browser is one of them: any site's page may send it plain forms, or reach it through its own host name that resolves
+//! to this machine. Bodies are not checked here.
 
 use super::refusal::Refusal;
 use axum::http::header::{CONTENT_TYPE, HOST, HeaderMap, HeaderName, ORIGIN};
 use axum::http::uri::{Authority, Uri};
 
-/// What this machine calls itself.
+/// Host names of this machine.
 const NAMES: [&str; 3] = ["127.0.0.1", "localhost", "[::1]"];
 
-/// Refuses a request that names another machine as its goal, or comes from a page of one.
+/// Refuses a request that names another host, or comes from a page of one.
 pub(super) fn check(headers: &HeaderMap) -> Result<(), Refusal> {
     if !headers.contains_key(HOST) || !all(headers, &HOST, is_host_near) {
         return Err(Refusal::forbidden(
@@ -26,7 +26,7 @@ pub(super) fn check(headers: &HeaderMap) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Refuses a body that is not said to be JSON: browsers send others without asking first.
+/// Refuses a body that is not declared as JSON: browsers send other types without asking first.
 pub(super) fn check_type(headers: &HeaderMap) -> Result<(), Refusal> {
     let is_json = |value: &str| {
         let kind = value.split(';').next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Says why a request is not answered, in the form that OpenAI's clients read.
+//! Refused requests, in the error format of OpenAI's clients.
 
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Json, Response};
@@ -11,7 +11,7 @@ use std::time::Duration;
 #[derive(Debug, PartialEq)]
 pub(super) struct Refusal {
     pub status: StatusCode,
-    /// The parameter that is wrong, where it is one.
+    /// The parameter that is wrong, if it is a single one.
     pub param: Option<String>,
     code: Option<&'static str>,
     pub message: String,
@@ -40,7 +40,7 @@ impl Refusal {
         }
     }
 
-    /// A parameter cannot be honoured.
+    /// A parameter is not supported.
     pub(super) fn unsupported(param: &str, message: impl Into<String>) -> Refusal {
         Refusal {
             code: Some("unsupported_parameter"),
@@ -66,7 +66,7 @@ impl Refusal {
         Refusal::new(StatusCode::METHOD_NOT_ALLOWED, message)
     }
 
-    /// The request comes from elsewhere, or means to go there.
+    /// The request comes from another host, or addresses one.
     pub(super) fn forbidden(message: &str) -> Refusal {
         Refusal::new(StatusCode::FORBIDDEN, message)
     }

@@ -1,4 +1,4 @@
-//! Responses: reads their requests, writes their answers.
+//! Responses: reads requests, writes answers.
 
 use super::content::{self, Address, Names};
 use super::fields::{Fields, schema};
@@ -13,7 +13,7 @@ const NAMES: Names = Names {
     address: Address::Plain,
 };
 
-/// What a request for a response said that its answer repeats.
+/// The fields of a request that its answer echoes.
 pub(super) struct Responses {
     instructions: Option<String>,
     format: Value,
@@ -24,7 +24,7 @@ impl Form for Responses {
         let instructions = match fields.take("instructions") {
             None => None,
             Some(Value::String(text)) => Some(text),
-            Some(_) => return Err(fields.wrong("instructions", "is no string")),
+            Some(_) => return Err(fields.wrong("instructions", "is not a string")),
         };
         let mut messages = match fields.required("input")? {
             Value::String(text) => vec![Message::text(Speaker::User, text)],
@@ -57,7 +57,7 @@ impl Form for Responses {
         ] {
             fields.only(name, allowed)?;
         }
-        // It asks for things beside the answer, of which an embedded model has none.
+        // It requests additional output, and a stand-in has none.
         fields.take("include");
         fields.finish(&HARMLESS)?;
         Ok((

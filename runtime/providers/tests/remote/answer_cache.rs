@@ -1,4 +1,4 @@
-//! Answers are bought once: kept by all that they depend on, and asked for by one thread at a time.
+//! Tests that answers are bought once: cached by everything they depend on, and asked for by one thread at a time.
 
 use crate::support::*;
 use fab_base::cache::Cache;

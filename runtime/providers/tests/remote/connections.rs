@@ -1,4 +1,4 @@
-//! Connections that fail on the way: refused, cut, slow, endless.
+//! Tests of failing connections: refused, cut, slow, endless.
 
 use crate::support::*;
 use fab_model::calls::{Billing, Fault};

@@ -1,4 +1,4 @@
-//! Status codes and replies that are none: what is tried again, how often, and what is told of it.
+//! Tests of error statuses and invalid replies: what is retried, how often, and what is reported.
 
 use crate::support::*;
 use fab_model::calls::{Billing, Fault, Usd};
@@ -12,7 +12,7 @@ fn json(status: u16, body: &str) -> ResponseTemplate {
     ResponseTemplate::new(status).set_body_raw(body, "application/json")
 }
 
-/// A reply for ever, its fault, and whether the call may have been billed.
+/// A repeated reply, its fault, and whether the call may have been billed.
 fn failures() -> Vec<(ResponseTemplate, Fault, Billing)> {
     use Billing::{No, Possibly};
     let ended = |reason: &str| {

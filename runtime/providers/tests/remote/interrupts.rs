@@ -1,4 +1,4 @@
-//! The user's interrupt ends whatever a call waits for.
+//! Tests that the user's interrupt ends every kind of wait.
 
 use crate::support::*;
 use fab_base::interrupt::Interrupt;
@@ -16,7 +16,7 @@ fn a_call_that_waits_for_its_reply_ends_and_counts_as_possibly_billed() {
     let rude = Rude::acting(move |stream| {
         raised.raise();
         let held = stream.try_clone().unwrap();
-        // Far longer than the test may take: only the interrupt ends the call.
+        // Far longer than the test may take: only the interrupt can end the call.
         thread::spawn(move || {
             thread::sleep(Duration::from_secs(3600));
             drop(held);

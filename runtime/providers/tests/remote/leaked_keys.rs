@@ -1,4 +1,4 @@
-//! A key that the server gives back in every form is never seen again.
+//! Tests that a key echoed by the server in any form never appears again.
 
 use crate::support::*;
 use base64::Engine;
@@ -11,7 +11,7 @@ use wiremock::ResponseTemplate;
 
 const OTHER: &str = "another-canary-key-0123";
 
-/// What no text may hold: the keys, and pieces of them that no escape would leave.
+/// Fails if a text contains the keys, or pieces of them that no escape would change.
 fn check(text: &str) {
     let text = &text.to_lowercase();
     let engine = base64::engine::general_purpose::STANDARD;
@@ -33,7 +33,7 @@ fn escaped(text: &str) -> String {
     text.bytes().map(|byte| format!("\\u{byte:04x}")).collect()
 }
 
-/// Bodies in which the server repeats the keys.
+/// Bodies in which the server echoes the keys.
 fn bodies() -> Vec<String> {
     let engine = base64::engine::general_purpose::STANDARD;
     let encoded = engine.encode(format!("user:{CANARY}"));
@@ -112,13 +112,13 @@ fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
         }
         check(&format!("{model:?} {:?}", trial.shared));
         assert_eq!(provider.got().len(), replies.len());
-        // Responses say the keys as refusals alone.
+        // Responses echo the keys only in refusals.
         let expected = if wire == Wire::OpenaiResponses { 0 } else { 9 };
         assert_eq!(understood, expected, "{}", wire.name());
     }
 }
 
-/// A reply in the form of a wire whose text stands in pieces.
+/// A reply whose text is split into pieces.
 fn in_pieces(wire: Wire, pieces: &[&str]) -> Value {
     let typed = |kind: &str| -> Vec<Value> {
         let pieces = pieces.iter();
@@ -194,7 +194,7 @@ fn no_kept_answer_holds_a_key() {
 
 #[test]
 fn no_panic_message_holds_a_key() {
-    /// Panics with all that it can see of a call.
+    /// Panics with everything that it can see of a call.
     struct Panics;
     impl fab_model::calls::Calls for Panics {
         fn begin(
@@ -223,7 +223,7 @@ fn no_panic_message_holds_a_key() {
         .unwrap_or_default();
     assert!(text.contains("a-model"), "{text}");
     check(&text);
-    // The gate and the claim were given back all the same.
+    // The gate and the claim were released despite the panic.
     assert!(model.ask(&request(), &mut Unkept).is_ok());
 }
 

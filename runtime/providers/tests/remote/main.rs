@@ -1,4 +1,4 @@
-//! Plays every failure of a provider against `model::remote`, and counts what the provider got.
+//! Plays every failure of a provider against `remote`, and counts the requests that the provider got.
 
 #![allow(clippy::unwrap_used)]
 

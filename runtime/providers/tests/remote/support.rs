@@ -1,4 +1,4 @@
-//! A scripted provider, and doubles that note what a model tells and waits for.
+//! A scripted provider, and test doubles that record reports and waits.
 
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usage, Usd};
@@ -14,10 +14,10 @@ use std::thread;
 use std::time::Duration;
 use wiremock::{Mock, MockServer, Respond, ResponseTemplate};
 
-/// What must never be seen again.
+/// The key that must never appear again.
 pub const CANARY: &str = "sk-canary/0123456789+abc";
 
-/// A provider that plays replies in order, the last one for ever.
+/// A provider that plays replies in order, repeating the last one.
 pub struct Provider {
     server: MockServer,
     runtime: tokio::runtime::Runtime,
@@ -59,14 +59,14 @@ impl Provider {
         self.server.uri()
     }
 
-    /// Returns every request that came, oldest first.
+    /// Returns every request received, oldest first.
     pub fn got(&self) -> Vec<wiremock::Request> {
         let requests = self.runtime.block_on(self.server.received_requests());
         requests.expect("requests are recorded")
     }
 }
 
-/// A listener that does to each connection, once its request is read, what `act` says.
+/// A listener that runs `act` on each connection after reading its request.
 pub struct Rude {
     address: String,
     count: Arc<AtomicUsize>,
@@ -99,7 +99,7 @@ impl Rude {
     }
 }
 
-/// Reads head and body; false where the connection ends before.
+/// Reads head and body; false if the connection ends earlier.
 fn read_request(stream: &mut TcpStream) -> bool {
     let mut bytes = Vec::new();
     let mut chunk = [0; 4096];
@@ -119,13 +119,13 @@ fn read_request(stream: &mut TcpStream) -> bool {
     }
 }
 
-/// Writes as much of a head and a body as is given.
+/// Writes part of a response.
 pub fn say(stream: &mut TcpStream, text: &str) {
-    // The other side may have gone.
+    // The other side may have disconnected.
     let _ = stream.write_all(text.as_bytes());
 }
 
-/// A good reply of Chat Completions.
+/// A valid Chat Completions reply.
 pub fn good(text: &str) -> ResponseTemplate {
     ResponseTemplate::new(200).set_body_json(good_body(text))
 }
@@ -141,7 +141,7 @@ pub fn status(status: u16) -> ResponseTemplate {
     ResponseTemplate::new(status)
 }
 
-/// Lets waits pass at once and notes them.
+/// Skips waits and records them.
 #[derive(Debug, Default)]
 pub struct Noted(pub Mutex<Vec<Duration>>);
 
@@ -167,7 +167,7 @@ impl Pricing for Prices {
     }
 }
 
-/// What a model told of one message.
+/// A model's report about one message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Told {
     Begin {
@@ -188,7 +188,7 @@ pub enum Told {
     },
 }
 
-/// Notes what is told, and refuses the call after `allowed` ones.
+/// Records reports, and refuses calls after `allowed` ones.
 pub struct Notes {
     pub told: Vec<Told>,
     pub allowed: usize,
@@ -202,7 +202,7 @@ impl Notes {
         }
     }
 
-    /// Returns the ends; fails where beginnings and ends do not alternate, or numbers do not count up.
+    /// Returns the ends; fails if beginnings and ends do not alternate, or numbers do not count up.
     pub fn ends(&self) -> Vec<Told> {
         let mut ends = Vec::new();
         for (at, pair) in self.told.chunks(2).enumerate() {
@@ -267,7 +267,7 @@ impl Calls for Notes {
     }
 }
 
-/// A model under test, and what it waited for.
+/// A model under test, and its waits.
 pub struct Trial {
     pub settings: Settings,
     pub shared: Shared,

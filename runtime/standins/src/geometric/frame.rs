@@ -1,39 +1,39 @@
-//! The frame of a cloth's outline: the rectangle that fits it most snugly.
+//! The frame of a cloth's outline: its best-fitting rectangle.
 //!
-//! In: points of an outline, `[right, up]` (pixels of a picture with the row axis turned upwards, so that
-//! angles grow anti-clockwise as seen). Out: a [`Frame`], in which a point is named by how far along and how
-//! far across the rectangle it lies. Words for that are `super::words`' business.
+//! In: points of an outline, `[right, up]` (pixels of a picture with the row axis flipped, so that angles grow
+//! counter-clockwise as seen). Out: a [`Frame`], which describes points by their fractions along and across the
+//! rectangle. `super::words` puts these into words.
 
 use fab_picture::hull::{Point, distance, distance_to_outline, dot, edges, minus};
 
 /// A rectangle around an outline, with an order of its sides.
 ///
-/// `along` is the direction of its long side where it has one; `across` is `along` turned a quarter
-/// anti-clockwise. A cloth is never mirrored, so neither is its frame.
+/// `along` is the direction of its long side, if it has one; `across` is `along` turned a quarter counter-clockwise. A
+/// cloth is never mirrored, so neither is its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     center: Point,
     /// Unit vector.
     along: Point,
-    /// Half the side that runs along, then half the other.
+    /// Half the side along, then half the side across.
     half: [f64; 2],
 }
 
-/// Of two rectangles whose areas differ by less than this factor, neither counts as the snugger one.
+/// Rectangles whose areas differ by less than this factor count as equally tight.
 const EQUAL_AREA: f64 = 1.08;
 
-/// Between equally snug rectangles, the slimmer one is taken if it is slimmer by this factor: a right-angled
-/// triangle fits the rectangle on its long side and the square on its short ones equally well.
+/// Of equally tight rectangles, a slimmer one wins if it is slimmer by this factor: the rectangle on the long side of a
+/// right-angled triangle and the square on its short sides are equally tight.
 const CLEARLY_SLIMMER: f64 = 1.3;
 
-/// From this ratio of sides on, a rectangle has long sides and short ones.
+/// From this ratio of sides on, a rectangle has long and short sides.
 const LONG: f64 = 1.08;
 
 impl Frame {
     /// Fits a frame to a convex outline as returned by [`hull`]; `None` if it has no area.
     ///
-    /// `along` is the direction of the longer side, else of the side that is nearer to the picture's right;
-    /// of its two senses, the one that points right (or straight up).
+    /// `along` is the direction of the longer side, or else of the side closer to the picture's right; of its two
+    /// orientations, the one that points right (or straight up).
     pub fn fit(hull: &[Point]) -> Option<Frame> {
         let fits = Frame::fits(hull, EQUAL_AREA);
         let (snuggest, _) = *fits.first()?;
@@ -51,9 +51,9 @@ impl Frame {
         Some(slimmest.unwrap_or(snuggest))
     }
 
-    /// Fits all frames to a convex outline that are larger than the snuggest by less than a factor; it comes first.
+    /// Returns all frames of a convex outline that exceed the tightest by less than a factor, the tightest first.
     ///
-    /// Each comes with the share of area that it has beyond that; empty if the outline has no area.
+    /// Each has its relative excess area; empty if the outline has no area.
     pub fn fits(hull: &[Point], within: f64) -> Vec<(Frame, f64)> {
         let mut fits: Vec<Frame> = edges(hull)
             .filter_map(|(a, b)| flush_with(hull, a, b))
@@ -69,7 +69,7 @@ impl Frame {
             .collect()
     }
 
-    /// Tells whether the frame has long sides and short ones.
+    /// Returns whether the frame has long and short sides.
     pub fn has_long_sides(&self) -> bool {
         self.aspect() >= LONG
     }
@@ -84,12 +84,12 @@ impl Frame {
         2.0 * self.half[0].max(self.half[1])
     }
 
-    /// Returns the angle of the direction `along`, radians anti-clockwise from the picture's right.
+    /// Returns the angle of `along`, radians counter-clockwise from the picture's right.
     pub fn angle(&self) -> f64 {
         self.along[1].atan2(self.along[0])
     }
 
-    /// Returns the same rectangle with the sides' order advanced by quarter turns, anti-clockwise.
+    /// Returns the same rectangle with its sides renamed by quarter turns, counter-clockwise.
     pub fn turned(&self, quarter_turns: u32) -> Frame {
         (0..quarter_turns % 4).fold(*self, |frame, _| Frame {
             center: frame.center,
@@ -103,7 +103,7 @@ impl Frame {
         self.turned(u32::from(self.half[0] < self.half[1]))
     }
 
-    /// Returns where a point lies, from 0 to 1 along and 0 to 1 across; outside of the rectangle beyond that.
+    /// Returns a point's fractions along and across, 0 to 1; outside that range beyond the rectangle.
     pub fn share_of(&self, point: Point) -> [f64; 2] {
         let from_center = minus(point, self.center);
         let along = dot(from_center, self.along) / self.half[0];
@@ -111,7 +111,7 @@ impl Frame {
         [(along + 1.0) / 2.0, (across + 1.0) / 2.0]
     }
 
-    /// Returns the point at a share of the way along and across.
+    /// Returns the point at the given fractions along and across.
     pub fn point_at(&self, [along, across]: [f64; 2]) -> Point {
         let across_axis = quarter_turn(self.along);
         let (s, t) = (
@@ -124,9 +124,9 @@ impl Frame {
         ]
     }
 
-    /// Returns how far the outline stays away from each corner of the rectangle, as a share of the short side.
+    /// Returns the outline's distance from each corner of the rectangle, relative to the short side.
     ///
-    /// The corners go round anti-clockwise from the start of `along`: (0, 0), (1, 0), (1, 1), (0, 1).
+    /// Corners go counter-clockwise from the start of `along`: (0, 0), (1, 0), (1, 1), (0, 1).
     pub fn corner_gaps(&self, hull: &[Point]) -> [f64; 4] {
         CORNERS.map(|corner| distance_to_outline(hull, self.point_at(corner)) / self.short_side())
     }
@@ -164,7 +164,7 @@ impl Frame {
     }
 }
 
-/// The corners of a frame as shares along and across, anti-clockwise.
+/// The corners of a frame as fractions along and across, counter-clockwise.
 pub const CORNERS: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 
 /// The smallest rectangle around a hull that has a side along the edge from `a` to `b`.

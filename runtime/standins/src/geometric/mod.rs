@@ -1,13 +1,13 @@
 //! `geometric`: an offline stand-in for a vision-language model.
 //!
-//! In: the same [`Request`] that a remote model would get, and nothing else. Out: a [`Reply`] in the form that
-//! the prompt asks for. With pictures, it puts the step that they show into words; without, it reads such
-//! words and a list of points and picks two of them. It is a program about outlines and rectangles, not a
-//! model: it is called a stand-in wherever its results appear, and what it scores says nothing about models.
+//! In: the same [`Request`] that a remote model would get, and nothing else. Out: a [`Reply`] in the form that the
+//! prompt asks for. With pictures, it describes their step in words; without, it reads such words and a list of points
+//! and picks two of them. It is a program about outlines and rectangles, not a model: it is called a stand-in wherever
+//! its results appear, and its scores say nothing about models.
 //!
-//! It knows no task. What it cannot make sense of it answers in words that hold no instruction and no
-//! point, which the caller's reader reports like any other unusable answer. A question for anything else than
-//! a pick point and a place point is an error of the model's.
+//! It knows no task. If it cannot understand a prompt, it answers with words that hold no instruction and no point,
+//! which the caller reports like any other unusable answer. A question for anything other than a pick point and a place
+//! point is a model error.
 
 mod frame;
 mod plan;
@@ -69,7 +69,7 @@ impl Model for Geometric {
     }
 }
 
-/// Puts the pictures of the last turn that has any into words; `None` if there are no pictures at all.
+/// Describes the pictures of the last turn that has any; `None` if there are no pictures at all.
 fn describe(messages: &[Message]) -> Option<String> {
     let pictures = |message: &Message| {
         let parts = message.parts.iter();
@@ -104,25 +104,25 @@ fn describe(messages: &[Message]) -> Option<String> {
     )
 }
 
-/// Corners of the rectangle that the cloth misses by this share of the short side are worth a word.
+/// Corners of the rectangle that the cloth misses by this fraction of the short side are mentioned.
 const BARE_FROM: f64 = 0.3;
 
-/// A point that is farther inside the outline than this share of the short side is on no side of the cloth.
+/// A point deeper inside the outline than this fraction of the short side is not on any side of the cloth.
 const INSIDE_FROM: f64 = 0.15;
 
-/// How far from the middle of the rectangle a point inside still counts as the center, as a share of the short
-/// side. Folds towards the center may end a tenth of their way early.
+/// How far a point inside may be from the middle of the rectangle and still count as the center, as a fraction of the
+/// short side. Folds towards the center may end a tenth of their length early.
 const CENTER_WITHIN: f64 = 0.3;
 
-/// The same where the prompt says where the center is.
+/// The same if the prompt says where the center is.
 const TOLD_CENTER_WITHIN: f64 = 0.1;
 
-/// Where the center of the cloth is looked for.
+/// Where to look for the center of the cloth.
 ///
-/// A cloth that has been folded need not have its center in the middle of its outline.
+/// A folded cloth's center need not be in the middle of its outline.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Middle {
-    /// In the middle of the picture, for the prompt says so.
+    /// In the middle of the picture, because the prompt says so.
     OfPicture,
     /// In the middle of the rectangle around the cloth.
     OfOutline,
@@ -177,7 +177,7 @@ fn put_into_words(seen: &Sighting, middle: Middle) -> Result<(Instruction, &'sta
     ))
 }
 
-/// Picks two points by the last prompt that lists corners.
+/// Picks two points according to the last prompt that lists corners.
 fn choose(messages: &[Message]) -> String {
     match choice(messages) {
         Ok(text) => text,
@@ -230,7 +230,7 @@ fn choice(messages: &[Message]) -> Result<String, String> {
     ))
 }
 
-/// The text of a message, its parts on lines of their own.
+/// The text of a message, one part per line.
 fn spoken(message: &Message) -> String {
     let parts = message.parts.iter();
     let texts = parts.filter_map(|part| match part {
@@ -246,7 +246,7 @@ fn all_words(messages: &[Message]) -> String {
     texts.join("\n")
 }
 
-/// Earlier answers of a conversation that were sent back.
+/// Earlier answers of a conversation that were refused.
 struct Refused(Vec<Refusal>);
 
 struct Refusal {
@@ -255,7 +255,7 @@ struct Refusal {
     blamed: Blamed,
 }
 
-/// What a correction finds fault with.
+/// What a correction criticises.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Blamed {
     Pick,
@@ -264,7 +264,7 @@ enum Blamed {
 }
 
 impl Refused {
-    /// Collects the answers that a user's turn follows.
+    /// Collects the answers followed by a user's turn.
     fn read(turns: &[Message]) -> Refused {
         let pairs = turns.windows(2).filter(|pair| {
             pair[0].speaker == Speaker::Assistant && pair[1].speaker == Speaker::User

@@ -1,8 +1,8 @@
-//! From words and points to a pick and a place.
+//! Plans a pick and a place from words and points.
 //!
-//! In: an [`Instruction`], the corners that were detected, the center. Out: pairs of listed points, best
-//! first. The words name places in the rectangle around the cloth; here that rectangle is fitted around the
-//! corners as they lie now, and each place is given to the nearest listed point.
+//! In: an [`Instruction`], the detected corners, the center. Out: pairs of listed points, best first. The words name
+//! places in the rectangle around the cloth. Here that rectangle is fitted to the current corners, and each place is
+//! matched with the nearest listed point.
 
 use super::frame::Frame;
 use super::words::{Instruction, Sides, Spot};
@@ -10,82 +10,83 @@ use fab_picture::hull::{self, Point};
 use fab_program::PixelPoint;
 use std::f64::consts::{PI, TAU};
 
-/// A pick and a place with what they are off from the words.
+/// A pick and a place with their deviation from the words.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// A listed corner.
     pub pick: PixelPoint,
     /// Another listed corner, or the center.
     pub place: PixelPoint,
-    /// Distance of both from where the words point, added, pixels.
+    /// Summed distance of both from the described places, pixels.
     pub off_px: f64,
 }
 
-/// A plan: how the cloth lies, and what could be done.
+/// A plan: the cloth's pose, and the possible actions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// How far the cloth is turned against the pictures, radians anti-clockwise, to about a quarter right angle.
+    /// The cloth's rotation relative to the pictures, radians counter-clockwise, accurate to about a quarter of a right
+    /// angle.
     pub turn: f64,
-    /// Best first; empty only if nothing is left to choose.
+    /// Best first; empty only if no choice is left.
     pub candidates: Vec<Candidate>,
 }
 
 /// Why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoPlan {
-    /// The listed corners lie on a line or are fewer than three, and no way between them is like that of the words.
+    /// The listed corners are collinear or fewer than three, and no direction between them matches the words.
     #[error("the listed corners enclose no area, so I cannot tell how the cloth lies")]
     Shapeless,
-    /// The instruction places on the center, of which the prompt says nothing.
+    /// The instruction places on the center, which the prompt does not state.
     #[error("the instruction speaks of the center, but no center is given")]
     Center,
 }
 
-/// What a corner of the rectangle counts as when the words say that the cloth does not reach it, as a share
-/// of the short side: about the gap that a corner folded to the middle leaves.
+/// Assumed gap between the cloth and a rectangle's corner that is bare according to the words, as a fraction of the
+/// short side: about what a corner folded to the middle leaves. Larger gaps count as this.
 const BARE_GAP: f64 = 0.4;
 
-/// What half a turn against the words costs, in the same unit. Less than one bare corner in a wrong place,
-/// because shape tells more than compass words; enough to decide where the shape looks alike either way.
+/// Cost of a half turn against the words, in the same unit. Less than one wrong bare corner, because shape is more
+/// reliable than compass words; enough to decide if the shape is symmetric.
 const HALF_TURN: f64 = 0.5;
 
-/// What a rectangle twice as large as necessary would cost, in the same unit: enough to keep a slightly slanted
-/// one from winning for being turned less.
+/// Cost of a rectangle twice as large as necessary, in the same unit: enough to keep a slightly slanted one from
+/// winning because it is turned less.
 const LOOSENESS: f64 = 2.0;
 
-/// What named points that are a short side's length away from all listed ones would cost, in the same unit: they are
-/// points of the cloth, so that a rectangle in which nothing lies there is not the one that is meant.
+/// Cost of named points a short side away from all listed ones, in the same unit. Named points are points of the cloth,
+/// so a rectangle without points there is not the intended one.
 const OFF: f64 = 2.0;
 
-/// How far both may be off for being told in eighths and detected to a pixel, as a share of the short side; that must not
-/// outweigh half a turn.
+/// How far both may deviate because words use eighths and detection whole pixels, as a fraction of the short side; this
+/// must not outweigh a half turn.
 const OFF_BY_ROUNDING: f64 = 0.13;
 
-/// Rectangles that are larger than the snuggest by less than this factor are compared.
+/// Rectangles larger than the tightest by less than this factor are compared.
 const ABOUT_AS_SNUG: f64 = 1.25;
 
-/// How far anti-clockwise the balance point between two turns lies off the middle, radians (3 degrees). A square
-/// at exactly 45 degrees can be read both ways; which one is taken shall not hang on a pixel's rounding.
+/// How far counter-clockwise the balance point between two turns is shifted from the middle, radians (3 degrees). A
+/// square at exactly 45 degrees can be read both ways; the choice must not depend on a pixel's rounding.
 const LEAN: f64 = 3.0 * PI / 180.0;
 
-/// How far a way between two listed points may be turned against that of the words, radians (60 degrees).
+/// How far a direction between two listed points may deviate from that of the words, radians (60 degrees).
 const MOST_TURN: f64 = PI / 3.0;
 
-/// The most picks and places that are combined.
+/// The most picks and places combined.
 const MAX_CHOICES: usize = 24;
 
 /// The points that a prompt lists.
 #[derive(Clone, Debug)]
 pub struct Listed {
-    /// Corners of the cloth as it lies now; they can be picked, and tell how it lies.
+    /// Current corners of the cloth; they can be picked, and show the cloth's pose.
     pub corners: Vec<PixelPoint>,
-    /// Other points that something may be placed on.
+    /// Other points that can be placed on.
     pub others: Vec<PixelPoint>,
-    /// Where the cloth's center was at first.
+    /// The initial position of the cloth's center.
     pub center: Option<PixelPoint>,
 }
 
-/// Ranks the choices that an instruction leaves, given the listed points.
+/// Ranks the choices for an instruction, given the listed points.
 pub fn plan(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPlan> {
     let Listed {
         corners,
@@ -98,7 +99,7 @@ pub fn plan(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPlan> 
             Some(frame.point_at([f64::from(along) / 8.0, f64::from(across) / 8.0]))
         }
     };
-    // How far the nearest listed points are from the two that the words name.
+    // Distance of the nearest listed points from the two named in the words.
     let off_px = |frame: &Frame| {
         let nearest_to = |spot, points: &mut dyn Iterator<Item = &PixelPoint>| {
             let target = target(frame, spot)?;
@@ -139,10 +140,10 @@ pub fn plan(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPlan> 
     Ok(Plan { turn, candidates })
 }
 
-/// Ranks pairs by their direction alone, where the listed corners lie on a line and no rectangle fits.
+/// Ranks pairs by direction alone, if the listed corners are collinear and no rectangle fits.
 ///
-/// Of a sharp triangle the detector may find but two corners; which of them is meant is told by the way from one to
-/// the other, as the words have it.
+/// The detector may find only two corners of a sharp triangle; the direction between the points in the words tells
+/// which is which.
 fn by_direction(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPlan> {
     let in_words = |spot: Spot| match spot {
         Spot::Center => [4.0, 4.0],
@@ -188,11 +189,12 @@ fn by_direction(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPl
     })
 }
 
-/// Fits a rectangle to the corners with its sides ordered as the words do; returns it and its turn against them.
+/// Fits a rectangle to the corners with its sides ordered as in the words; returns it and its rotation relative to
+/// them.
 ///
-/// A corner that was not detected can make a slanted rectangle the snuggest one, so all that are about as snug
-/// are compared with the words, by their shape, their turn, and `off_px`: how far from the named points the nearest
-/// listed ones are. `None` if the hull has no area.
+/// With an undetected corner, a slanted rectangle may be the tightest one, so all almost equally tight ones are
+/// compared with the words: by their shape, their rotation, and `off_px`, the distance of the listed points from the
+/// named ones. `None` if the hull has no area.
 fn turn_to(
     instruction: &Instruction,
     hull: &[Point],
@@ -204,7 +206,7 @@ fn turn_to(
     };
     let mut best: Option<(f64, Frame, f64)> = None;
     for (fitted, excess) in Frame::fits(hull, ABOUT_AS_SNUG) {
-        // For words that speak of long sides, `along` is the longer one, however small the difference.
+        // If the words mention long sides, `along` is the longer one, however small the difference.
         let start = match instruction.sides {
             Sides::Long => fitted.with_long_side_first(),
             Sides::Equal => fitted,
@@ -229,7 +231,7 @@ fn turn_to(
     best.map(|(_, frame, turn)| (frame, turn))
 }
 
-/// The points nearest to a target, each once, nearest first; equally near ones from the top left.
+/// The points nearest to a target, each once, nearest first; ties from the top left.
 fn nearest(points: impl Iterator<Item = PixelPoint>, target: Point) -> Vec<(f64, PixelPoint)> {
     let mut ranked: Vec<(f64, PixelPoint)> = points
         .map(|point| (hull::distance(up(point), target), point))

@@ -1,17 +1,17 @@
-//! Reads what a planning prompt says, whatever its exact wording.
+//! Reads planning prompts, independent of their exact wording.
 //!
-//! In: the lines of a prompt. Out: points, the form that an answer takes. Lines are known by their content:
-//! one with `corner` and points lists the corners, one with `cent` and a point gives the center, and any other
-//! one that consists of a label, a colon and points lists points besides.
+//! In: the lines of a prompt. Out: points, and the form of the answer. Lines are recognised by their content: one with
+//! `corner` and points lists the corners, one with `cent` and a point gives the center, and any other line with a
+//! label, a colon and points lists additional points.
 
 use fab_program::PixelPoint;
 
-/// The most points that are read from one prompt.
+/// The most points read from one prompt.
 const MAX_POINTS: usize = 1000;
 
 /// Returns the points of the last list of corners in a text, in order; empty if it has none.
 ///
-/// A list may go on over lines that hold nothing but points.
+/// A list may continue on lines with nothing but points.
 pub fn corners(text: &str) -> Vec<PixelPoint> {
     let mut found = Vec::new();
     let mut is_open = false;
@@ -47,7 +47,7 @@ pub fn center(text: &str) -> Option<PixelPoint> {
         .next_back()
 }
 
-/// Returns the points of all lists besides that of the corners and the center, in order.
+/// Returns the points of all lists other than corners and center, in order.
 pub fn other_points(text: &str) -> Vec<PixelPoint> {
     let is_other = |label: &str| {
         let names = |word| after_word(label, word).is_some();
@@ -62,14 +62,14 @@ pub fn other_points(text: &str) -> Vec<PixelPoint> {
     found
 }
 
-/// Tells whether a prompt says that the unfolded cloth's middle is the picture's.
+/// Returns whether a prompt says that the unfolded cloth is centred in the picture.
 pub fn centers_cloth_in_picture(text: &str) -> bool {
     let names_both = |sentence: &str| {
         let names = |words: &[&str]| words.iter().any(|word| sentence.contains(word));
         let middles = sentence.matches("middle").count() + sentence.matches("cent").count();
         middles >= 2 && names(&["cloth", "fabric"]) && names(&["picture", "image"])
     };
-    // A sentence may go on over lines.
+    // A sentence may span lines.
     let text = text
         .to_lowercase()
         .split_whitespace()
@@ -78,7 +78,7 @@ pub fn centers_cloth_in_picture(text: &str) -> bool {
     text.split(['.', ':', ';']).any(names_both)
 }
 
-/// Returns the lines that may hold the instruction, likely ones first.
+/// Returns the lines that may hold the instruction, most likely ones first.
 pub fn instruction_lines(text: &str) -> impl Iterator<Item = &str> {
     let is_likely = |line: &&str| {
         ["instruction", "folding", "method", "step"]
@@ -89,7 +89,7 @@ pub fn instruction_lines(text: &str) -> impl Iterator<Item = &str> {
     likely.chain(text.lines().filter(move |line| !is_likely(line)))
 }
 
-/// The line of an answer that gives one point: what stands before the point, and after it.
+/// The line of an answer that gives one point: the text before and after the point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AnswerLine {
     before: String,
@@ -97,9 +97,9 @@ pub struct AnswerLine {
 }
 
 impl AnswerLine {
-    /// Finds the line with which a prompt asks for a point, such as `Pick Point = (x, y)`.
+    /// Finds the line in which a prompt asks for a point, such as `Pick Point = (x, y)`.
     ///
-    /// `field` is `pick` or `place`. Where no line asks for it, the paper's form is taken.
+    /// `field` is `pick` or `place`. Without such a line, the paper's form is used.
     pub fn asked_for(field: &str, prompt: &str) -> AnswerLine {
         prompt
             .lines()
@@ -133,10 +133,10 @@ impl AnswerLine {
     }
 }
 
-/// Says what a prompt asks for besides a pick point and a place point, where its lines state a format.
+/// Returns what else a prompt's format asks for besides a pick point and a place point.
 ///
-/// A format that lists values, `Direction = 0 deg | 90 deg`, asks for that field; one for a pick point alone
-/// asks for something in a place point's stead.
+/// A format that lists values, `Direction = 0 deg | 90 deg`, asks for that field; a format with only a pick point asks
+/// for something instead of a place point.
 pub fn asks_for_more(prompt: &str) -> Option<String> {
     let listed = prompt.lines().find_map(|line| {
         let (name, values) = line.split_once('=')?;
@@ -152,14 +152,14 @@ pub fn asks_for_more(prompt: &str) -> Option<String> {
     listed.or(alone)
 }
 
-/// Returns the point that an answer gives for `field`, `pick` or `place`.
+/// Returns the point given for `field`, `pick` or `place`, in an answer.
 pub fn answered(field: &str, answer: &str) -> Option<PixelPoint> {
     answer
         .lines()
         .find_map(|line| points(after_word(line, field)?).first().copied())
 }
 
-/// The rest of a line after a word or a beginning of one, in any case.
+/// The rest of a line after a word or word prefix, ignoring case.
 fn after_word<'a>(line: &'a str, word: &str) -> Option<&'a str> {
     let at = line.to_ascii_lowercase().find(word)?;
     line.get(at + word.len()..)

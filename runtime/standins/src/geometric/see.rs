@@ -1,20 +1,19 @@
-//! What two subgoal pictures show: the cloth's outline and the arrow of the step between them.
+//! Analyses two subgoal pictures: the cloth's outline and the arrow of the step between them.
 //!
-//! In: two encoded pictures, the cloth before a step with the arrow drawn on it and the cloth after it.
-//! Out: a [`Sighting`], or an [`Unseen`] that says what is missing. Colours are not known beforehand: the
-//! table's are read from the pictures' borders, cloth is what differs from them, and the arrow is black.
-//! How a fold is put into words is `super::words`' business.
+//! In: two encoded pictures, the cloth before a step with the arrow drawn on it and the cloth after it. Out: a
+//! [`Sighting`], or an [`Unseen`] that says what is missing. Colours are not known in advance: the table's are taken
+//! from the pictures' borders, cloth is everything else, and the arrow is black. `super::words` puts folds into words.
 
 use fab_picture::arrow::{self, Arrow, ArrowFault};
 use fab_picture::hull::{self, Point};
 use fab_picture::regions::{self, Grid};
 use image::RgbImage;
 
-/// What the first picture shows, checked against the second. Points are `[right, up]` from the picture's
-/// bottom left corner, pixels.
+/// The contents of the first picture, checked against the second. Points are `[right, up]` from the picture's bottom
+/// left corner, pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sighting {
-    /// The cloth's convex outline, anti-clockwise.
+    /// The cloth's convex outline, counter-clockwise.
     pub outline: Vec<Point>,
     /// The arrow's ring: the point that is picked.
     pub tail: Point,
@@ -24,7 +23,7 @@ pub struct Sighting {
     pub middle: Point,
 }
 
-/// Why a step cannot be read from the pictures.
+/// Why a step cannot be recognised in the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unseen {
     /// There are not two pictures.
@@ -35,7 +34,7 @@ pub enum Unseen {
         /// How many there are.
         n_pictures: usize,
     },
-    /// A picture is damaged or of an unknown kind.
+    /// A picture is damaged or of an unknown format.
     #[error("the {0} picture cannot be read")]
     Unreadable(Which),
     /// A picture is too small or too large.
@@ -59,10 +58,10 @@ pub enum Unseen {
     /// The arrow starts off the cloth.
     #[error("the arrow on the first picture does not start on the cloth")]
     TailBesideCloth,
-    /// The second picture shows the cloth as it was.
+    /// The second picture shows the cloth unchanged.
     #[error("the second picture shows no change of the cloth")]
     NoChange,
-    /// The change is not the one that the arrow announces.
+    /// The change contradicts the arrow.
     #[error("the change between the pictures does not fit the arrow, as if they were swapped")]
     Backwards,
 }
@@ -87,20 +86,20 @@ impl std::fmt::Display for Which {
 
 const SIDE_PX: std::ops::RangeInclusive<u32> = 32..=4096;
 
-/// Least visible cloth, as a share of the picture.
+/// Least visible cloth, as a fraction of the picture.
 const LEAST_CLOTH: f64 = 0.003;
 
-/// How far off the cloth's outline the ring's centre may be, pixels of a 224 px picture: the ring's outer
-/// radius is 4, and as much again for an arrow drawn by hand.
+/// How far the ring's centre may be off the cloth's outline, pixels of a 224 px picture: the ring's outer radius of 4,
+/// and as much again for an arrow drawn by hand.
 const TAIL_SLACK_PX: f64 = 8.0;
 
-/// Growth of the cloth's visible area that still counts as none; folding never adds to it.
+/// Growth of the cloth's visible area that still counts as none; folding never increases it.
 const GROWTH: f64 = 1.05;
 
-/// Least share of the cloth's area that a step uncovers.
+/// Least fraction of the cloth's area that a step uncovers.
 const LEAST_CHANGE: f64 = 0.005;
 
-/// Reads a step from exactly two pictures.
+/// Recognises a step from exactly two pictures.
 pub fn see(pictures: &[&[u8]]) -> Result<Sighting, Unseen> {
     let [first, second] = pictures else {
         return Err(Unseen::Count {
@@ -157,16 +156,16 @@ fn decode(bytes: &[u8], which: Which) -> Result<RgbImage, Unseen> {
     }
 }
 
-/// The pixels of the cloth: the largest patch that is not table, less the arrow drawn over it.
+/// The pixels of the cloth: the largest patch that is not table, minus the arrow drawn over it.
 fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Grid) -> Option<Grid> {
-    // With the stroke in, or an arrow across the cloth would cut it in two.
+    // Include the stroke here, or an arrow across the cloth would cut it in two.
     let patch = Grid::from_fn(picture.width(), picture.height(), |column, row| {
         stroke.contains(column, row) || !regions::is_table(picture.get_pixel(column, row).0, table)
     });
     let mut largest = regions::components(&patch)
         .into_iter()
         .max_by_key(Vec::len)?;
-    // A stroke that was softened by scaling has grey rims that are neither table nor cloth.
+    // A stroke softened by scaling has grey rims that are neither table nor cloth.
     largest.retain(|&(column, row)| !stroke.touches(column, row));
     let least = LEAST_CLOTH * f64::from(picture.width()) * f64::from(picture.height());
     if (largest.len() as f64) < least {
@@ -179,8 +178,7 @@ fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Grid) -> Option<Grid> 
     Some(cloth)
 }
 
-/// The cloth's hull. The ring hides the very corner it stands on, so the arrow's ends count as cloth where
-/// they are close to it.
+/// The cloth's hull. The ring hides the corner below it, so the arrow's ends count as cloth if they are close to it.
 fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Point>, Unseen> {
     let height = f64::from(cloth.height());
     let up = |[column, row]: [f64; 2]| [column, height - row];
@@ -207,7 +205,7 @@ fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Poi
     ))
 }
 
-/// Refuses pairs whose second picture does not follow from the first by the arrow.
+/// Rejects pairs in which the second picture does not follow from the first by the arrow.
 fn check_change(before: &Grid, after: &Grid, arrow: &Arrow) -> Result<(), Unseen> {
     let area = before.area_px() as f64;
     let left: Vec<[f64; 2]> = before

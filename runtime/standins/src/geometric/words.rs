@@ -1,12 +1,12 @@
 //! One fold in words, written and read.
 //!
-//! In and out: an [`Instruction`] and its sentence. The sentence names places by the rectangle around the
-//! cloth: its sides and ends by compass words (`left`, `upper right`), everything between by eighths of the
-//! way. It holds no coordinates and no lengths. Where the rectangle lies is `super::frame`'s business.
+//! In and out: an [`Instruction`] and its sentence. The sentence names places by the rectangle around the cloth: its
+//! sides and ends by compass words (`left`, `upper right`), everything between by eighths. It holds no coordinates and
+//! no lengths. `super::frame` locates the rectangle.
 
 use std::fmt;
 
-/// A direction in the picture, in steps of 45 degrees anti-clockwise from the right.
+/// A direction in the picture, in steps of 45 degrees counter-clockwise from the right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Compass(u8);
 
@@ -22,13 +22,13 @@ const COMPASS: [&str; 8] = [
 ];
 
 impl Compass {
-    /// Returns the direction nearest to an angle, radians anti-clockwise from the right.
+    /// Returns the direction nearest to an angle, radians counter-clockwise from the right.
     pub fn nearest(angle: f64) -> Compass {
         let steps = (angle / std::f64::consts::FRAC_PI_4).round();
         Compass(steps.rem_euclid(8.0) as u8 % 8)
     }
 
-    /// Returns the direction's angle, radians anti-clockwise from the right.
+    /// Returns the direction's angle, radians counter-clockwise from the right.
     pub fn angle(self) -> f64 {
         f64::from(self.0) * std::f64::consts::FRAC_PI_4
     }
@@ -37,12 +37,12 @@ impl Compass {
         Compass((self.0 + steps) % 8)
     }
 
-    /// Returns the direction the other way.
+    /// Returns the opposite direction.
     pub fn opposite(self) -> Compass {
         self.turned(4)
     }
 
-    /// Tells whether the direction points right or, failing that, straight up; its opposite then does not.
+    /// Returns whether the direction points right or, failing that, straight up; its opposite then does not.
     pub fn is_in_reading_order(self) -> bool {
         matches!(self.0, 0..=2 | 7)
     }
@@ -59,7 +59,7 @@ impl fmt::Display for Compass {
 pub enum Spot {
     /// The middle of the whole cloth.
     Center,
-    /// Eighths of the way along the frame's heading and across it, each 0 to 8.
+    /// Eighths along the frame's heading and across it, each 0 to 8.
     At {
         /// From the end behind to the end ahead.
         along: u8,
@@ -77,7 +77,7 @@ pub enum Sides {
     Equal,
 }
 
-/// One fold: what is picked, where it is placed, and how to tell the sides of the cloth apart.
+/// One fold: its pick, its place, and how to identify the sides of the cloth.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Instruction {
     /// The point to pick.
@@ -86,7 +86,7 @@ pub struct Instruction {
     pub place: Spot,
     /// The direction in the picture that counts as `along`.
     pub heading: Compass,
-    /// Whether the heading is told by the cloth's longer side.
+    /// Whether the heading is identified by the cloth's longer side.
     pub sides: Sides,
     /// Corners of the rectangle that the cloth does not reach, in the order of `super::frame::CORNERS`.
     pub bare: [bool; 4],
@@ -163,10 +163,10 @@ impl Instruction {
         }
     }
 
-    /// Reads a sentence such as [`Instruction`] writes, and plainer ones such as `pick the top left corner and
-    /// place it on the center`.
+    /// Reads a sentence as [`Instruction`] writes it, and simpler ones such as `pick the top left corner and place it
+    /// on the center`.
     ///
-    /// `None` where it names no pick and place, or where its directions contradict each other.
+    /// `None` if it names no pick and place, or its directions contradict each other.
     pub fn read(sentence: &str) -> Option<Instruction> {
         let sentence = sentence.to_lowercase();
         let (fold, rest) = sentence.split_once(';').unwrap_or((&sentence, ""));
@@ -199,11 +199,11 @@ impl Instruction {
     }
 }
 
-/// A place as a phrase tells it, before all directions of a sentence are known.
+/// A place as described by a phrase, before all directions of a sentence are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Told {
     Center,
-    /// The corner that lies in that direction from the middle.
+    /// The corner in that direction from the middle.
     Corner(Compass),
     Crossing {
         along: Way,
@@ -211,10 +211,10 @@ enum Told {
     },
 }
 
-/// A share of the way from one side of the frame to the opposite one.
+/// A fraction of the distance from one side of the frame to the opposite one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Way {
-    /// The side it leads to, where the phrase names one.
+    /// The target side, if the phrase names one.
     towards: Option<Compass>,
     eighths: u8,
 }
@@ -244,7 +244,7 @@ impl Told {
             .then_some(Told::Center)
     }
 
-    /// The heading that this phrase implies, turned so that it points right or straight up.
+    /// The heading that this phrase implies, oriented to point right or straight up.
     fn heading(&self) -> Option<Compass> {
         let heading = match *self {
             Told::Center => return None,
@@ -256,7 +256,7 @@ impl Told {
                 (None, None) => return None,
             },
         };
-        // A corner leaves open which of its two sides is meant; the one that runs more to the right is.
+        // A corner does not tell which of its two sides is meant; take the one that runs more to the right.
         let heading = match self {
             Told::Corner(_) if matches!(heading.0, 2 | 3 | 6) => heading.turned(6),
             _ => heading,
@@ -318,7 +318,7 @@ impl Way {
         }
     }
 
-    /// The same share counted in the direction `axis`; `None` if it was told along another axis.
+    /// The same fraction counted in the direction `axis`; `None` if the phrase used another axis.
     fn seen_along(self, axis: Compass) -> Option<u8> {
         match self.towards {
             None => Some(self.eighths),
@@ -329,7 +329,7 @@ impl Way {
     }
 }
 
-/// The compass words of a phrase in order; an upright and a level word side by side are one direction.
+/// The compass words of a phrase in order; an adjacent vertical and horizontal word form one direction.
 fn directions(phrase: &str) -> Vec<Compass> {
     let mut found = Vec::new();
     let mut upright: Option<Compass> = None;

@@ -1,4 +1,4 @@
-//! What the imperfect stand-in gets wrong, how often, and by what it is decided.
+//! Tests of the imperfect stand-in's errors: which, how often, and what determines them.
 #![allow(clippy::unwrap_used)]
 
 use super::*;
@@ -6,7 +6,7 @@ use fab_model::calls::Unkept;
 use fab_model::{Message, ModelRole};
 use serde_json::json;
 
-/// A planning question of a fold, as its prompts are written.
+/// A planning question of a fold, worded like a real prompt.
 fn question(number: usize) -> Request {
     let listed = "(40, 50), (180, 48), (183, 170), (41, 172)";
     let text = format!(
@@ -38,7 +38,7 @@ const TURNS: &[&str] = &[
 ];
 const PULL: &str = "Pick Point = (90, 10)\nDirection = 45 deg\nDistance = 0.25 edge";
 
-/// Spoils the answer [`PULL`], the prompt having said what the last place was.
+/// Spoils the answer [`PULL`] to a prompt that states the last place.
 fn spoil(slip: Slip, said: &str) -> Option<String> {
     let fields = fields(&[
         ("pick", CORNERS),
@@ -108,7 +108,7 @@ fn it_errs_as_often_as_declared() {
     );
     assert_eq!(wrong(0.0), 0);
     assert_eq!(wrong(1.0), 400);
-    // 120 expected, four standard deviations are 37.
+    // 120 expected; four standard deviations are 37.
     assert!((83..=157).contains(&wrong(0.3)), "{}", wrong(0.3));
 }
 

@@ -9,7 +9,7 @@ use image::{Rgb, RgbImage};
 
 const ANY: [f64; 2] = [0.0, 1.0];
 
-/// Tells whether a picture of one colour belongs to the mask.
+/// Returns whether a picture of one colour belongs to the mask.
 fn is_in(rgb: [u8; 3], hue_deg: [f64; 2], saturation: [f64; 2], value: [f64; 2]) -> bool {
     let picture = RgbImage::from_pixel(1, 1, Rgb(rgb));
     color_mask(&picture, hue_deg, saturation, value).contains(PixelPoint::new(0, 0))
@@ -52,7 +52,7 @@ fn a_hue_range_may_pass_360() {
     for (rgb, expected) in [(red, true), (pink, true), (orange, true), (blue, false)] {
         assert_eq!(is_in(rgb, [340.0, 20.0], ANY, ANY), expected, "{rgb:?}");
     }
-    // 360 is 0, from whichever side the range comes.
+    // 360 equals 0, from whichever side the range comes.
     assert!(is_in(red, [340.0, 360.0], ANY, ANY));
     assert!(is_in(red, [360.0, 20.0], ANY, ANY));
     assert!(!is_in(red, [340.0, 359.0], ANY, ANY));
@@ -77,7 +77,7 @@ fn a_masks_pixels_are_painted_white_and_no_others() {
 
 #[test]
 fn misread_white_is_a_green_and_grey_stays_almost_grey() {
-    // Hue 255 halves of a degree is 150 degrees: green with half as much blue, which comes out as red.
+    // Hue 255 halves of a degree is 150 degrees: green with half as much blue, which is then used as red.
     assert_eq!(misread([255; 3]), [127, 255, 0]);
     // Hue 80 degrees, saturation 40 of 255: value 40 and a little less.
     assert_eq!(misread([40; 3]), [33, 40, 37]);
@@ -94,20 +94,20 @@ fn greys_and_misread_colors_are_opencvs_and_hues_differ_by_its_rounding_alone() 
     let bytes = std::fs::read(root.join("vision/opencv_color_golden.npy")).unwrap();
     let rows: Vec<u8> = npyz::NpyFile::new(&bytes[..]).unwrap().into_vec().unwrap();
     let mut n_pink = 0;
-    // Blocks of 32 colours; OpenCV rounded what the last five are taken for.
+    // Blocks of 32 colours; OpenCV rounded the last five.
     let n_cut_off = rows.len() / 12 / 32 * 32;
     for (number, row) in rows.chunks_exact(12).enumerate() {
         let rgb = [row[2], row[1], row[0]];
         assert_eq!(gray_level(rgb), row[11], "{rgb:?}");
         let [hue, saturation, value] = [row[3], row[4], row[5]].map(f64::from);
-        // OpenCV rounds to these units, by tables that are off by up to a fifth of one; its 180 is 0.
+        // OpenCV rounds to these units, with tables that are off by up to a fifth of a unit; its 180 is 0.
         let hues = [hue - 0.7, hue + 0.7].map(|level| (2.0 * level).rem_euclid(360.0));
         let around = |level: f64| [(level - 0.55) / 255.0, (level + 0.55) / 255.0];
         assert!(
             is_in(rgb, hues, around(saturation), around(value)),
             "{rgb:?}: {row:?}"
         );
-        // The paper's pink, with its limits moved to the middle between two of OpenCV's levels.
+        // The paper's pink, with its limits moved midway between two of OpenCV's levels.
         let pink = |shrunk: f64| {
             let hue_deg = [279.0 + 0.4 * shrunk, 341.0 - 0.4 * shrunk];
             let saturation = [(49.5 + 0.05 * shrunk) / 255.0, 1.0];

@@ -189,7 +189,7 @@ proptest! {
     }
 }
 
-/// The original's annotation: corners, centre, box, and where the action before this one led, with its mirror.
+/// The original's annotation: corners, centre, box, and the previous action's place with its mirror image.
 fn annotation(fixture: &Value, last_place: Option<PixelPoint>) -> Vec<DrawnLayer> {
     let bounds = |side: &str| fixture["bounds_px"][side].as_i64().unwrap() as i32;
     let corners = [
@@ -243,7 +243,7 @@ fn recorded_annotations_and_actions_are_drawn_pixel_for_pixel() {
         }
         let name = fixture["name"].as_str().unwrap();
         let picture = |file: &str| image::open(folder.join(file)).unwrap().into_rgb8();
-        // Each series begins anew.
+        // The last place does not carry over to the next series.
         last_place = last_place.filter(|_| !name.ends_with("_step_0"));
         let annotated = draw_layers(&picture("aug.png"), &annotation(fixture, last_place)).unwrap();
         assert!(annotated == picture("processed.png"), "{name}");
@@ -253,7 +253,7 @@ fn recorded_annotations_and_actions_are_drawn_pixel_for_pixel() {
         let Some(pick) = fixture["pick_px_from_world"].as_array() else {
             continue;
         };
-        // The pick was drawn at the corner that was chosen, before it was moved to the nearest cloth pixel.
+        // The pick was drawn at the chosen corner, before it was moved to the nearest cloth pixel.
         let [u, v] = [0, 1].map(|axis| pick[axis].as_f64().unwrap() as i32);
         let near = |corner: &PixelPoint| corner.distance_px(PixelPoint::new(u, v)) < 1.5;
         let detected = fixture["recorded_corners"].clone();

@@ -1,4 +1,4 @@
-//! Numbers beside points: which digits, and what they leave free.
+//! Tests of the numbers beside points: which digits are drawn, and what they leave free.
 
 use super::super::draw_numbers;
 use image::{Rgb, RgbImage};
@@ -11,7 +11,7 @@ fn table(width: u32, height: u32) -> RgbImage {
     RgbImage::from_pixel(width, height, GREY)
 }
 
-/// Draws a picture with letters: `#` white, `o` black, `.` as it was.
+/// Writes a picture as letters: `#` white, `o` black, `.` unchanged.
 fn letters(picture: &RgbImage) -> Vec<String> {
     picture
         .rows()

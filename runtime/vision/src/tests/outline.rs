@@ -10,7 +10,7 @@ fn points<const N: usize>(list: [(i32, i32); N]) -> Vec<PixelPoint> {
     list.map(|(u, v)| PixelPoint::new(u, v)).to_vec()
 }
 
-/// The pixels of the middles; where they were located is tested apart.
+/// The pixels of the middles; their exact positions are tested separately.
 fn edge_middles(outline: &[PixelPoint]) -> Vec<PixelPoint> {
     let middles = super::super::edge_middles(outline);
     middles.into_iter().map(|middle| middle.pixel).collect()
@@ -188,7 +188,7 @@ fn distances_to_a_box_are_zero_inside_whichever_corners_name_it() {
     assert_eq!(box_center(everything), PixelPoint::new(-1, -1));
 }
 
-/// A picture's width and whether each of its pixels is in the mask.
+/// Any mask, as the picture's width and one flag per pixel.
 fn any_mask() -> impl Strategy<Value = Mask> {
     (1..24_usize, 1..24_usize, 0.0..1.0_f64).prop_flat_map(|(width, height, share)| {
         prop::collection::vec(prop::bool::weighted(share), width * height).prop_map(move |inside| {
@@ -239,7 +239,7 @@ proptest! {
         count in 1..20_u32,
         moved in (-500..500_i32, -500..500_i32),
     ) {
-        // Turned by a quarter, distances are the same numbers; only the rounding of halves may differ.
+        // After a quarter turn distances are the same numbers; only the rounding of halves may differ.
         let outline: Vec<_> = vertices.iter().map(|&(u, v)| PixelPoint::new(u, v)).collect();
         let turned: Vec<_> = vertices.iter().map(|&(u, v)| PixelPoint::new(-v, u)).collect();
         let shifted: Vec<_> =

@@ -26,7 +26,7 @@ fn recorded_points(list: &Value) -> Vec<[i64; 2]> {
     list.as_array().unwrap().iter().map(point).collect()
 }
 
-/// Cuts coordinates off, as the recordings do.
+/// Truncates coordinates, as the recordings do.
 fn truncated(found: Vec<[f32; 2]>) -> Vec<[i64; 2]> {
     found
         .into_iter()
@@ -145,7 +145,7 @@ fn subgoal_arrows_are_drawn_as_recorded_pixel_for_pixel() {
     let subgoals = manifest(&root.join("subgoals"));
     let mut n_pictures = 0;
     for (task, entry) in subgoals.as_object().unwrap() {
-        // One task's recorded drawings are turned against its pictures.
+        // One task's recorded drawings are rotated against its pictures.
         if entry["rgbviz_orientation"] != "same as rgb" {
             continue;
         }

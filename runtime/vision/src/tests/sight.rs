@@ -1,4 +1,4 @@
-//! Tests of what a corner detector looks at.
+//! Tests of the picture that a corner detector looks at.
 
 use super::super::sight::detector_picture;
 use super::super::*;
@@ -116,7 +116,7 @@ fn at_the_cameras_size_corners_are_as_the_detector_found_them() {
         assert_eq!(corner.pixel, PixelPoint::new(*x as i32, *y as i32));
         assert_eq!(corner.at, [f64::from(*x) + 0.5, f64::from(*y) + 0.5]);
     }
-    // A wider square is averaged over, so the strongest response moves.
+    // A wider square is averaged, so the strongest response moves.
     let narrow = CornerSearch {
         block_px: 3,
         ..search
@@ -124,7 +124,7 @@ fn at_the_cameras_size_corners_are_as_the_detector_found_them() {
     assert_ne!(corners(&depth, &rgb, &mask, &narrow).unwrap(), found);
 }
 
-/// A cloth with a pattern, between two columns and two rows of a dark picture.
+/// A patterned cloth, between two columns and two rows of a dark picture.
 fn patterned(side_px: u32, [left, top, right, bottom]: [u32; 4]) -> (DepthImage, RgbImage, Mask) {
     let depth = DepthImage::from_pixel(side_px, side_px, Luma([0.6]));
     let rgb = RgbImage::from_fn(side_px, side_px, |column, row| {
@@ -195,7 +195,7 @@ fn a_picture_or_block_that_does_not_fit_is_refused() {
     ));
 }
 
-/// The recordings were detected on a grey picture of the camera's size that shows more than a mask does.
+/// The recordings used a grey picture of the camera's size, which shows more than a mask does.
 #[test]
 #[ignore = "long"]
 fn corners_of_a_picture_match_the_recorded_lists_in_order() {

@@ -1,9 +1,9 @@
 //! Measures of a result: distance to another state, and how much of the table the cloth covers.
 //!
-//! In: particle positions in grid order, world frame, metres. Out: numbers. Coverage is measured twice:
-//! [`coverage`] as SoftGym does, which published numbers are compared with, and [`true_coverage`], which does
-//! not depend on how the cloth is turned. Of a cloth whose particles are not known, [`seen_coverage`] compares two
-//! pictures. What counts as success is the program's to say.
+//! In: particle positions in grid order, world frame, metres. Out: numbers. Coverage is measured twice: [`coverage`] as
+//! SoftGym does, for comparison with published numbers, and [`true_coverage`], which does not depend on the cloth's
+//! rotation. If the particles are not known, [`seen_coverage`] compares two pictures. The program defines what counts
+//! as success.
 
 mod grid_coverage;
 mod seen_coverage;
@@ -17,8 +17,7 @@ pub use whole_cloth::{whole_area_m2, whole_triangles};
 
 /// Returns the mean distance between equal particles of two states, metres.
 ///
-/// Index to index, without alignment (protocol, section 6). `None` where the counts differ or there
-/// is no particle.
+/// Index to index, without alignment (protocol, section 6). `None` if the counts differ or there is no particle.
 pub fn mean_particle_distance_m(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     if a.len() != b.len() || a.is_empty() {
         return None;
@@ -35,11 +34,11 @@ fn distance_m(a: &[f32; 3], b: &[f32; 3]) -> f64 {
         .sqrt()
 }
 
-/// Returns how much of the coverage that was missing at first has been gained: 0 as at the start, 1 when flat.
+/// Returns which share of the initially missing coverage has been gained: 0 as at the start, 1 when flat.
 ///
 /// - `now`, `at_start`: as [`coverage`] gives them.
 ///
-/// Negative where coverage was lost, above 1 where [`coverage`] is. `None` where nothing was missing.
+/// Negative if coverage was lost, above 1 if [`coverage`] is. `None` if nothing was missing.
 pub fn normalized_improvement(now: f64, at_start: f64) -> Option<f64> {
     let missing = 1.0 - at_start;
     (missing > 0.0).then(|| (now - at_start) / missing)

@@ -1,8 +1,9 @@
-//! Coverage as a camera sees it, for a cloth whose particles nobody knows.
+//! Coverage as a camera sees it, for a cloth whose particles are not known.
 //!
-//! In: the cloth's pixels now, and those of the same cloth lying flat under the same camera. Out: the one area over the
-//! other, as the paper measures on the real table. It knows nothing of what lies under other cloth, and a part that comes nearer to
-//! the camera counts as larger; so it is never set beside the simulator's measures without saying which is which.
+//! In: the cloth's pixels now, and those of the same cloth lying flat under the same camera. Out: the ratio of the two
+//! areas, as the paper measures on the real table. Cloth hidden under other cloth does not count, and parts closer to
+//! the camera count as larger, so this number must never be shown beside the simulator's measures without saying which
+//! is which.
 
 use fab_picture::Mask;
 
@@ -10,7 +11,7 @@ use fab_picture::Mask;
 ///
 /// - `now`, `flat`: the cloth's pixels, from pictures of one size.
 ///
-/// Above 1 where the cloth seems larger than it was flat. `None` where the sizes differ or the flat cloth has no pixel.
+/// Above 1 if the cloth looks larger than it was flat. `None` if the sizes differ or the flat cloth has no pixels.
 pub fn seen_coverage(now: &Mask, flat: &Mask) -> Option<f64> {
     let size = |mask: &Mask| (mask.width(), mask.height());
     let is_comparable = size(now) == size(flat) && !flat.is_empty();

@@ -1,13 +1,13 @@
-//! Coverage as it is: the area that the cloth's triangles cover, seen from straight above.
+//! True coverage: the area under the cloth's triangles, seen from straight above.
 //!
-//! In: particle positions and triangles. Out: an area, or its part of the flat cloth's. Unlike SoftGym's
-//! measure it does not depend on how the cloth is turned, and does not exceed 1 unless the cloth is stretched.
+//! In: particle positions and triangles. Out: an area, or its ratio to the flat cloth's. Unlike SoftGym's measure it
+//! does not depend on the cloth's rotation, and does not exceed 1 unless the cloth is stretched.
 
-/// Lines that are laid evenly over the cloth, for edges of layers that cross.
+/// Number of lines laid evenly over the cloth, for crossing edges of layers.
 ///
-/// With these numbers recorded heaps measure alike to 0.03 % however they are turned; with half as many, to 0.05 %.
+/// With these numbers, recorded heaps measure equal to 0.03 % however they are rotated; with half as many, to 0.05 %.
 const EVEN_LINES: usize = 400;
-/// Lines at most that are laid where particles lie, for straight edges that are nearly parallel to the lines.
+/// Most lines laid at the particles' positions, for straight edges that are nearly parallel to the lines.
 const PARTICLE_LINES: usize = 800;
 
 /// Returns the covered area over that of the flat cloth.
@@ -16,7 +16,7 @@ const PARTICLE_LINES: usize = 800;
 /// - `flat_m2`: area of the cloth lying flat and unstretched, square metres; for a whole grid
 ///   `(dimx - 1) (dimy - 1) spacing_m²`.
 ///
-/// `None` where the area is, and where `flat_m2` is not positive.
+/// `None` if the area is `None`, or `flat_m2` is not positive.
 pub fn true_coverage(
     positions: &[[f32; 3]],
     triangles: &[[usize; 3]],
@@ -26,14 +26,14 @@ pub fn true_coverage(
     (flat_m2 > 0.0 && flat_m2.is_finite()).then(|| covered_m2 / flat_m2)
 }
 
-/// Returns the area of the table under the triangles, square metres; what lies twice counts once.
+/// Returns the area of the table under the triangles, square metres; overlaps count once.
 ///
-/// - `positions`: world frame, metres; only those that triangles name are read.
+/// - `positions`: world frame, metres; only positions used by triangles are read.
 /// - `triangles`: indices into `positions`, in any order and winding.
 ///
-/// Sums the triangles' areas and takes off what lies above others. Along X that is exact, along Y it is taken
-/// from about a thousand lines; so a cloth without folds is exact in all, and a heap to about 0.03 %.
-/// `None` without triangles, and where one names no position or one that is not finite.
+/// Sums the triangles' areas and subtracts overlaps. This is exact along X and sampled by about a thousand lines along
+/// Y, so the result is exact for a cloth without folds and accurate to about 0.03 % for a heap. `None` without
+/// triangles, or if a triangle names a missing or non-finite position.
 pub fn true_covered_area_m2(positions: &[[f32; 3]], triangles: &[[usize; 3]]) -> Option<f64> {
     if triangles.is_empty() {
         return None;
@@ -54,17 +54,16 @@ pub fn true_covered_area_m2(positions: &[[f32; 3]], triangles: &[[usize; 3]]) ->
     Some((all_m2 - hidden_m2(slices)).max(0.0))
 }
 
-/// A triangle on the table, ready to be cut along X.
+/// A triangle on the table, prepared for cutting along X.
 struct Slices {
-    /// Corners in the order of their Y, metres.
+    /// Corners sorted by Y, metres.
     corners: [[f64; 2]; 3],
-    /// X per Y along the edges first to last, first to second, second to last; of no meaning where an edge has
-    /// no height.
+    /// X per Y along the edges first to last, first to second, second to last; meaningless for an edge without height.
     slopes: [f64; 3],
     area_m2: f64,
 }
 
-/// The part of a line that lies in a triangle: X where it enters and leaves, metres.
+/// The part of a line inside a triangle: X where it enters and leaves, metres.
 struct Cut {
     from: f64,
     to: f64,
@@ -101,12 +100,12 @@ impl Slices {
     }
 }
 
-/// Returns the area that lies on other triangles, square metres.
+/// Returns the area that is covered by more than one triangle, counted once per extra layer, square metres.
 fn hidden_m2(mut triangles: Vec<Slices>) -> f64 {
     let bounds = strips(&triangles);
     triangles.sort_unstable_by(|a, b| a.corners[0][1].total_cmp(&b.corners[0][1]));
     let mut coming = triangles.iter().peekable();
-    // What a line crosses, by where; kept from line to line, since the order hardly changes.
+    // The cuts of the current line, sorted; kept from line to line, because the order hardly changes.
     let mut crossed: Vec<(Cut, &Slices)> = Vec::new();
     let mut hidden_m2 = 0.0;
     for strip in bounds.windows(2) {
@@ -126,7 +125,7 @@ fn hidden_m2(mut triangles: Vec<Slices>) -> f64 {
     hidden_m2
 }
 
-/// Returns by how much the lengths of cuts, in the order of their begin, add up to more than their union, metres.
+/// Returns by how much the summed lengths of cuts, sorted by their start, exceed their union, metres.
 fn hidden_m<'a>(cuts: impl Iterator<Item = &'a Cut>) -> f64 {
     let mut covered_to = f64::NEG_INFINITY;
     let mut hidden_m = 0.0;
@@ -137,9 +136,9 @@ fn hidden_m<'a>(cuts: impl Iterator<Item = &'a Cut>) -> f64 {
     hidden_m
 }
 
-/// Returns the bounds of the strips along Y in each of which one line is taken for the whole, ascending.
+/// Returns the bounds of the strips along Y, ascending; one line represents each strip.
 ///
-/// Within a strip between neighbouring particles' Y the covered length changes evenly, but for edges that cross.
+/// Within a strip between neighbouring particles' Y the covered length is linear, except where edges cross.
 fn strips(triangles: &[Slices]) -> Vec<f64> {
     let corners = triangles.iter().flat_map(|triangle| triangle.corners);
     let mut heights: Vec<f64> = corners.map(|corner| corner[1]).collect();

@@ -1,7 +1,7 @@
 //! The triangles of a cloth without holes, for its true coverage.
 //!
-//! In: a grid. Out: particle indices and an area. They are those that the simulator's camera draws, found here
-//! anew because a measure must not depend on a world's own code.
+//! In: a grid. Out: particle indices and an area. The simulator's camera draws the same triangles; they are computed
+//! separately here because a measure must not depend on a world's own code.
 
 use crate::start::Grid;
 

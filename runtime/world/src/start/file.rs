@@ -1,16 +1,16 @@
 //! Reads recorded particle positions from `.npy` files.
 //!
-//! In: a path, and where the user states them the grid and the axis that points up. Out: a
-//! [`Start`] in the world frame. Files are bounded before they are read.
+//! In: a path, and optionally the grid and the up axis as stated by the user. Out: a [`Start`] in the world frame.
+//! Files are bounded before they are read.
 
 use super::{Outline, Start};
 use fab_base::{files, npy};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// The largest file that is read: far above any grid that the simulator accepts.
+/// The largest file accepted, bytes: far above any grid that the simulator accepts.
 const MAX_BYTES: u64 = 64 << 20;
-/// How many folders above a recorded start may hold the manifest that describes it.
+/// How many folders above a recorded start are searched for the manifest that describes it.
 const MANIFEST_LEVELS: usize = 5;
 
 /// A rectangular particle grid.
@@ -34,7 +34,7 @@ pub enum Up {
     Z,
 }
 
-/// How the numbers in a file are to be understood.
+/// How the numbers in a file are to be interpreted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StartFrame {
     /// The particle grid.
@@ -44,7 +44,7 @@ pub struct StartFrame {
     pub up: Up,
 }
 
-/// What a file beside the positions says of them.
+/// What a file beside the positions says about them.
 #[derive(Deserialize)]
 struct Description {
     #[serde(flatten)]
@@ -70,12 +70,12 @@ pub enum StartError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         why: String,
     },
-    /// The file is no `.npy` file of floating-point numbers.
+    /// The file is not a `.npy` file of floating-point numbers.
     #[error(
-        "the start `{path}` is not a usable .npy file: {why}; right would be float32 or float64 of shape (particles, 3)"
+        "the start `{path}` is not a usable .npy file: {why}; expected float32 or float64 of shape (particles, 3)"
     )]
     NotPositions {
         /// The file.
@@ -84,13 +84,13 @@ pub enum StartError {
         why: String,
     },
     /// The array's shape is wrong.
-    #[error("the start `{path}` has shape {found}; right would be {wanted}")]
+    #[error("the start `{path}` has shape {found}; expected {wanted}")]
     Shape {
         /// The file.
         path: PathBuf,
         /// The shape found.
         found: String,
-        /// The shape wanted, and why.
+        /// The shape expected, and why.
         wanted: String,
     },
     /// A coordinate is NaN or infinite.
@@ -105,14 +105,14 @@ pub enum StartError {
         /// The value found.
         value: f64,
     },
-    /// Nobody says which way is up or how the particles are arranged.
+    /// Nothing states the up axis or the arrangement of the particles.
     #[error(
         "nothing says how the start `{path}` is arranged: write `{beside}` with dimx, dimy, spacing_m and up (\"y\" or \"z\"), or give `--dims 55x44 --up y`"
     )]
     FrameUnknown {
         /// The file.
         path: PathBuf,
-        /// The description that is looked for first.
+        /// The description file that is looked for first.
         beside: PathBuf,
     },
     /// The file that describes the start cannot be understood.
@@ -220,8 +220,8 @@ fn find_description(path: &Path) -> Result<Description, StartError> {
     })
 }
 
-/// Finds the entry of a recorded data set that names this file; its paths are relative to the
-/// manifest's grandparent folder, and recorded data is y-up at 6.25 mm.
+/// Finds the entry for this file in a recorded data set. Its paths are relative to the manifest's grandparent folder;
+/// recorded data is y-up with 6.25 mm spacing.
 fn frame_in_manifest(manifest: &Path, start: &Path) -> Result<StartFrame, StartError> {
     let wrong = |why: String| StartError::Description {
         path: manifest.to_owned(),
@@ -263,7 +263,7 @@ fn frame_in_manifest(manifest: &Path, start: &Path) -> Result<StartFrame, StartE
                 (count("dimx"), count("dimy"), number("spacing_m"))
             else {
                 let why =
-                    "the start's entry lacks dimx, dimy or spacing_m, or one is no such number";
+                    "the start's entry lacks dimx, dimy or spacing_m, or one of them is not valid";
                 return Err(wrong(why.to_owned()));
             };
             let grid = Grid {

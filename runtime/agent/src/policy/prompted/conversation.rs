@@ -1,8 +1,8 @@
-//! The messages of a stage: what is said, where it comes from, and what a model is sent.
+//! The messages of a stage: their text, its origin, and the form sent to a model.
 //!
-//! In: a program, what is known, what can be shown. Out: a [`Conversation`], whose `spoken` side says of every stretch
-//! which file and line it comes from, and whose `messages` side is what is sent: the same texts, and the pictures in
-//! the model's size. `fabc render` and `fabc snap` show what a rollout sends because all of them call this.
+//! In: a program, known values, available pictures. Out: a [`Conversation`]. Its `spoken` side has the source file and
+//! line of every piece of text; its `messages` side is what is sent: the same texts, and the pictures in the model's
+//! size. `fabc render`, `fabc snap` and rollouts all call this, so they show and send the same messages.
 
 use crate::demos::DemosError;
 use crate::examples::{Examples, Told};
@@ -16,10 +16,10 @@ use fab_program::{Picture, Program, Stage};
 /// Why the messages of a stage cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PromptError {
-    /// A template and its values do not fit, or the stage cannot be asked of a model that writes points so.
+    /// A template and its values do not match, or the stage does not support the model's point convention.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The demonstrations cannot be told.
+    /// The demonstrations cannot be shown.
     #[error(transparent)]
     Demos(#[from] DemosError),
 }
@@ -36,25 +36,25 @@ pub struct Spoken {
 /// A piece of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SpokenPart {
-    /// Text that knows where it comes from.
+    /// Text with its source positions.
     Text(PromptText),
     /// A picture that the task shows.
     Picture(PromptPicture),
-    /// The refused action, drawn on what the stage shows.
+    /// The refused action, drawn on the stage's picture.
     RefusedAction,
 }
 
-/// What is said and sent in a stage, message by message on both sides.
+/// The messages of a stage, in both forms, message by message.
 #[derive(Clone, Debug, Default)]
 pub struct Conversation {
-    /// What is said.
+    /// The messages with their origin.
     pub spoken: Vec<Spoken>,
-    /// What is sent.
+    /// The messages as sent.
     pub messages: Vec<Message>,
 }
 
 impl Conversation {
-    /// Adds a message of texts alone.
+    /// Adds a text-only message.
     pub(super) fn say(&mut self, speaker: Speaker, said: PromptText) {
         self.messages
             .push(Message::text(speaker, said.text.clone()));
@@ -81,10 +81,10 @@ impl Conversation {
     }
 }
 
-/// Renders the opening messages of a stage, with the places of its pictures.
+/// Renders the opening messages of a stage, with placeholders for its pictures.
 ///
-/// - `values`: what is known, with the way in which the model writes points.
-/// - `step`: from 1; chooses the demonstrations, which stand just before the question.
+/// - `values`: known values, with the model's point notation.
+/// - `step`: from 1; selects the demonstrations, which come just before the question.
 pub fn opening(
     program: &Program,
     stage: &Stage,
@@ -127,9 +127,9 @@ pub fn opening(
     Ok(spoken)
 }
 
-/// Renders the opening messages of a stage as a model with this lowering is sent them.
+/// Renders the opening messages of a stage as sent to a model with this lowering.
 ///
-/// - `values`: what is known; points are written as the lowering says, whatever `values` says of them.
+/// - `values`: known values; points are written as the lowering says, whatever `values` says about them.
 pub fn conversation(
     program: &Program,
     stage: &Stage,

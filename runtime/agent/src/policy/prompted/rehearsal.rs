@@ -1,8 +1,8 @@
-//! What stages say, and what they would say after given answers: a step without a model.
+//! Rehearses a step without a model: what its stages say, and how they react to given answers.
 //!
-//! In: where the step stands, and answers in the order of the questions. Out: each stage's conversation with what came
-//! of each answer, by the same code as a rollout's. Where the answers end, later stages are shown with placeholders
-//! for what only a model can say.
+//! In: the step's state, and answers in the order of the questions. Out: each stage's conversation with the result of
+//! each answer, by the same code as a rollout. When the answers run out, later stages are shown with placeholders for a
+//! model's texts.
 
 use super::talk::{Answer, Missing, Next, Talk};
 use super::{Conversation, PromptError};
@@ -12,26 +12,26 @@ use fab_program::{ModelRole, Stage};
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
-/// A stage, its conversation, and what the answers in it meant.
+/// A stage, its conversation, and the results of its answers.
 #[derive(Clone, Debug)]
 pub struct Rehearsed {
     /// The stage.
     pub stage: String,
-    /// All that is said until its next question, or until its last answer.
+    /// All messages up to its next question, or its last answer.
     pub conversation: Conversation,
-    /// How many of its messages were there before the first answer.
+    /// The number of messages before the first answer.
     pub n_asked_first: usize,
-    /// What came of each answer, in order.
+    /// The result of each answer, in order.
     pub findings: Vec<Finding>,
 }
 
-/// Goes through stages of a step as a rollout does, with answers at hand instead of a model.
+/// Runs stages of a step as a rollout does, with given answers instead of a model.
 ///
 /// - `stages`: the stages to go through, in the program's order.
-/// - `lowering`: how the model of a role is told of points and pictures.
-/// - `answers`: the first is for the first question, and so on; each stage takes as many as it asks for.
+/// - `lowering`: the lowering of each role's model.
+/// - `answers`: in the order of the questions; each stage takes as many as it asks for.
 ///
-/// Returns the answers that no question asked for, too. Fails where a stage cannot be asked so.
+/// Also returns the answers left over. Fails if a stage cannot be asked this way.
 pub fn rehearse(
     view: StepView<'_>,
     stages: &[&Stage],
@@ -67,7 +67,7 @@ pub fn rehearse(
             Some(Answer::Text { name, value }) => {
                 texts.insert(name, value);
             }
-            // A rollout ends here; nothing is asked after it.
+            // A rollout would end here and ask nothing more.
             Some(Answer::None(_)) => break,
             Some(Answer::Action { .. }) | None => {}
         }

@@ -1,4 +1,4 @@
-//! The conversation of one stage in one step: asks, and asks again with the reason of the refusal.
+//! The conversation of one stage in one step: asks, and after a refusal asks again with the reason.
 
 use super::{Conversation, PromptError, conversation};
 use crate::action::Action;
@@ -20,7 +20,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// What a stage comes to in the end.
+/// The final result of a stage.
 pub(super) enum Answer {
     Text {
         name: String,
@@ -38,12 +38,12 @@ pub(super) enum Next {
     Done(Answer),
 }
 
-/// What becomes of a text that nobody has answered yet.
+/// What to do about a text without an answer yet.
 #[derive(Clone, Copy)]
 pub(super) enum Missing {
-    /// Asking is impossible.
+    /// The stage cannot be asked.
     IsAnError,
-    /// It stands as words in angle brackets.
+    /// It is shown as words in angle brackets.
     IsShown,
 }
 
@@ -52,10 +52,10 @@ pub(super) struct Talk<'a> {
     view: StepView<'a>,
     stage: &'a Stage,
     lowering: Lowering,
-    /// How the scene's points are written for the model.
+    /// The notation of the scene's points for the model.
     notation: Notation,
     conversation: Conversation,
-    /// What the scene's answers look like, where the stage reads the action.
+    /// The schema of valid answers for this scene, if the stage reads the action.
     schema: Option<Value>,
     asked: u32,
     /// Actions that were read and refused, oldest first, each with its question's number.
@@ -118,7 +118,7 @@ impl<'a> Talk<'a> {
         }
     }
 
-    /// Returns the question, which counts as asked from then on.
+    /// Returns the question and counts it as asked.
     pub(super) fn request(&mut self) -> Request {
         self.asked += 1;
         Request {
@@ -213,7 +213,7 @@ impl<'a> Talk<'a> {
         Ok(Next::AskAgain)
     }
 
-    /// Returns the message of a verdict with where it comes from; what `fabc` itself refuses is its own words.
+    /// Returns a verdict's message with its source position; for a refusal by `fabc` itself, its own words.
     fn refusal(
         &self,
         check: &str,
@@ -234,7 +234,7 @@ impl<'a> Talk<'a> {
         Ok(same.unwrap_or_else(|| PromptText::by_fabc(message)))
     }
 
-    /// Adds an answer and what is told of it.
+    /// Adds an answer and the correction.
     fn correct(&mut self, answer: String, mut told: PromptText, picture: Option<Png>) {
         let answer = PromptText {
             text: answer,
@@ -259,9 +259,9 @@ impl<'a> Talk<'a> {
         self.view.facts(texts, *self.notation.pointing())
     }
 
-    /// Draws a refused action on the picture that the stage shows, where the task corrects so.
+    /// Draws a refused action on the stage's picture, if the task asks for that.
     ///
-    /// None also where the answer leads nowhere, as one with a distance that was never offered.
+    /// Also `None` if the answer leads nowhere, for example with a distance that was never offered.
     fn refused_action(&self, proposal: &Proposal) -> Option<Png> {
         let StepView {
             program,
@@ -296,7 +296,7 @@ impl<'a> Talk<'a> {
     }
 }
 
-/// Says what a question without an answer means for the rollout.
+/// Converts a question without an answer into the rollout's finding.
 fn failed(error: &ModelError) -> Finding {
     let (outcome, fault) = match error {
         ModelError::Failed { fault, .. } => (Outcome::ModelFailed, Some(*fault)),
@@ -311,7 +311,7 @@ fn failed(error: &ModelError) -> Finding {
     }
 }
 
-/// Returns the JSON Schema of the answers that name what the scene offers.
+/// Returns the JSON Schema of answers that name the scene's values.
 fn schema(view: StepView<'_>, notation: &Notation) -> Value {
     let fields = view.program.actions.iter();
     let offered: Vec<_> = fields
@@ -320,7 +320,7 @@ fn schema(view: StepView<'_>, notation: &Notation) -> Value {
     reply::schema_in(view.program, notation, &offered)
 }
 
-/// Returns what a model is told of the action before, where the step is tried again.
+/// Returns the message about the previous action, if the step is being retried.
 fn remark(view: StepView<'_>, facts: Facts<'_>) -> Result<Option<PromptText>, RenderError> {
     let program = view.program;
     let (Some(before), Some(check)) = (view.before, &program.verify.result) else {

@@ -1,4 +1,4 @@
-//! Fits find the truth where there is no error, and errors come to what the spread says.
+//! Tests that fits are exact without errors, and that errors propagate as the spread predicts.
 
 use super::super::fit::Solver;
 use super::super::spread;
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 const METHODS: [Method; 2] = [Method::Plane, Method::Rigid];
 
-/// Two rows of eight points, so many millimetres apart, across the picture.
+/// Two rows of eight points across the picture, at the given distance in millimetres.
 fn two_rows(truth: &Truth, apart_mm: f64) -> Vec<Pair> {
     // At a metre and a focal length of 600 px, a millimetre is 0.6 px.
     let rows = [-0.3, 0.3].map(|side| 240.0 + side * apart_mm);
@@ -18,7 +18,7 @@ fn two_rows(truth: &Truth, apart_mm: f64) -> Vec<Pair> {
     places.map(|pixel| truth.pair(pixel)).collect()
 }
 
-/// Root mean square and largest error over the part of the window that the arm reaches: in the plane, and in height.
+/// Root mean square and largest error over the reachable part of the window: in the plane, and in height.
 #[derive(Debug, Default)]
 struct Errors {
     plane_rms_mm: f64,
@@ -27,7 +27,7 @@ struct Errors {
     height_most_mm: f64,
 }
 
-/// Calibrates a hundred times with errors of 1 mm, half a pixel, and 2 mm in depth, and looks at the whole table.
+/// Calibrates a hundred times with errors of 1 mm, half a pixel, and 2 mm in depth, and measures the whole table.
 fn errors(truth: &Truth, method: Method, pairs: &[Pair]) -> Errors {
     let terms = terms(method);
     let solver = Solver::of(&terms).unwrap();
@@ -109,7 +109,7 @@ fn two_rows_close_together_are_centimetres_off_in_height_and_are_refused() {
         "{by_plane:?}"
     );
     for method in METHODS {
-        // They fit as well as any others, so that no limit on errors finds it.
+        // They fit as well as any others, so no limit on errors catches this.
         let refusal =
             Calibration::make(terms(method), pairs.clone(), "2026-11-22", None).unwrap_err();
         assert!(
@@ -136,7 +136,7 @@ fn the_gain_is_what_errors_come_to() {
         let pairs = truth.grid(4, share);
         let points = solver.sightings(&pairs).unwrap();
         let said = spread::measure(&terms, &solver.fit(&points).unwrap(), &points).unwrap();
-        // A corner of the window is the worst place, or as good as.
+        // A corner of the window is the worst place, or as bad as the worst.
         let corner = truth.pair(window().pixel_at([0.0, 1.0]));
         let (mut noise, mut off) = (Noise::new(7), Vec::new());
         for _ in 0..2000 {
@@ -172,7 +172,7 @@ fn no_homography_nearby_fits_better() {
     let solver = Solver::of(&terms).unwrap();
     let mut noise = Noise::new(4);
     let mut truth = Truth::usual();
-    // Seen at a slant, where the linear equations weigh far points less.
+    // In a slanted view, the linear equations weigh far points less.
     truth.base_from_camera *= Isometry3::rotation(Vector3::new(0.5, 0.2, 0.0));
     let grid = truth.grid(4, 0.8);
     let measured: Vec<Pair> = grid

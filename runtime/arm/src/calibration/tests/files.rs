@@ -1,4 +1,4 @@
-//! What is kept is what is read, and what was changed is refused.
+//! Tests that calibration files round-trip, and that changed ones are refused.
 
 use super::super::file::MAX_BYTES;
 use super::*;
@@ -100,7 +100,7 @@ fn what_was_changed_is_refused() {
             "day",
             "2026-11-22",
             "2026-13-22",
-            "no day such as `2026-11-22`",
+            "not a date such as `2026-11-22`",
         ),
         (
             "method",

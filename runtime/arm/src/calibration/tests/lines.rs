@@ -1,4 +1,4 @@
-//! Points as lines: of a file, and typed one after the other.
+//! Tests of points as lines: in a file, and typed one after the other.
 
 use super::*;
 use proptest::prelude::*;
@@ -42,11 +42,11 @@ fn a_wrong_line_is_named() {
             "line 2: `x` is no number",
         ),
         ("1,2,0.3,,0.5\n", "line 1: `` is no number"),
-        ("1,2,nan,3,4\n", "line 1: `nan` is no column"),
+        ("1,2,nan,3,4\n", "line 1: `nan` is not a column"),
         ("1,2,3,inf,4\n", "line 1: `inf` is no number"),
         ("u,v,x,y\n", "line 1: the column `z` is missing"),
         ("u,v,x,y,z,u\n", "line 1: the column `u` is there twice"),
-        ("u,v,x_km,y,z\n", "line 1: `x_km` is no column"),
+        ("u,v,x_km,y,z\n", "line 1: `x_km` is not a column"),
         (&many, "line 401: there are more than 400 points"),
     ] {
         let error = parse_pairs(text).map(|_| ()).unwrap_err().to_string();

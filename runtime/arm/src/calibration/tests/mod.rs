@@ -1,4 +1,4 @@
-//! A camera over a table and an arm that touches it, both simulated, and what calibrations make of them.
+//! Tests of calibrations with a simulated camera over a table and a simulated arm that touches it.
 #![allow(clippy::unwrap_used)]
 
 mod errors;
@@ -15,7 +15,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use truth::{Noise, Truth, terms, window};
 
 impl Noise {
-    /// A point as it is measured: the tool and the pixel and the depth off by these standard deviations.
+    /// A measured point: the tool, the pixel and the depth have errors with these standard deviations.
     pub fn measured(&mut self, pair: &Pair, tool_m: f64, pixel_px: f64, depth_m: f64) -> Pair {
         Pair {
             pixel: pair.pixel.map(|it| it + pixel_px * self.normal()),

@@ -1,8 +1,8 @@
-//! Each slip that people make is named.
+//! Tests that each common input mistake is named.
 
 use super::*;
 
-/// A grid with errors of a careful person, and one change.
+/// A grid with the errors of a careful person, and one change.
 fn refused(method: Method, change: impl Fn(&mut Vec<Pair>)) -> String {
     let mut noise = Noise::new(11);
     let truth = Truth::usual();
@@ -73,7 +73,7 @@ fn each_slip_is_named() {
                     it.base_m[1] *= -1.0;
                 })
             },
-            "nothing in both; are signs lost",
+            "they do not overlap; is a sign missing",
         ),
         (
             "millimetres",
@@ -96,18 +96,14 @@ fn each_slip_is_named() {
             |it| it[4].base_m = it[4].base_m.map(|m| m * 1000.0),
             "point 5 is at",
         ),
-        (
-            "few",
-            |it| it.truncate(7),
-            "7 points at places of their own are too few",
-        ),
+        ("few", |it| it.truncate(7), "7 distinct points are too few"),
         (
             "the same",
             |it| {
                 let one = it[0];
                 it.iter_mut().skip(3).for_each(|it| *it = one)
             },
-            "3 points at places",
+            "3 distinct points",
         ),
         (
             "no number",
@@ -129,7 +125,7 @@ fn slips_of_depth_are_named() {
         (
             "none",
             |it| it[3].depth_m = None,
-            "needs a depth at every point, and 1 of 16 have none, the first being point 4",
+            "needs a depth at every point, and 1 of 16 have none, starting with point 4",
         ),
         (
             "millimetres",
@@ -175,7 +171,8 @@ fn points_on_a_line_are_refused_as_that() {
             matches!(refusal.faults[..], [Fault::OnALine { .. }]),
             "{refusal}"
         );
-        // With one beside it, the plane is hardly better off; the pose of a camera hangs on that one.
+        // With one point beside the line, the plane is hardly better determined, and the camera's pose depends on that
+        // point alone.
         let refusal = on_a_line(10, Some([300.0, 400.0]));
         let fault = &refusal.faults[0];
         assert!(

@@ -1,4 +1,5 @@
-//! An arm that a person guides: where its tool is counts only while it is at rest, heard, and points down.
+//! Tests of an arm guided by a person: the tool's position counts only at rest, with recent readings, and pointing
+//! down.
 
 use super::*;
 use crate::kinematics::tool_down::tool_down;
@@ -6,7 +7,7 @@ use crate::port::{Goal, GoalId, GoalState, Port, PortError, Reading, Readings};
 
 const AT_M: [f64; 3] = [0.4, 0.1, 0.02];
 
-/// An arm that only talks: what it says at a time of its clock, every 0.1 s, and until when.
+/// An arm that only publishes readings: the given pose every 0.1 s, until a given time.
 struct Guided<F: Fn(f64) -> Isometry3<f64>> {
     clock_s: f64,
     until_s: f64,
@@ -81,7 +82,7 @@ fn tilted(angle_deg: f64) -> Isometry3<f64> {
     pose
 }
 
-/// The hand on its way, at a speed.
+/// The hand in motion, at a speed.
 fn moving(speed_m_s: f64) -> impl Fn(f64) -> Isometry3<f64> {
     move |at_s| down([AT_M[0] + speed_m_s * at_s, AT_M[1], AT_M[2]])
 }
@@ -111,16 +112,16 @@ fn a_place_that_is_none_is_refused_with_its_values() {
     for (read, words) in [
         (
             read(0.0, 0.0, |_| down(AT_M)),
-            "the arm has not said yet where its tool is",
+            "the arm has not reported yet where its tool is",
         ),
         (
             read(5.0, 3.0, |_| down(AT_M)),
-            "the arm has not said for 2.0 s where its tool is",
+            "the arm has not reported for 2.0 s where its tool is",
         ),
-        // The last word is young enough when the point is entered, and nothing follows.
+        // The last reading is recent enough when the point is entered, and no other follows.
         (
             read(5.0, 4.8, |_| down(AT_M)),
-            "the arm has not said for 0.7 s where its tool is",
+            "the arm has not reported for 0.7 s where its tool is",
         ),
         (
             read(5.0, forever, moving(0.02)),
@@ -140,7 +141,7 @@ fn a_place_that_is_none_is_refused_with_its_values() {
         ),
         (
             read(5.0, forever, |_| down([f64::NAN, 0.0, 0.0])),
-            "a place that is no number",
+            "a tool position that is not finite",
         ),
     ] {
         let why = read.expect_err(words);

@@ -5,7 +5,7 @@ use fab_picture::camera::Lens;
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
-/// A camera with a known place above a table of known height.
+/// A camera with a known pose above a table of known height.
 pub struct Truth {
     pub base_from_camera: Isometry3<f64>,
     pub lens: Lens,
@@ -13,7 +13,8 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// A metre above a table before the arm, turned by a quarter and a little, not quite looking down.
+    /// A metre above a table in front of the arm, turned by a little more than a quarter, not quite looking straight
+    /// down.
     pub fn usual() -> Truth {
         let down = Isometry3::rotation(Vector3::new(std::f64::consts::PI, 0.0, 0.0));
         let turned = Isometry3::rotation(Vector3::new(0.0, 0.0, -FRAC_PI_2 + 0.05));
@@ -34,7 +35,7 @@ impl Truth {
         }
     }
 
-    /// What is touched where a pixel shows the table.
+    /// The touched point at the place that a pixel shows.
     pub fn pair(&self, pixel: [f64; 2]) -> Pair {
         let touched = self.fit().table_from_pixel(pixel).unwrap();
         Pair {
@@ -57,7 +58,7 @@ impl Truth {
         }
     }
 
-    /// A grid of so many points over a share of the window's sides.
+    /// A grid of this many points a side over a share of the window's sides.
     pub fn grid(&self, n: u32, share: f64) -> Vec<Pair> {
         let at = |index: u32| 0.5 + share * (f64::from(index) / f64::from(n - 1) - 0.5);
         let places = (0..n).flat_map(|row| (0..n).map(move |column| (column, row)));
@@ -86,7 +87,7 @@ pub fn terms(method: Method) -> Terms {
     }
 }
 
-/// Chance that is the same each time.
+/// Reproducible random numbers.
 pub struct Noise(u64);
 
 impl Noise {
@@ -94,7 +95,7 @@ impl Noise {
         Noise(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
     }
 
-    /// Between 0 and 1.
+    /// Uniform between 0 and 1.
     pub fn uniform(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -102,7 +103,7 @@ impl Noise {
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Of standard deviation 1.
+    /// Normal with standard deviation 1.
     pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }

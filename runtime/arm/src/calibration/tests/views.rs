@@ -1,4 +1,4 @@
-//! The camera that tasks see with shows each point where the calibration does.
+//! Tests that the camera of the tasks' picture agrees with the calibration at every point.
 
 use super::*;
 use crate::calibration::view::Window;

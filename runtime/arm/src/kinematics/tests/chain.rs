@@ -1,4 +1,4 @@
-//! Forward: the vendor's home pose, frames, the Jacobian, refusals.
+//! Tests of forward kinematics: the vendor's home pose, frames, the Jacobian, refusals.
 
 use super::*;
 use crate::kinematics::chain::BadAngles;
@@ -13,7 +13,7 @@ fn the_vendors_home_pose_comes_out_as_the_arm_tells_it() {
             * Rotation3::from_axis_angle(&Vector3::y_axis(), y)
             * Rotation3::from_axis_angle(&Vector3::z_axis(), z);
         let told = Isometry3::from_parts(Vector3::from(HOME_M).into(), turn.into());
-        // Joints and pose are told of two arms, each a little off the other.
+        // The vendor gives joints and pose for two arms, each slightly different.
         assert!(distance_m(&tool, &told) < 0.003, "{tool} is not {told}");
         assert!(angle_deg(&tool, &told) < 1.5, "{tool} is not {told}");
     }
@@ -77,7 +77,9 @@ fn what_are_no_angles_is_refused() {
         angles[2] = bad;
         let error = chain.jacobian(&angles).unwrap_err();
         assert!(
-            error.to_string().ends_with("of joint `3` is no angle"),
+            error
+                .to_string()
+                .ends_with("of joint `3` is not a valid angle"),
             "{error}"
         );
     }

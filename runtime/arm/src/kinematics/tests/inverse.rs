@@ -1,4 +1,4 @@
-//! Inverse: what it finds, that it keeps limits and stays near, and what it refuses.
+//! Tests of inverse kinematics: its solutions, limits, nearness, and refusals.
 
 use super::*;
 use crate::kinematics::inverse::{NoSolution, Obstacle};
@@ -105,11 +105,11 @@ fn a_refusal_says_what_was_reached() {
         obstacle: Obstacle::Limit(3),
     };
     let said =
-        "the arm came to `12.3` mm and `5.73` degrees of the pose: joint `3` stands at its limit";
+        "the arm came to `12.3` mm and `5.73` degrees of the pose: joint `3` is at its limit";
     assert_eq!(error.to_string(), said);
 }
 
-/// Holds the models to what the enumeration of postures takes for granted, and each of the two ways to the other.
+/// Checks the assumptions of the enumeration of postures on every model, and both solvers against each other.
 #[test]
 #[ignore = "long"]
 fn all_postures_pointing_down_bring_the_hand_there() {

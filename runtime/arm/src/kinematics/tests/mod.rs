@@ -1,4 +1,4 @@
-//! Laws and vendor's figures that hold for every model; what the tests share.
+//! Tests of laws and vendor's figures that hold for every model; and shared helpers.
 
 #![allow(clippy::unwrap_used)]
 
@@ -15,8 +15,8 @@ use std::f64::consts::TAU;
 
 const MODELS: [&str; 3] = ["j2n6s200", "j2n6s300", "j2s6s200"];
 
-/// Joint angles of the vendor's home pose, radians, and where the arm itself says that its tool is then: metres, and
-/// Euler angles about x, y, z as kinova-ros counts them (`kinova_demo/nodes/kinova_demo/pose_action_client.py`).
+/// Joint angles of the vendor's home pose, radians, and the tool pose that the arm reports there: metres, and Euler
+/// angles about x, y, z in kinova-ros's convention (`kinova_demo/nodes/kinova_demo/pose_action_client.py`).
 const HOME_RAD: [f64; JOINTS] = [4.8085, 2.9246, 1.0020, 4.2031, 1.4454, 1.3233];
 const HOME_M: [f64; 3] = [0.2123, -0.2572, 0.5096];
 const HOME_EULER_RAD: [f64; 3] = [1.6377, 1.1132, 0.1341];
@@ -33,7 +33,7 @@ fn angle_deg(one: &Isometry3<f64>, other: &Isometry3<f64>) -> f64 {
     one.rotation.angle_to(&other.rotation).to_degrees()
 }
 
-/// Angles within a chain's limits; of endless joints within one turn.
+/// Angles within a chain's limits; within one turn for unlimited joints.
 fn within_limits(chain: &Chain) -> impl Strategy<Value = Vec<f64>> + use<> {
     let ranges: Vec<_> = chain
         .joints()

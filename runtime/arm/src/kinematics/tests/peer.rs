@@ -1,7 +1,7 @@
-//! Compares with MuJoCo's model of the arm, which `dm_control` carries: a Jaco 2 with six joints, the wrist of 60-degree
-//! bends and three fingers, which is the vendor's `j2n6s300`. Its angles are counted as the vendor's, and its links'
-//! frames lie as here. Of the tool it has two: `wristsite` is turned as ours and stands at the beginning of the hand,
-//! whose stated length is 0.160 m along z; `gripsite` stands 1.0 mm from our tool.
+//! Compares with MuJoCo's model of the arm in `dm_control`: a Jaco 2 with six joints, a wrist with 60-degree bends and
+//! three fingers, which is the vendor's `j2n6s300`. Its angles follow the vendor's convention, and its links' frames
+//! are as here. It has two tool frames: `wristsite` is rotated like ours and sits at the start of the hand, whose
+//! stated length is 0.160 m along z; `gripsite` is 1.0 mm from our tool.
 
 use super::*;
 use nalgebra::{Matrix3, Rotation3, Vector3};

@@ -1,4 +1,4 @@
-//! What a hand pointing down reaches, and how a refusal reads.
+//! Tests of the reach of a hand pointing down, and of refusal messages.
 
 use super::*;
 use crate::kinematics::reach::{OutOfReach, Range, Reach, Turn, WhyNot};
@@ -34,7 +34,7 @@ fn each_model_reaches_its_ring_of_the_table() {
     }
 }
 
-/// The vendor's own limits make the ring; lengths alone bound it.
+/// The vendor's own joint limits determine the ring; link lengths are only an upper bound.
 #[test]
 #[ignore = "long"]
 fn no_farther_than_the_links_are_long() {
@@ -45,7 +45,7 @@ fn no_farther_than_the_links_are_long() {
             let Some(range) = reach.range(height_m) else {
                 continue;
             };
-            // D2 + D3 + the wrist in one line from the shoulder to 0.16 m over the tool.
+            // D2 + D3 + the wrist in one line from the shoulder to 0.16 m above the tool.
             let wrist_m = 0.410 + 0.2073 + 0.2075;
             let down_m = 0.2755 - (height_m + 0.160);
             assert!(
@@ -106,7 +106,7 @@ proptest! {
         let all = reach.check(&point, &heights);
         let few = reach.check(&point, &heights[..heights.len() / 2]);
         prop_assert!(all.is_err() || few.is_ok());
-        // A way up also passes what lies between.
+        // A path up also passes the heights in between.
         let top = heights.iter().copied().fold(0.0, f64::max);
         prop_assert_eq!(all.is_ok(), reach.check(&point, &[top]).is_ok());
         prop_assert_eq!(all.is_ok(), reach.check(&at(radius, azimuth + 1.0, 0.01), &heights).is_ok());
@@ -169,7 +169,7 @@ fn a_refusal_says_how_far_and_what_is_reached() {
 
 #[test]
 fn the_elbow_does_not_go_below_the_point() {
-    // There this arm stands in one posture alone, with the elbow under the hand.
+    // There this arm has only one posture, with the elbow under the hand.
     let chain = chain_of("j2s6s200");
     let point = at(0.405, 0.0, 0.6);
     assert!(chain.solve(&tool_down(&point, 0.0), &HOME_RAD).is_ok());

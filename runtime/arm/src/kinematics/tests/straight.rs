@@ -1,4 +1,4 @@
-//! Straight ways: on the line, smooth, and refused where the posture ends.
+//! Tests of straight paths: on the line, smooth, and refused if the posture cannot be kept.
 
 use super::*;
 use crate::kinematics::reach::{Reach, Turn};
@@ -6,8 +6,8 @@ use crate::kinematics::straight::{MAX_JUMP_RAD, NotStraight};
 use crate::kinematics::tool_down::tool_down;
 use nalgebra::Point3;
 
-/// Two points over the table that every model reaches pointing down, with the turns there; not where the forearm of the
-/// bent wrist comes to stand upright.
+/// Two points above the table that every model reaches pointing down, with rotations; except where the bent wrist's
+/// forearm becomes vertical.
 fn two_poses() -> impl Strategy<Value = [Isometry3<f64>; 2]> {
     let pose = || {
         (0.36..0.62f64, -0.9..0.9f64, 0.0..0.15f64, -0.7..0.7f64).prop_map(

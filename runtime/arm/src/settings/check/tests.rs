@@ -1,4 +1,4 @@
-//! Each number that cannot be meant is refused, by its key; what is not said stands as it does by default.
+//! Tests that each implausible number is refused by its key, and that defaults apply to missing ones.
 
 #![allow(clippy::unwrap_used)]
 
@@ -30,7 +30,7 @@ depth = '/d'
 info = '/i'
 ";
 
-/// The settings with one value replaced; `-` takes it away.
+/// The settings with one value replaced; `-` removes it.
 fn with(key: &str, value: &str) -> Result<Settings, String> {
     let mut table: Table = toml::from_str(ROBOT).unwrap();
     let mut parts: Vec<&str> = key.split('.').collect();

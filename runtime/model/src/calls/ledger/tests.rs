@@ -1,4 +1,4 @@
-//! What a ledger remembers after a process that died at any byte of it.
+//! Tests of what a ledger remembers after a crash at any byte.
 #![allow(clippy::unwrap_used)]
 
 use super::*;
@@ -68,7 +68,7 @@ fn answers_are_remembered_and_an_open_call_counts_as_possibly_billed() {
     assert_eq!(Some(noted.spent.possibly), usd(0.5));
     assert_eq!(noted.spent.usage.input_tokens, 1400);
     assert_eq!(noted.faults, BTreeMap::from([(Fault::RateLimited, 1)]));
-    // In the process that made them the call is still under way.
+    // For the process that made the calls, the last one is still in progress.
     assert_eq!(budget.spent().calls, 3);
 }
 

@@ -1,4 +1,4 @@
-//! Users' files: what they replace, and what is refused.
+//! Tests of users' files: what they override, and what is rejected.
 
 use super::super::*;
 use super::find;
@@ -95,7 +95,7 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
         ),
         ("[[modle]]\n", "unknown field `modle`"),
         (&entry("visoin = true"), "line 6"),
-        (&entry("shutdown = \"soon\""), "`soon` is no date"),
+        (&entry("shutdown = \"soon\""), "`soon` is not a date"),
         (
             &entry("temperature = { only = [] }"),
             "line 3: `temperature` needs finite numbers",

@@ -1,4 +1,4 @@
-//! What a day makes of a model: notices, prices, costs.
+//! Tests of everything that depends on the date: notices, prices, costs.
 
 use super::super::*;
 use super::{date, find};

@@ -1,4 +1,4 @@
-//! Keys: where they come from, what is refused, and that nothing shows them.
+//! Tests of API keys: where they come from, what is refused, and that nothing shows them.
 
 use super::*;
 use std::fs;

@@ -1,4 +1,4 @@
-//! Keys are found in every form in which a server may give them back.
+//! Tests that keys are found in every form in which a server may echo them.
 
 use super::*;
 use proptest::prelude::*;

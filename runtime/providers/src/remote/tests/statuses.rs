@@ -1,8 +1,8 @@
-//! What providers answer when they give none, each named.
+//! Tests of providers' error replies, each mapped to a named fault.
 
 use super::*;
 
-/// Status, body, fault, billing, and a word that is repeated.
+/// Status, body, fault, billing, and a word that the message must contain.
 const CASES: &[(u16, &str, Fault, Billing, &str)] = {
     use Billing::{No, Possibly};
     use Fault::*;

@@ -1,6 +1,6 @@
-//! Anthropic's Messages.
+//! Anthropic's Messages API.
 //!
-//! In: messages and what is stated of the answer; a `message`. Out: a typed body; an answer or a failure.
+//! In: messages and the request's settings; a `message`. Out: a typed body; an answer or a failure.
 
 use super::content::{base64, framed, words};
 use super::error::ErrorBody;
@@ -65,10 +65,10 @@ enum Format<'a> {
     JsonSchema { schema: &'a Value },
 }
 
-/// Returns the version of the interface that knows what is stated.
+/// Returns the API version that supports the request's settings.
 ///
-/// The present one has no sampling parameters any more, and answers 400 to them; the one before it takes them for the
-/// models that still do.
+/// The current version has no sampling parameters and answers 400 to them; the previous one accepts them for models
+/// that still have them.
 pub(super) fn version(stated: &Stated<'_>) -> &'static str {
     if stated.temperature.is_some() || stated.top_p.is_some() {
         "2023-06-01"
@@ -159,7 +159,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     let usage = reply.usage.map(|tokens| {
         let cached = tokens.cache_read_input_tokens.unwrap_or(0);
         let written = tokens.cache_creation_input_tokens.unwrap_or(0);
-        // What was read from or written to the cache is not counted in the input.
+        // Cache reads and writes are not counted in the input.
         let input = tokens.input_tokens.saturating_add(cached);
         Usage {
             input_tokens: input.saturating_add(written),

@@ -1,14 +1,14 @@
-//! What the four forms have in common: where pictures and frames may stand.
+//! Common parts of the four wire formats: where pictures and system prompts may appear.
 
 use super::Unfit;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use fab_model::{Message, Part, Png, Speaker};
 
-/// What separates the texts that go into one string.
+/// Separates texts that are joined into one string.
 const BETWEEN: &str = "\n\n";
 
-/// Returns whether there is a picture among the messages.
+/// Returns whether any message has a picture.
 pub(super) fn has_picture(messages: &[Message]) -> bool {
     let mut parts = messages.iter().flat_map(|message| &message.parts);
     parts.any(|part| matches!(part, Part::Image(_)))
@@ -24,7 +24,7 @@ pub(super) fn data_url(png: &Png) -> String {
     format!("data:image/png;base64,{}", base64(png))
 }
 
-/// Returns the texts of a turn that can hold no picture, as one.
+/// Returns the joined texts of a turn that may not have pictures.
 pub(super) fn words(message: &Message) -> Result<String, Unfit> {
     let texts: Option<Vec<&str>> = message.parts.iter().map(text).collect();
     let texts = texts.ok_or_else(|| {
@@ -34,7 +34,7 @@ pub(super) fn words(message: &Message) -> Result<String, Unfit> {
             Speaker::Assistant => "the model",
         };
         Unfit(format!(
-            "a picture stands in a turn of {speaker}, and only the user's can hold one"
+            "there is a picture in a turn of {speaker}, and only the user's can hold one"
         ))
     })?;
     Ok(texts.join(BETWEEN))
@@ -47,9 +47,9 @@ fn text(part: &Part) -> Option<&str> {
     }
 }
 
-/// Splits a conversation into the frame before it and its turns, where the frame has a place of its own.
+/// Splits a conversation into system prompt and turns, for formats with a separate place for it.
 ///
-/// Fails where a frame stands among the turns, or nothing follows it.
+/// Fails if a system prompt appears among the turns, or no turn follows it.
 pub(super) fn framed(messages: &[Message]) -> Result<(Option<String>, &[Message]), Unfit> {
     let is_frame = |message: &Message| message.speaker == Speaker::System;
     let first_turn = messages.iter().position(|message| !is_frame(message));
@@ -57,7 +57,7 @@ pub(super) fn framed(messages: &[Message]) -> Result<(Option<String>, &[Message]
     refuse_no_question(turns)?;
     if turns.iter().any(is_frame) {
         return Err(Unfit(
-            "a system message stands after the first question, and its interface has no place for it".to_owned(),
+            "there is a system message after the first question, and its interface has no place for it".to_owned(),
         ));
     }
     let texts = frame.iter().map(words).collect::<Result<Vec<_>, _>>()?;
@@ -65,7 +65,7 @@ pub(super) fn framed(messages: &[Message]) -> Result<(Option<String>, &[Message]
     Ok((frame, turns))
 }
 
-/// Fails where nobody has said anything.
+/// Fails if there are no turns.
 pub(super) fn refuse_no_question(turns: &[Message]) -> Result<(), Unfit> {
     if turns.is_empty() {
         return Err(Unfit("the request asks nothing".to_owned()));

@@ -1,30 +1,30 @@
-//! What providers say when they give no answer.
+//! Parses providers' errors.
 //!
-//! In: the `error` of a reply, in any of their forms, and the HTTP status where there is one. Out: a [`Fault`], words,
-//! and how long to wait where the provider says so.
+//! In: the `error` of a reply, in any of the providers' formats, and the HTTP status if there is one. Out: a [`Fault`],
+//! a message, and how long to wait if the provider says so.
 
 use super::Failure;
 use fab_model::calls::{Fault, Usage};
 use serde_json::Value;
 use std::time::Duration;
 
-/// The longest message of a provider that is repeated, characters.
+/// The longest provider message that is repeated, characters.
 const MAX_MESSAGE: usize = 400;
 
-/// An error as a provider tells it.
+/// A provider's error.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::remote) struct ErrorBody {
     message: String,
-    /// The names by which it is called: types, codes, reasons, quotas; lower case.
+    /// All its identifiers: types, codes, reasons, quotas; lower case.
     names: Vec<String>,
-    /// A number that it is called by, which is meant as an HTTP status.
+    /// A numeric code, meant as an HTTP status.
     code: Option<u16>,
     /// The longest wait that it asks for.
     pub(in crate::remote) wait: Option<Duration>,
 }
 
 impl ErrorBody {
-    /// Reads a whole body; one that is no JSON is taken as words.
+    /// Reads a whole body; if it is not JSON, it is taken as a message.
     pub(in crate::remote) fn of_bytes(bytes: &[u8]) -> ErrorBody {
         match serde_json::from_slice::<Value>(bytes) {
             Ok(value) => {
@@ -40,7 +40,7 @@ impl ErrorBody {
         }
     }
 
-    /// Reads what stands under `error`.
+    /// Reads the value of `error`.
     pub(in crate::remote) fn of(error: &Value) -> ErrorBody {
         let message = error["message"].as_str().or(error.as_str());
         let mut body = ErrorBody {
@@ -72,7 +72,7 @@ impl ErrorBody {
         }
     }
 
-    /// Returns the words to repeat.
+    /// Returns the message to repeat.
     pub(in crate::remote) fn words(&self) -> String {
         match (self.message.is_empty(), self.names.first()) {
             (false, _) => self.message.clone(),
@@ -81,7 +81,7 @@ impl ErrorBody {
         }
     }
 
-    /// Returns what it means beyond the status that it came with.
+    /// Returns the fault, if it is more specific than the HTTP status.
     pub(in crate::remote) fn fault(&self) -> Option<Fault> {
         let named = |part: &str| self.names.iter().any(|name| name.contains(part));
         let said = self.message.to_lowercase();
@@ -118,7 +118,7 @@ impl ErrorBody {
         }
     }
 
-    /// Makes the failure of a reply that came with status 200 and an error in it.
+    /// Makes the failure of a reply with status 200 that contains an error.
     pub(super) fn failure(&self, usage: Option<Usage>) -> Failure {
         let by_code = || match self.code? {
             401 | 403 => Some(Fault::NotAuthorised),
@@ -141,7 +141,7 @@ fn code(value: &Value) -> Option<u16> {
     }
 }
 
-/// Returns a text in one line, and not more than an error needs.
+/// Returns a text on one line, shortened for an error message.
 fn shortened(text: &str) -> String {
     let mut words = text.split_whitespace().collect::<Vec<_>>().join(" ");
     if let Some((end, _)) = words.char_indices().nth(MAX_MESSAGE) {

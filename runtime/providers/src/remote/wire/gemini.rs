@@ -1,7 +1,6 @@
-//! Google's `generateContent`.
+//! Google's `generateContent` API.
 //!
-//! In: messages and what is stated of the answer; a `GenerateContentResponse`. Out: a typed body; an answer or a
-//! failure.
+//! In: messages and the request's settings; a `GenerateContentResponse`. Out: a typed body; an answer or a failure.
 
 use super::content::{base64, framed, words};
 use super::error::ErrorBody;
@@ -153,7 +152,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     let usage = reply.usage_metadata.map(|tokens| Usage {
         input_tokens: tokens.prompt_token_count.unwrap_or(0),
         cached_input_tokens: tokens.cached_content_token_count.unwrap_or(0),
-        // Hidden reasoning is counted beside the answer.
+        // Hidden reasoning is counted separately from the answer.
         output_tokens: tokens
             .candidates_token_count
             .unwrap_or(0)
@@ -192,7 +191,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     answer(text, usage)
 }
 
-/// Returns what an end means that is none of an answer.
+/// Returns the fault of a finish reason that means there is no answer.
 fn ended_badly(reason: Option<&str>) -> Option<Fault> {
     match reason {
         Some("STOP") | None => None,

@@ -1,7 +1,7 @@
-//! The four forms in which providers take questions and give answers, one file each.
+//! The four wire formats of providers, one file each.
 //!
-//! In: a [`Request`] and [`Settings`]; the bytes that came back with status 200. Out: the bytes to send; an [`Answer`],
-//! or a [`Failure`] by name. Sending, status codes and tries are left to `remote`.
+//! In: a [`Request`] and [`Settings`]; the bytes of a reply with status 200. Out: the bytes to send; an [`Answer`], or
+//! a [`Failure`] by name. `remote` handles sending, status codes and retries.
 
 mod anthropic;
 mod content;
@@ -17,51 +17,51 @@ use fab_model::calls::{Fault, Usage};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
-/// A question as it is sent.
+/// An encoded question.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Encoded {
     /// The body, JSON.
     pub body: Vec<u8>,
-    /// Headers besides the key's and the content's type.
+    /// Headers other than the key's and the content type.
     pub headers: Vec<(&'static str, &'static str)>,
 }
 
-/// What an answer says.
+/// The contents of an answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// The model's words, never empty.
+    /// The model's text, never empty.
     pub text: String,
-    /// What the provider says that it used.
+    /// Usage as reported by the provider.
     pub usage: Option<Usage>,
 }
 
-/// Why something that came back is no answer.
+/// Why a reply is not an answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// What went wrong.
     pub fault: Fault,
-    /// The same in words.
+    /// The failure in words.
     pub why: String,
-    /// What the provider says that it used all the same.
+    /// Usage as reported by the provider, even without an answer.
     pub usage: Option<Usage>,
 }
 
-/// Why a request cannot be put into a provider's form, in words.
+/// Why a request cannot be encoded in a provider's format, in words.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Unfit(pub String);
 
 impl Wire {
-    /// Writes a request; equal requests give equal bytes.
+    /// Encodes a request; equal requests give equal bytes.
     ///
-    /// Fails where the model is known not to take what the request holds.
+    /// Fails if the model is known not to support something in the request.
     pub fn encode(self, request: &Request, settings: &Settings) -> Result<Encoded, Unfit> {
         let stated = Stated::of(request, settings)?;
         let (model, messages) = (settings.model.as_str(), &request.messages);
         let body = match self {
             Wire::OpenaiResponses => bytes(&openai_responses::body(model, messages, &stated)?),
             Wire::OpenaiChat => {
-                // The older name is the one that most compatible servers know.
+                // Most compatible servers know the older name.
                 let field = settings.max_tokens_field;
                 let field = field.unwrap_or(MaxTokensField::MaxTokens);
                 bytes(&openai_chat::body(model, messages, &stated, field)?)
@@ -79,7 +79,7 @@ impl Wire {
         Ok(Encoded { body, headers })
     }
 
-    /// Reads what came back with status 200.
+    /// Decodes a reply with status 200.
     pub fn decode(self, bytes: &[u8]) -> Result<Answer, Failure> {
         match self {
             Wire::OpenaiResponses => openai_responses::decode(bytes),
@@ -89,7 +89,7 @@ impl Wire {
         }
     }
 
-    /// Returns the header that carries a key, and what comes before the key.
+    /// Returns the header that carries a key, and the prefix of its value.
     pub(super) fn key_header(self) -> (&'static str, &'static str) {
         match self {
             Wire::OpenaiResponses | Wire::OpenaiChat => ("authorization", "Bearer "),
@@ -98,7 +98,7 @@ impl Wire {
         }
     }
 
-    /// Returns the version that stands in addresses where a base URL names none.
+    /// Returns the version segment for addresses whose base URL names none.
     pub(super) fn version_segment(self) -> &'static str {
         match self {
             Wire::Gemini => "v1beta",
@@ -106,7 +106,7 @@ impl Wire {
         }
     }
 
-    /// Returns what follows the base URL.
+    /// Returns the path below the base URL.
     pub(super) fn path(self, model: &str) -> Vec<String> {
         match self {
             Wire::OpenaiResponses => vec!["responses".to_owned()],
@@ -117,7 +117,7 @@ impl Wire {
     }
 }
 
-/// What of a request's settings is sent.
+/// The request's settings that are sent.
 struct Stated<'a> {
     temperature: Option<f64>,
     top_p: Option<f64>,
@@ -173,7 +173,7 @@ impl Failure {
     }
 
     fn invalid(error: &serde_json::Error) -> Failure {
-        // The parser's own message may quote what it read at any length.
+        // The parser's own message may quote its input at any length.
         let (line, column) = (error.line(), error.column());
         let why = format!(
             "the reply is not what the interface promises, at line {line}, column {column}"
@@ -182,7 +182,7 @@ impl Failure {
     }
 }
 
-/// Makes an answer of words; none are a failure.
+/// Makes an answer from a text; an empty one is a failure.
 fn answer(text: String, usage: Option<Usage>) -> Result<Answer, Failure> {
     if text.trim().is_empty() {
         return Err(Failure::new(
@@ -208,9 +208,9 @@ fn bytes(body: &impl Serialize) -> Vec<u8> {
     serde_json::to_vec(body).expect("a body holds strings, finite numbers and JSON")
 }
 
-/// Reads a part of a reply that nothing depends on; None where it is not as promised.
+/// Reads an optional part of a reply; `None` if it is malformed.
 ///
-/// An answer that was paid for is not lost because of its bill.
+/// A malformed bill must not cost a paid answer.
 fn if_readable<'de, D, T>(deserializer: D) -> Result<Option<T>, D::Error>
 where
     D: Deserializer<'de>,

@@ -1,7 +1,7 @@
-//! OpenAI's Chat Completions: also Ollama, vLLM, llama.cpp, LM Studio, LiteLLM and others.
+//! OpenAI's Chat Completions API; also Ollama, vLLM, llama.cpp, LM Studio, LiteLLM and others.
 //!
-//! In: messages and what is stated of the answer; a `chat.completion`. Out: a typed body; an answer or a failure.
-//! Compatible servers leave fields out, so that a reply needs no more than a choice with words in it.
+//! In: messages and the request's settings; a `chat.completion`. Out: a typed body; an answer or a failure. Compatible
+//! servers omit fields, so a reply needs only a choice with text.
 
 use super::content::{data_url, refuse_no_question, words};
 use super::error::ErrorBody;
@@ -101,7 +101,7 @@ fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
 }
 
 fn asked(message: &Message) -> Content<'_> {
-    // Some servers read text alone only as a string.
+    // Some servers accept text-only content only as a string.
     if let [Part::Text(text)] = &message.parts[..] {
         return Content::Text(text.clone());
     }
@@ -136,7 +136,7 @@ struct Said {
     function_call: Option<Value>,
 }
 
-/// Words, as a string or, from some servers, in pieces.
+/// Text as a string or, from some servers, in pieces.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Text {
@@ -171,7 +171,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             .prompt_tokens_details
             .and_then(|details| details.cached_tokens)
             .unwrap_or(0),
-        // Hidden reasoning is counted in it.
+        // This includes hidden reasoning.
         output_tokens: tokens.completion_tokens,
     });
     if let Some(error) = completion.error {

@@ -1,6 +1,6 @@
-//! OpenAI's Responses, with nothing stored there.
+//! OpenAI's Responses API, with storage turned off.
 //!
-//! In: messages and what is stated of the answer; a `response`. Out: a typed body; an answer or a failure.
+//! In: messages and the request's settings; a `response`. Out: a typed body; an answer or a failure.
 
 use super::content::{data_url, refuse_no_question, words};
 use super::error::ErrorBody;
@@ -165,7 +165,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             .input_tokens_details
             .and_then(|details| details.cached_tokens)
             .unwrap_or(0),
-        // Hidden reasoning is counted in it.
+        // This includes hidden reasoning.
         output_tokens: tokens.output_tokens,
     });
     if let Some(error) = response.error {

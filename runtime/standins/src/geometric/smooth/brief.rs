@@ -1,18 +1,18 @@
-//! Reads what a smoothing prompt asks, whatever its exact wording.
+//! Reads smoothing prompts, independent of their exact wording.
 //!
-//! In: the words of a question. Out: a [`Brief`]. Sentences are known by their content, such as `px` beside
-//! `edge` for the scale; what no sentence says is not assumed.
+//! In: the words of a question. Out: a [`Brief`]. Sentences are recognised by their content, such as `px` beside `edge`
+//! for the scale; nothing is assumed that no sentence states.
 
 use super::super::prompt;
 use fab_program::PixelPoint;
 use std::collections::BTreeSet;
 
-/// What a prompt for a pick, a direction and a distance says.
+/// The contents of a prompt for a pick, a direction and a distance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Brief {
-    /// The corners to pick from; none where the prompt lists none.
+    /// The corners to pick from; empty if the prompt lists none.
     pub corners: Vec<PixelPoint>,
-    /// The cloth's center, where the prompt says it.
+    /// The cloth's center, if the prompt states it.
     pub center: Option<PixelPoint>,
     /// The offered directions, degrees counter-clockwise from the picture's right; never empty.
     pub directions: Vec<Choice>,
@@ -20,37 +20,37 @@ pub struct Brief {
     pub distances: Vec<Choice>,
     /// The cloth's side in the picture, pixels, above zero.
     pub edge_px: f64,
-    /// Points to keep away from, each with how far, pixels.
+    /// Points to avoid, each with a minimum distance, pixels.
     pub avoided: Vec<(PixelPoint, f64)>,
-    /// A point and how far from it a corner may be placed, pixels.
+    /// A point and the greatest distance from it at which a corner may be placed, pixels.
     pub bound: Option<(PixelPoint, f64)>,
 }
 
-/// One of the values that a line of the answer offers.
+/// One of the values that an answer's line offers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// As it is written.
+    /// As written.
     pub words: String,
-    /// Its number.
+    /// As a number.
     pub value: f64,
 }
 
 /// The most values of one field that are read.
 const MAX_CHOICES: usize = 64;
 
-/// The most corners that are weighed; a detector keeps fifteen.
+/// The most corners considered; a detector keeps fifteen.
 const MAX_CORNERS: usize = 100;
 
-/// Lengths in a picture, pixels.
+/// Valid lengths in a picture, pixels.
 const PIXELS: std::ops::RangeInclusive<f64> = 1.0..=8192.0;
 
-/// The largest number of degrees or sides that is read, either way.
+/// The largest number of degrees or sides that is read, of either sign.
 const MAX_VALUE: f64 = 1e4;
 
 impl Brief {
-    /// Reads a prompt; says what is missing.
+    /// Reads a prompt; fails with what is missing.
     pub fn read(text: &str) -> Result<Brief, String> {
-        // A sentence on points to avoid may name corners too.
+        // A sentence about points to avoid may mention corners, too.
         let is_listing =
             |line: &&str| !line.contains("away from") && !line.contains("farther than");
         let listing = text
@@ -95,7 +95,7 @@ impl Brief {
     }
 }
 
-/// Returns the values of a line such as `Direction = 0 deg | 45 deg`; empty where there is none.
+/// Returns the values of a line such as `Direction = 0 deg | 45 deg`; empty if there is none.
 pub fn choices(text: &str, field: &str) -> Vec<Choice> {
     let listed = text.lines().rev().find_map(|line| {
         let (name, values) = line.split_once('=')?;
@@ -113,7 +113,7 @@ pub fn choices(text: &str, field: &str) -> Vec<Choice> {
     choices.take(MAX_CHOICES).collect()
 }
 
-/// The first number of a sentence that stands before `px`, where it is a length in a picture.
+/// The first number before `px` in a sentence, if it is a valid length.
 fn pixels(sentence: &str) -> Option<f64> {
     let words: Vec<&str> = sentence.split_whitespace().collect();
     let number = words

@@ -1,15 +1,15 @@
-//! What the corrections of a conversation rule out.
+//! Applies the corrections of a conversation.
 //!
-//! In: the turns after the question, and a pull that might be answered. Out: whether it may still be. A
-//! correction is known by what it asks for: another corner, another direction, which it may name, or a smaller
-//! distance; one that asks for none of these rules out what it answers, and that alone.
+//! In: the turns after the question, and a possible pull. Out: whether it is still allowed. A correction is recognised
+//! by its request: another corner, another direction, which it may name, or a smaller distance. A correction with none
+//! of these rules out only the answer that it follows.
 
 use super::super::{prompt, spoken};
 use super::brief::{self, Brief, Choice};
 use super::pulls::Pull;
 use fab_model::{Message, Speaker};
 
-/// Tells whether no correction among `turns` rules a pull out.
+/// Returns whether no correction in `turns` rules a pull out.
 pub fn leaves(turns: &[Message], brief: &Brief, pull: &Pull) -> bool {
     let pairs = turns
         .windows(2)
@@ -30,7 +30,7 @@ fn rules_out(answer: &str, correction: &str, brief: &Brief, pull: &Pull) -> bool
     let is_direction = answered("direction", &brief.directions) == Some(pull.direction);
     let correction = correction.to_lowercase();
     let correction = correction.split_whitespace().collect::<Vec<_>>().join(" ");
-    // What was wrong is told too, and what a picture beside the correction shows.
+    // Corrections also say what was wrong and describe an attached picture; only requests count.
     let is_request = |sentence: &&str| sentence.contains("choose") || sentence.contains("pull ");
     let asked: Vec<&str> = correction.split(". ").filter(is_request).collect();
     if let Some(named) = asked
@@ -52,7 +52,7 @@ fn rules_out(answer: &str, correction: &str, brief: &Brief, pull: &Pull) -> bool
     is_direction && answered("distance", &brief.distances) == Some(pull.distance)
 }
 
-/// The offered direction that a request names, as in `pull it in the direction 45 deg`.
+/// Returns the offered direction named in a request such as `pull it in the direction 45 deg`.
 fn named_direction(asked: &str, brief: &Brief) -> Option<usize> {
     let (_, named) = asked.rsplit_once("direction ")?;
     let named = named.trim_end_matches(['.', '\n', ' ']);

@@ -1,27 +1,27 @@
-//! Estimates what a pull gains from what it looks like.
+//! Estimates the gain of a pull from its features.
 //!
 //! In: the numbers of [`features`](super::features). Out: the gain of true coverage, as a share of the flat cloth. The
-//! estimate is the mean of small networks with one hidden layer each, fitted to pulls in the simulator;
-//! `estimate.json` holds their weights, and says from which starts they come and how well they do on others.
+//! estimate is the mean of small networks with one hidden layer each, fitted to pulls in the simulator; `estimate.json`
+//! holds their weights, and documents the starts they were fitted to and their accuracy on others.
 
 use super::features::NAMES;
 use serde::Deserialize;
 use std::sync::LazyLock;
 
-/// The weights, and how numbers are brought to one scale.
+/// The weights, and the scaling of features.
 #[derive(Deserialize)]
 struct Estimate {
     /// The features' names, in order.
     features: Vec<String>,
-    /// Of each feature over the fitted pulls.
+    /// Mean of each feature over the fitted pulls.
     mean: Vec<f64>,
     deviation: Vec<f64>,
-    /// Scaled features beyond this, either way, are cut off: there was nothing to learn from.
+    /// Scaled features are clamped to this, either way: the fit has no data beyond it.
     limit: f64,
     networks: Vec<Network>,
 }
 
-/// One network: hidden units that are linear above zero, and their weighted sum.
+/// One network: hidden units with rectifiers, and their weighted sum.
 #[derive(Deserialize)]
 struct Network {
     hidden: Vec<Unit>,
@@ -32,7 +32,7 @@ struct Network {
 struct Unit {
     weights: Vec<f64>,
     bias: f64,
-    /// What it counts in the sum.
+    /// Its weight in the sum.
     counts: f64,
 }
 
@@ -77,7 +77,7 @@ mod tests {
         example: Example,
     }
 
-    /// A pull, and what the program that fitted the weights says of it.
+    /// A pull, with the gain computed by the fitting program.
     #[derive(Deserialize)]
     struct Example {
         features: [f64; NAMES.len()],

@@ -1,13 +1,13 @@
-//! What a pull looks like in numbers, from which its gain is estimated.
+//! The features of a pull, from which its gain is estimated.
 //!
-//! In: a [`View`], and a corner with a way to pull it. Out: one number for each of [`NAMES`]. All are lengths in
-//! sides of the cloth, areas in areas of the flat cloth, or shares, so that neither the picture's size nor the cloth's
-//! matters; none changes where the picture is mirrored or turned by a right angle.
+//! In: a [`View`], and a corner with a direction to pull it in. Out: one number for each of [`NAMES`]. All are lengths
+//! relative to the cloth's side, areas relative to the flat cloth, or shares, so neither the picture's size nor the
+//! cloth's matters. All are invariant under mirroring the picture and quarter turns.
 
 use super::view::{Counts, Face, Patches, View};
 use fab_picture::hull::{self, Point};
 
-/// What the numbers are, in order: of the whole cloth, of the corner, of the way it is pulled, of how far.
+/// The names of the features, in order: of the whole cloth, the corner, the direction, the distance.
 pub const NAMES: [&str; 22] = [
     "covered",             // area that shows cloth
     "hull",                // area of the convex outline
@@ -37,28 +37,28 @@ pub const NAMES: [&str; 22] = [
 const NEAR: [f64; 3] = [0.045, 0.07, 0.1];
 const AROUND: f64 = 0.18;
 
-/// Points that are looked at on each circle.
+/// Number of points on each circle.
 const N_DIRECTIONS: u32 = 64;
 
-/// How far behind a pick the cloth is looked for that it takes, in sides.
+/// How far behind a pick to look for the cloth that it grasps, in sides.
 const HOLD: [f64; 5] = [0.015, 0.025, 0.035, 0.05, 0.07];
 
-/// How far behind a pick the cloth's width is looked at, in sides.
+/// How far behind a pick the cloth's width is measured, in sides.
 const HELD_BACK: f64 = 0.06;
 
-/// How far behind a pick another face may cover the cloth that it takes, in sides.
+/// How far behind a pick another face may cover the grasped cloth, in sides.
 const COVERING: f64 = 0.4;
 
-/// Of lines that are followed: first point, step and end, in sides.
+/// Start, step and end of a line scan, in sides.
 const FIRST: f64 = 0.04;
 const STEP: f64 = 0.01;
 const END: f64 = 1.5;
 
-/// How far from the rim, and how far apart, points are whose brightness is compared, in sides.
+/// Distance from the rim, and between points, for comparing brightness, in sides.
 const INNER: f64 = 0.025;
 const APART: f64 = 0.014;
 
-/// What the whole cloth looks like.
+/// The features of the whole cloth.
 pub struct Cloth<'a> {
     view: &'a View,
     patches: Patches,
@@ -79,7 +79,7 @@ pub struct Cloth<'a> {
     rough: f64,
 }
 
-/// What a corner looks like, whichever way it is pulled.
+/// The features of a corner that do not depend on the direction.
 pub struct Corner {
     at: Point,
     /// The share of the small circles around it that is cloth: a quarter at a corner of a flat square.
@@ -94,12 +94,12 @@ pub struct Corner {
 pub struct Way<'c> {
     cloth: &'c Cloth<'c>,
     corner: &'c Corner,
-    /// What does not depend on how far it is pulled.
+    /// The features that do not depend on the distance.
     fixed: [f64; NAMES.len() - 3],
 }
 
 impl<'a> Cloth<'a> {
-    /// Looks at the cloth; `center` in pixels, `side` the flat cloth's in pixels.
+    /// Measures the cloth; `center` in pixels, `side` of the flat cloth in pixels.
     pub fn new(view: &'a View, center: Point, side: f64) -> Cloth<'a> {
         let hull = hull::around(view.rim());
         let (middle, n_pixels) = view.middle();
@@ -122,7 +122,7 @@ impl<'a> Cloth<'a> {
         }
     }
 
-    /// Looks at the surroundings of a corner, pixels.
+    /// Measures the surroundings of a corner, pixels.
     pub fn corner(&self, at: Point) -> Corner {
         let faces = [Face::Top, Face::Under];
         let [top, under] = faces.map(|face| self.around(at, &NEAR, |other| other == face));
@@ -139,7 +139,7 @@ impl<'a> Cloth<'a> {
         }
     }
 
-    /// Looks for something on circles around a point; radii in sides.
+    /// Measures how much of the circles around a point satisfies a condition; radii in sides.
     fn around(&self, at: Point, radii: &[f64], is_it: impl Fn(Face) -> bool) -> Around {
         let (mut seen, mut sum) = (0.0_f64, [0.0_f64; 2]);
         for (angle, radius) in circles(radii) {
@@ -154,13 +154,13 @@ impl<'a> Cloth<'a> {
         }
     }
 
-    /// By how much a point beyond the outline widens it, as a share of the flat cloth.
+    /// Returns by how much a point outside the outline enlarges it, as a share of the flat cloth.
     fn widened(&self, to: Point) -> f64 {
         let with = hull::around(self.hull.iter().copied().chain([to]));
         (area(&with) - self.hull_px) / (self.side * self.side)
     }
 
-    /// Looks at a corner with a direction; `angle` in radians, clockwise from the picture's right.
+    /// Measures a corner with a direction; `angle` in radians, clockwise from the picture's right.
     pub fn way<'c>(&'c self, corner: &'c Corner, angle: f64) -> Way<'c> {
         let from = corner.at;
         let square = self.side * self.side;
@@ -198,13 +198,13 @@ impl<'a> Cloth<'a> {
         }
     }
 
-    /// How far the farthest point of the outline is, in sides.
+    /// Returns the distance of the outline's farthest point, in sides.
     fn farthest(&self, from: Point) -> f64 {
         let distances = self.hull.iter().map(|&point| hull::distance(point, from));
         distances.fold(0.0, f64::max) / self.side
     }
 
-    /// Where the cloth is seen that a pull takes, and its face; of a layer that only peeks out it is little.
+    /// Returns a visible point of the grasped cloth, and its face; little of it is visible if the layer only peeks out.
     fn held(&self, corner: &Corner, angle: f64) -> (Point, Face) {
         let behind = HOLD.map(|way| self.beside(corner.at, angle, -way));
         let seen = behind.into_iter().map(|point| (point, self.view.at(point)));
@@ -212,8 +212,8 @@ impl<'a> Cloth<'a> {
         cloth.next().unwrap_or((corner.at, corner.face))
     }
 
-    /// How far back the cloth that a pull takes shows its face, in sides, at least [`FIRST`], and how much of what is
-    /// behind shows the other one.
+    /// Returns how far back the grasped cloth shows its face, in sides, at least [`FIRST`], and how much of the area
+    /// behind shows the other face.
     fn behind(&self, from: Point, angle: f64, own: Face) -> [f64; 2] {
         let at = |way: f64| self.view.at(self.beside(from, angle, -way));
         let mut way = FIRST;
@@ -226,7 +226,7 @@ impl<'a> Cloth<'a> {
         [way, other.count() as f64 / f64::from(steps)]
     }
 
-    /// How far there is cloth along a line, in sides; [`FIRST`] where there is none.
+    /// Returns how far there is cloth along a line, in sides; [`FIRST`] if there is none.
     fn cloth_along(&self, from: Point, angle: f64) -> f64 {
         let mut way = FIRST;
         while way < END && self.view.at(self.beside(from, angle, way)) != Face::Table {
@@ -235,7 +235,7 @@ impl<'a> Cloth<'a> {
         way
     }
 
-    /// A point some way off, in sides.
+    /// Returns a point at a distance, in sides.
     fn beside(&self, from: Point, angle: f64, way: f64) -> Point {
         let (sin, cos) = angle.sin_cos();
         [
@@ -246,7 +246,7 @@ impl<'a> Cloth<'a> {
 }
 
 impl Way<'_> {
-    /// Puts a pull to a place into numbers, in the order of [`NAMES`].
+    /// Returns the features of a pull to a place, in the order of [`NAMES`].
     pub fn pull(&self, to: Point) -> [f64; NAMES.len()] {
         let length = hull::distance(self.corner.at, to) / self.cloth.side;
         let of_place = [self.cloth.farthest(to), self.cloth.widened(to), length];
@@ -255,16 +255,15 @@ impl Way<'_> {
     }
 }
 
-/// What is seen of something around a point.
+/// How a property is distributed around a point.
 struct Around {
-    /// The share of the circles.
+    /// Its share of the circles.
     share: f64,
-    /// 0 where it is on all sides, up to 1.
+    /// 0 if it is on all sides, up to 1.
     one_sided: f64,
 }
 
-/// Returns how dark the cloth is, and how much its brightness varies, on average over pixels within it; 0 where none
-/// is seen.
+/// Returns the cloth's mean darkness and mean variation of brightness over its inner pixels; 0 if none are visible.
 fn shading(view: &View, side: f64) -> [f64; 2] {
     const WAYS: [Point; 4] = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
     let (mut sums, mut count) = ([0.0; 2], 0.0_f64);
@@ -285,7 +284,7 @@ fn shading(view: &View, side: f64) -> [f64; 2] {
     sums.map(|sum| sum / count.max(1.0))
 }
 
-/// Angles and radii of the points of circles.
+/// Returns angles and radii of the circles' points.
 fn circles(radii: &[f64]) -> impl Iterator<Item = (f64, f64)> {
     (0..N_DIRECTIONS).flat_map(move |step| {
         let angle = std::f64::consts::TAU * f64::from(step) / f64::from(N_DIRECTIONS);

@@ -1,10 +1,10 @@
 //! Smoothing: answers a prompt for a pick point, a direction and a distance.
 //!
-//! In: a conversation whose opening question shows the cloth and may list its corners. Out: an answer in the asked
-//! form. Where the cloth lies and which way its faces show is read from the picture ([`view`]), the choices, the
-//! scale and the limits from the words ([`brief`]). What each choice looks like is put into numbers ([`features`]) and
-//! its gain estimated from them ([`estimate`]); [`pulls`] are ordered by that, and [`corrections`] says which of them a
-//! correction has ruled out. It knows no state of the cloth besides.
+//! In: a conversation whose opening question shows the cloth and may list its corners. Out: an answer in the requested
+//! form. The cloth's pose and visible faces come from the picture ([`view`]); the choices, the scale and the limits
+//! from the words ([`brief`]). Each choice is described by numbers ([`features`]) and its gain estimated from them
+//! ([`estimate`]); [`pulls`] ranks the choices, and [`corrections`] removes those ruled out by corrections. It knows
+//! nothing else about the cloth.
 
 mod brief;
 mod corrections;
@@ -26,14 +26,14 @@ pub use features::NAMES as FEATURES;
 use pulls::Pull;
 use view::View;
 
-/// Tells whether a prompt states a format with a direction and a distance to choose.
+/// Returns whether a prompt's format has a direction and a distance to choose.
 pub fn is_asked(text: &str) -> bool {
     ["direction", "distance"]
         .iter()
         .all(|field| !brief::choices(text, field).is_empty())
 }
 
-/// Answers a conversation; where that cannot be done, says why in words that hold no action.
+/// Answers a conversation; if that is impossible, says why in words without an action.
 pub fn answer(messages: &[Message]) -> String {
     match choose(messages) {
         Ok(text) => text,
@@ -41,23 +41,23 @@ pub fn answer(messages: &[Message]) -> String {
     }
 }
 
-/// A pull that a prompt offers, as the stand-in sees it.
+/// A pull offered by a prompt, as the stand-in sees it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Offer {
     /// Where it begins, pixels of the shown picture.
     pub pick: PixelPoint,
-    /// Degrees, against the clock from the picture's right.
+    /// Degrees, counter-clockwise from the picture's right.
     pub direction_deg: f64,
     /// In sides of the cloth.
     pub distance: f64,
-    /// What it looks like, in the order of [`FEATURES`].
+    /// Its features, in the order of [`FEATURES`].
     pub features: [f64; FEATURES.len()],
-    /// The gain of coverage that is expected of it, as a share of the flat cloth.
+    /// Its expected gain of coverage, as a share of the flat cloth.
     pub gain: f64,
 }
 
-/// Returns the pulls that a conversation's rules and corrections leave, the most promising first, so that the estimate
-/// can be fitted to what they gain; says why it cannot.
+/// Returns the pulls permitted by a conversation's rules and corrections, most promising first, for fitting the
+/// estimate to their gains; fails with the reason.
 pub fn offers(messages: &[Message]) -> Result<Vec<Offer>, String> {
     let Question { brief, pulls, .. } = Question::read(messages)?;
     let offer = |pull: Pull| Offer {
@@ -70,17 +70,17 @@ pub fn offers(messages: &[Message]) -> Result<Vec<Offer>, String> {
     Ok(pulls.into_iter().map(offer).collect())
 }
 
-/// A question that was read and looked at.
+/// A question with its analysed picture.
 struct Question {
-    /// Everything that was said up to it.
+    /// All text up to it.
     words: String,
     brief: Brief,
-    /// What its rules and the corrections after it leave, the most promising first; never empty.
+    /// The pulls permitted by its rules and later corrections, most promising first; never empty.
     pulls: Vec<Pull>,
 }
 
 impl Question {
-    /// Reads the last turn that lists corners beside a picture, or, where none does, the last with a picture.
+    /// Reads the last turn with a list of corners and a picture, or, if there is none, the last turn with a picture.
     fn read(messages: &[Message]) -> Result<Question, String> {
         let question = messages.iter().rposition(lists_corners);
         let question = question.or_else(|| messages.iter().rposition(shows_picture));
@@ -134,7 +134,7 @@ fn choose(messages: &[Message]) -> Result<String, String> {
     ))
 }
 
-/// Tells whether a turn is a question with a list of corners and a picture.
+/// Returns whether a turn is a question with a list of corners and a picture.
 fn lists_corners(message: &Message) -> bool {
     shows_picture(message) && !prompt::corners(&spoken(message)).is_empty()
 }

@@ -1,6 +1,6 @@
-//! What each pull that a prompt offers promises.
+//! Ranks the pulls that a prompt offers.
 //!
-//! In: a [`Brief`] and a [`View`]. Out: every pull within the prompt's rules, the most promising first.
+//! In: a [`Brief`] and a [`View`]. Out: every pull within the prompt's rules, most promising first.
 
 use super::brief::Brief;
 use super::features::{Cloth, NAMES};
@@ -9,36 +9,36 @@ use super::{estimate, middle_of, rim};
 use fab_picture::hull;
 use fab_program::PixelPoint;
 
-/// One of the answers that could be given.
+/// A possible answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pull {
     /// Where it begins.
     pub pick: PixelPoint,
-    /// Which of the offered directions.
+    /// Index of the offered direction.
     pub direction: usize,
-    /// Which of the offered distances.
+    /// Index of the offered distance.
     pub distance: usize,
     /// Whether its pick looks like a corner of the cloth itself.
     pub is_sharp: bool,
-    /// What it looks like, in numbers.
+    /// Its features.
     pub features: [f64; NAMES.len()],
-    /// The gain of coverage that is expected of it, as a share of the flat cloth.
+    /// Its expected gain of coverage, as a share of the flat cloth.
     pub gain: f64,
-    /// Whether the prompt asks to keep away from its pick.
+    /// Whether the prompt asks to avoid its pick.
     is_avoided: bool,
 }
 
-/// How far a pull may turn from the way out of the center, degrees: half a direction less than a quarter turn.
+/// How far a pull may deviate from the outward direction, degrees: half a direction less than a quarter turn.
 const OUTWARD_DEG: f64 = 67.0;
 
-/// How much nearer than the prompt says a place is kept, pixels: it is found to a pixel at either end.
+/// Safety margin on the prompt's distance limit, pixels: both ends are known only to a pixel.
 const SLACK_PX: f64 = 2.0;
 
-/// The share of the circles around a point that is cloth at a corner of the cloth itself; less is the end of a fold.
+/// Cloth share of the circles around a real corner of the cloth; less is the end of a fold.
 const SHARP: std::ops::Range<f64> = 0.08..0.38;
 
-/// Returns the pulls that a prompt's rules allow, the most promising first; those of corners that it asks to
-/// avoid come last, since a task may take one where there is no other.
+/// Returns the pulls that a prompt's rules allow, most promising first. Those of corners to avoid come last, since a
+/// task may accept one if there is no other.
 pub fn ranked(brief: &Brief, view: &View) -> Vec<Pull> {
     let center = brief.center.map_or_else(|| rim::center(view), middle_of);
     let cloth = Cloth::new(view, center, brief.edge_px);
@@ -52,7 +52,7 @@ pub fn ranked(brief: &Brief, view: &View) -> Vec<Pull> {
     pulls
 }
 
-/// Returns the pulls of one corner that the rules allow.
+/// Returns the permitted pulls of one corner.
 fn of_corner(pick: PixelPoint, brief: &Brief, cloth: &Cloth<'_>) -> Vec<Pull> {
     let from = middle_of(pick);
     let center = cloth.center;
@@ -63,7 +63,7 @@ fn of_corner(pick: PixelPoint, brief: &Brief, cloth: &Cloth<'_>) -> Vec<Pull> {
     let out = [from[0] - center[0], from[1] - center[1]];
     let mut pulls = Vec::new();
     for (direction, heading) in brief.directions.iter().enumerate() {
-        // Rows run down, and angles of a prompt against the clock.
+        // Rows run down, while a prompt's angles are counter-clockwise.
         let angle = -heading.value.to_radians();
         let (sin, cos) = angle.sin_cos();
         let outward = out[0] * cos + out[1] * sin;

@@ -1,4 +1,4 @@
-//! Points to pick where a prompt lists none: where the cloth's outline bends.
+//! Pick points for a prompt that lists none: where the cloth's outline bends.
 //!
 //! In: a [`View`]. Out: pixels of the cloth near its convex outline, and the middle of the box around it.
 
@@ -6,10 +6,10 @@ use super::view::{Face, View};
 use fab_picture::hull::{self, Point};
 use fab_program::PixelPoint;
 
-/// How far apart points are at least, in sides of the cloth.
+/// Least distance between points, in sides of the cloth.
 const SPACING: f64 = 0.1;
 
-/// How far within the outline a point is taken, pixels, so that the picker meets cloth.
+/// How far inside the outline a point is taken, pixels, so that the picker hits cloth.
 const INWARD_PX: f64 = 3.0;
 
 /// The most points.
@@ -19,7 +19,7 @@ const MAX_POINTS: usize = 15;
 pub fn corners(view: &View, edge_px: f64) -> Vec<PixelPoint> {
     let hull = hull::around(view.rim());
     let (middle, _) = view.middle();
-    // Half the spacing along the outline either way, so that steps of single pixels are no bends.
+    // Half the spacing along the outline either way, so that single-pixel steps do not count as bends.
     let reach = SPACING / 2.0 * edge_px;
     let bend = |at: usize| {
         let [before, after] = [
@@ -50,7 +50,8 @@ pub fn corners(view: &View, edge_px: f64) -> Vec<PixelPoint> {
         .collect()
 }
 
-/// Follows an outline from one of its corners for some pixels; `step` is 1, or one less than its corners for the way back.
+/// Follows an outline from one of its corners for some pixels; `step` is 1, or one less than the number of corners to
+/// go backwards.
 fn along(hull: &[Point], from: usize, mut way_px: f64, step: usize) -> Point {
     let mut at = from;
     for _ in 0..hull.len() {

@@ -1,14 +1,14 @@
-//! What an annotated picture shows of a cloth: which pixels are table, and which face the others show.
+//! Segments an annotated picture of a cloth: which pixels are table, and which face the others show.
 //!
-//! In: an encoded picture. Out: a [`View`]. The table's colours are read from the picture's border; of the rest,
-//! what has more green than blue is the orange face, what has less the pink one. Dots, rings and boxes drawn
-//! over it take the face of what is beside them. A face is the darker the steeper it stands.
+//! In: an encoded picture. Out: a [`View`]. The table's colours are taken from the picture's border. Of the rest,
+//! pixels with more green than blue are the orange face, those with less the pink one. Dots, rings and boxes drawn over
+//! it take the face of their neighbours. A face is darker the steeper it stands.
 
 use fab_picture::hull::Point;
 use fab_picture::regions;
 use image::RgbImage;
 
-/// What a pixel shows.
+/// The content of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
     /// No cloth.
@@ -25,26 +25,26 @@ pub struct View {
     width: usize,
     height: usize,
     faces: Vec<Face>,
-    /// How bright each pixel is; 0 where something is drawn over it, and for the table.
+    /// Brightness of each pixel; 0 for the table and below drawings.
     levels: Vec<u8>,
-    /// How bright the upper face and the underside are where they lie flat, at least 1.
+    /// Brightness of the upper face and the underside when flat, at least 1.
     flat: [u8; 2],
 }
 
 const SIDE_PX: std::ops::RangeInclusive<u32> = 32..=4096;
 
-/// How much more red than green or blue a pixel of the cloth has at least, 8-bit levels; the table is grey.
+/// Least excess of red over green or blue in a pixel of the cloth, 8-bit levels; the table is grey.
 const LEAST_TINT: i32 = 40;
 
-/// Least level of red, and most of others, in what is drawn: black, blue, and pure red.
+/// Channels below `DRAWN_LOW` and red from `DRAWN_RED` mark drawings: black, blue, and pure red.
 const DRAWN_LOW: i32 = 40;
 const DRAWN_RED: i32 = 200;
 
-/// How often what is drawn shrinks by a pixel on all sides; the widest dot needs five times.
+/// How often drawings are shrunk by a pixel on all sides; the widest dot needs five times.
 const MAX_SHRINKS: usize = 12;
 
 impl View {
-    /// Reads an encoded picture; says why it cannot be read, or that it shows no cloth.
+    /// Decodes a picture; fails with the reason if it cannot be read, or shows no cloth.
     pub fn decode(bytes: &[u8]) -> Result<View, String> {
         let mut limits = image::Limits::default();
         limits.max_image_width = Some(*SIDE_PX.end());
@@ -82,7 +82,7 @@ impl View {
         })
     }
 
-    /// Returns what a point shows; outside of the picture there is table.
+    /// Returns the content of a point; outside the picture there is table.
     pub fn at(&self, point: Point) -> Face {
         self.index(point).map_or(Face::Table, |at| self.faces[at])
     }
@@ -97,7 +97,7 @@ impl View {
         })
     }
 
-    /// Returns how bright a point of the cloth is, of the brightest of its face; `None` where that is not seen.
+    /// Returns a cloth point's brightness relative to its flat face; `None` if not visible.
     pub fn light(&self, point: Point) -> Option<f64> {
         let at = self.index(point)?;
         let flat = match self.faces[at] {
@@ -109,7 +109,7 @@ impl View {
         (level > 0).then(|| (f64::from(level) / f64::from(flat)).min(1.0))
     }
 
-    /// Counts the cloth, so that any half of the picture can be asked for.
+    /// Builds row sums of the cloth, for queries over any half of the picture.
     pub fn counts(&self) -> Counts {
         let mut sums = Vec::with_capacity(self.height * (self.width + 1));
         for row in self.faces.chunks(self.width) {
@@ -126,7 +126,7 @@ impl View {
         }
     }
 
-    /// Returns for each pixel how many pixels of its own face hang together there; 0 for the table.
+    /// Returns for each pixel the size of its connected patch of one face; 0 for the table.
     pub fn patches(&self) -> Patches {
         let mut sizes = vec![0; self.faces.len()];
         for wanted in [Face::Top, Face::Under] {
@@ -143,7 +143,7 @@ impl View {
         Patches(sizes)
     }
 
-    /// Returns how many pixels hang together with the one at a point; 0 beside the cloth.
+    /// Returns the size of the patch at a point; 0 beside the cloth.
     pub fn patch_px(&self, patches: &Patches, point: Point) -> u32 {
         self.index(point).map_or(0, |at| patches.0[at])
     }
@@ -154,7 +154,7 @@ impl View {
         is_inside.then(|| row as usize * self.width + column as usize)
     }
 
-    /// Returns the first and the last cloth pixel of each row that has any; their convex hull is the cloth's.
+    /// Returns the first and last cloth pixel of each row that has any; their convex hull is the cloth's.
     pub fn rim(&self) -> Vec<Point> {
         let is_cloth = |face: &Face| *face != Face::Table;
         let rows = self.faces.chunks(self.width).enumerate();
@@ -166,7 +166,7 @@ impl View {
         ends.flatten().collect()
     }
 
-    /// Returns the middle of the cloth's pixels, and how many there are, at least one.
+    /// Returns the middle of the cloth's pixels, and their number, at least one.
     pub fn middle(&self) -> (Point, f64) {
         let (mut sum, mut count) = ([0.0; 2], 0.0);
         for ([column, row], _) in self.cloth() {
@@ -177,21 +177,20 @@ impl View {
     }
 }
 
-/// How large the patch of each pixel is, pixels.
+/// The patch size of each pixel, pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patches(Vec<u32>);
 
-/// How many pixels of cloth there are left of each pixel in its row.
+/// For each pixel, the number of cloth pixels to its left in its row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Counts {
     width: usize,
-    /// Of each row one more than its pixels.
+    /// Each row has one more entry than pixels.
     sums: Vec<u32>,
 }
 
 impl Counts {
-    /// Returns how many pixels of the cloth lie farther on than a point; `angle` in radians, clockwise from the
-    /// picture's right.
+    /// Returns the number of cloth pixels beyond a point; `angle` in radians, clockwise from the picture's right.
     pub fn beyond_px(&self, from: Point, angle: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
         let width = self.width as f64;
@@ -202,7 +201,7 @@ impl Counts {
             if cos.abs() < 1e-9 {
                 return if down > 0.0 { total } else { 0 };
             }
-            // Centres of pixels lie at halves.
+            // Pixel centres are at halves.
             let limit = from[0] - down / cos - 0.5;
             if cos > 0.0 {
                 total - sums[(limit.floor() + 1.0).clamp(0.0, width) as usize]
@@ -214,10 +213,10 @@ impl Counts {
     }
 }
 
-/// The share of a face's pixels that may be brighter than what counts as lying flat.
+/// The share of a face's pixels that may be brighter than flat cloth, one in this many.
 const GLARE: usize = 20;
 
-/// Returns how bright each pixel of cloth is, and how bright its two faces are where they lie flat.
+/// Returns the brightness of each cloth pixel, and that of its two faces when flat.
 fn light(picture: &RgbImage, seen: &[Option<Face>]) -> (Vec<u8>, [u8; 2]) {
     let shown = || picture.pixels().zip(seen);
     let level = |rgb: [u8; 3]| rgb.into_iter().fold(0, u8::max);
@@ -243,7 +242,7 @@ fn light(picture: &RgbImage, seen: &[Option<Face>]) -> (Vec<u8>, [u8; 2]) {
     (levels.collect(), [Face::Top, Face::Under].map(flat))
 }
 
-/// What a colour shows; `None` for one that is drawn over the picture.
+/// Classifies a colour; `None` for drawings.
 fn face_of(rgb: [u8; 3], table: &[[f64; 3]]) -> Option<Face> {
     let [red, green, blue] = rgb.map(i32::from);
     let is_dark_or_blue = red < DRAWN_LOW && green < DRAWN_LOW;
@@ -257,7 +256,7 @@ fn face_of(rgb: [u8; 3], table: &[[f64; 3]]) -> Option<Face> {
     }
 }
 
-/// Gives each pixel that something is drawn on what most of its neighbours show, from the rim inward.
+/// Fills drawings from their neighbours' majority, from the rim inward.
 fn without_drawings(mut seen: Vec<Option<Face>>, width: usize) -> Vec<Face> {
     const FACES: [Face; 3] = [Face::Table, Face::Top, Face::Under];
     for _ in 0..MAX_SHRINKS {

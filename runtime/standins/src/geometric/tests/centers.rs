@@ -1,8 +1,8 @@
-//! The center of a cloth that is no rectangle any more, and points besides corners.
+//! Tests of the center of a cloth that is no longer a rectangle, and of points that are not corners.
 
 use super::*;
 
-/// What the task library says of the center.
+/// What the task library says about the center.
 const TOLD: &str = "Find the middle of the cloth first: the unfolded cloth had its\nmiddle in the middle of the picture.";
 
 /// The instruction that pictures and a text lead to.
@@ -108,8 +108,8 @@ fn the_center_of_a_triangle_is_found_among_the_listed_points() {
     }
 }
 
-/// The left edge of a square is on its way to the middle: its lower corner has come along, and the corner that lies
-/// below it was not detected. A slanted rectangle is the snuggest one then.
+/// The left edge of a square is folded to the middle: its lower corner has moved along, and the corner below it was not
+/// detected. The tightest rectangle is then a slanted one.
 #[test]
 fn the_rectangle_that_is_meant_has_points_where_the_words_say() {
     let words = "Pick the left end of the line one quarter from the bottom to the top side and place it on the \
@@ -126,7 +126,7 @@ fn the_rectangle_that_is_meant_has_points_where_the_words_say() {
     );
 }
 
-/// Of a turned triangle only the sharp corners were detected.
+/// Only the sharp corners of a turned triangle were detected.
 #[test]
 fn two_corners_are_told_apart_by_the_way_between_them() {
     let words = "Pick the lower right end of the upper right long side and place it on the upper left end of the \
@@ -140,7 +140,7 @@ fn two_corners_are_told_apart_by_the_way_between_them() {
     assert_eq!(planned(inward, &[top], center), [top, center]);
 }
 
-/// A strip turned by 60 degrees, whose corners are each some pixels off: the words still mean the nearer way round.
+/// A strip turned by 60 degrees whose corners are each off by some pixels: the words still mean the nearer orientation.
 #[test]
 fn a_few_pixels_do_not_turn_a_strip_around() {
     let words =

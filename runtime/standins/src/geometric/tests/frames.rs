@@ -1,4 +1,4 @@
-//! Fitting rectangles to outlines.
+//! Tests of fitting rectangles to outlines.
 
 use super::super::frame::{self, Frame};
 use fab_picture::hull::{self, Point};
@@ -12,7 +12,7 @@ fn turned(points: &[Point], degrees: f64) -> Vec<Point> {
         .collect()
 }
 
-/// Two rectangles fit a right-angled triangle equally well; a bulge makes the square the snugger one.
+/// Two rectangles fit a right-angled triangle equally well; a bulge makes the square the tighter one.
 #[test]
 fn a_right_angled_triangle_lies_along_its_longest_side() {
     for bulge in [0.0, 1.0, 2.0] {

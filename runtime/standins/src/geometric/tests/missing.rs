@@ -1,4 +1,4 @@
-//! What cannot be made sense of is said in words, without an instruction and without points.
+//! Tests that incomprehensible prompts are answered in words, without an instruction or points.
 
 use super::*;
 use proptest::prelude::*;

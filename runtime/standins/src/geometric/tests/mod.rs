@@ -1,6 +1,6 @@
-//! Tests of the stand-in on pictures that they paint themselves, and on written prompts.
+//! Tests of the stand-in on painted pictures and on written prompts.
 //!
-//! This file paints cloths and carries questions; the tests are in the files beside it.
+//! This file paints cloths and asks questions; the tests are in the files beside it.
 #![allow(clippy::unwrap_used)]
 
 mod centers;
@@ -60,13 +60,13 @@ fn triangle_fold() -> Fold {
     }
 }
 
-/// How a cloth is shown.
+/// The view of a cloth.
 #[derive(Clone, Copy)]
 struct View {
     side_px: u32,
     /// Width of the cloth, pixels.
     cloth_px: f64,
-    /// Anti-clockwise.
+    /// Counter-clockwise.
     turn_deg: f64,
     handedness: Handedness,
     cloth: [u8; 3],

@@ -1,4 +1,4 @@
-//! Choosing among listed points: form of the answer, refusals, membership.
+//! Tests of choosing among listed points: answer format, refusals, membership.
 
 use super::*;
 use proptest::prelude::*;
@@ -60,8 +60,8 @@ fn plainer_words_are_understood() {
     assert_eq!(middle, [CORNERS[4], CORNERS[2]]);
 }
 
-/// Both left corners of a square are folded in; of the five corners that are left, one was not detected. A pixel
-/// more or less then decides whether an upright or a slanted rectangle is the snuggest.
+/// Both left corners of a square are folded in, and one of the five remaining corners was not detected. Then a pixel's
+/// difference decides whether an upright or a slanted rectangle is the tightest.
 #[test]
 fn a_corner_that_was_not_detected_does_not_slant_the_rectangle() {
     let words = "Pick the right end of the top side and place it on the center of the cloth; the cloth does not \

@@ -1,10 +1,10 @@
-//! What must change an answer changes it, and what must not does not.
+//! Tests that relevant changes alter an answer, and irrelevant ones do not.
 
 use super::*;
 use image::imageops;
 use proptest::prelude::*;
 
-/// The corners of a fold's cloth as they appear in a view.
+/// The corners of a fold's cloth as seen in a view.
 fn corners(view: &View, fold: &Fold) -> Vec<PixelPoint> {
     fold.before
         .iter()
@@ -16,7 +16,7 @@ fn center(view: &View) -> PixelPoint {
     view.whole_pixel([0.0, 0.0])
 }
 
-/// Describes a fold in one view and plans it in another; both must speak of the same points of the cloth.
+/// Describes a fold in one view and plans it in another; both must refer to the same points of the cloth.
 fn assert_carried_over(fold: &Fold, shown: &View, real: &View) {
     let words = instruction(&shown.pictures(fold));
     let [pick, place] = planned(&words, &corners(real, fold), center(real));
@@ -240,7 +240,7 @@ fn a_triangle_is_known_by_its_shape_however_it_is_turned() {
     }
 }
 
-/// A square at 45 degrees may be read either way round, but the second fold must continue the first.
+/// A square at 45 degrees may be read either way, but the second fold must continue the first.
 #[test]
 #[ignore = "long"]
 fn the_two_folds_of_a_square_fit_each_other_at_any_turn() {

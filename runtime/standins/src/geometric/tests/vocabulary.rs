@@ -1,4 +1,4 @@
-//! Every instruction can be said and is understood as it was meant.
+//! Tests that every instruction can be written and is read back unchanged.
 
 use super::super::words::{Compass, Instruction, Sides, Spot};
 use proptest::prelude::*;
@@ -17,7 +17,7 @@ proptest! {
         is_long in any::<bool>(),
         bare in any::<[bool; 4]>(),
     ) {
-        // Two places on both middle lines name no direction at all; so does the center.
+        // Two places on both middle lines imply no direction; neither does the center.
         let is_vague = |spot: Spot| {
             matches!(spot, Spot::Center | Spot::At { along: 4, across: 4 })
         };

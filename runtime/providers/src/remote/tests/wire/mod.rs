@@ -1,4 +1,4 @@
-//! The four forms: what is sent, what is read, and that no bytes make the reading panic.
+//! Tests of the four wire formats: what is sent, what is read, and that no input makes the reader panic.
 
 mod replies;
 mod requests;
@@ -12,7 +12,7 @@ fn settings(wire: Wire) -> Settings {
     Settings::new("provider", "a-model", wire, base)
 }
 
-/// A conversation with a frame, a picture, an answer and a correction.
+/// A conversation with a system prompt, a picture, an answer and a correction.
 fn request() -> Request {
     let question = Message {
         speaker: Speaker::User,

@@ -1,9 +1,9 @@
-//! What comes back: answers with their usage, and every named failure.
+//! Tests of replies: answers with their usage, and every named failure.
 
 use super::*;
 use proptest::prelude::*;
 
-/// Replies with an answer `fold it`: 30 tokens of a question, 10 of them cached, and 12 of an answer.
+/// Replies with the answer `fold it`: 30 input tokens, 10 of them cached, and 12 output tokens.
 const ANSWERS: &[(Wire, &str)] = &[
     (
         Wire::OpenaiChat,

@@ -1,4 +1,4 @@
-//! What is sent, byte for byte as JSON; `make test-all` shows it to the providers' own clients.
+//! Tests of requests, byte for byte as JSON; `make test-all` passes them to the providers' own clients.
 
 use super::*;
 use crate::catalogue::Catalogue;

@@ -1,4 +1,4 @@
-//! The answer follows what a correction asks for.
+//! Tests that the answer follows a correction's request.
 
 use super::*;
 

@@ -1,5 +1,4 @@
-//! Tests of the stand-in's smoothing on pictures that they paint themselves: change picture and words, and watch the
-//! answer follow.
+//! Tests of the stand-in's smoothing on painted pictures: change picture and words, and check that the answer follows.
 #![allow(clippy::unwrap_used)]
 
 mod corrections;
@@ -16,7 +15,7 @@ use image::{Rgb, RgbImage};
 const SIDE: u32 = 360;
 const EDGE_PX: f64 = 110.0;
 
-/// A cloth at right angles to the picture: left, top, right, bottom, of one colour, drawn in order.
+/// An axis-aligned cloth: left, top, right, bottom, of one colour; later ones cover earlier ones.
 type Patch = ([u32; 4], [u8; 3]);
 
 const ORANGE: [u8; 3] = [255, 113, 0];
@@ -32,13 +31,13 @@ fn painted(patches: &[Patch]) -> RgbImage {
     })
 }
 
-/// What a question says.
+/// The parts of a question.
 struct Question {
     picture: RgbImage,
     corners: Vec<[i32; 2]>,
     center: [i32; 2],
     edge_px: f64,
-    /// What is added at the end.
+    /// Text added at the end.
     more: String,
 }
 
@@ -114,7 +113,7 @@ fn pull_of(reply: &str) -> ([i32; 2], f64, f64) {
     ([u, v], number("direction"), number("distance"))
 }
 
-/// A cloth that is too narrow on the right, and without a piece at its lower right, so that no two corners are alike.
+/// A cloth that is too narrow on the right, with a piece missing at its lower right, so that no two corners are alike.
 fn narrowed() -> Question {
     question(
         &[

@@ -1,4 +1,4 @@
-//! The answer follows the picture.
+//! Tests that the answer follows the picture.
 
 use super::*;
 
@@ -17,7 +17,7 @@ fn a_corner_is_pulled_and_not_a_point_of_a_side() {
 
 #[test]
 fn where_the_cloth_ends_is_read_from_the_picture_and_not_from_the_list() {
-    // The same list, but the cloth reaches beyond the points on the right: they are inside, and no corners.
+    // The same list, but the cloth extends beyond the points on the right: they are inside, not corners.
     let wide = question(
         &[([130, 121, 240, 235], ORANGE)],
         &[

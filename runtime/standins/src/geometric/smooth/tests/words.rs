@@ -1,4 +1,4 @@
-//! The answer follows the words.
+//! Tests that the answer follows the words.
 
 use super::*;
 
@@ -122,7 +122,7 @@ fn without_a_list_it_picks_where_the_outline_bends() {
 
 #[test]
 fn without_a_list_a_sharp_corner_is_found_beside_a_round_rim() {
-    // A disc with a corner on its right; where its rim is round no place bends more than another.
+    // A disc with a corner on its right; along its round rim no point bends more than another.
     let mut question = narrowed();
     question.picture = RgbImage::from_fn(SIDE, SIDE, |column, row| {
         let [x, y] = [f64::from(column) - 160.0, f64::from(row) - 180.0];
