@@ -24,6 +24,8 @@ mod completions;
 mod demos;
 mod explain;
 mod external_world;
+#[cfg(unix)]
+mod finding_opencv;
 mod free_pick;
 mod job_options;
 mod journal;
