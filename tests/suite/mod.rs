@@ -56,6 +56,7 @@ mod robot;
 mod see;
 mod seen_coverage;
 mod serve;
+mod shipped_tasks;
 mod sim_outlines;
 mod sim_replay;
 mod sim_verbs;
