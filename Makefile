@@ -5,13 +5,13 @@
 # code and its meaning. This file uses only features that GNU make 3.81 and BSD make share;
 # anything longer than a line is in scripts/.
 
-# Runs one command with the pinned toolchain and the variables by which the build finds OpenCV.
+# Runs one command with the pinned toolchain.
 WITH_ENV = sh scripts/with-env.sh
 
 # More arguments for `fabc run`, for example: make run ARGS="--start 3"
 ARGS =
 
-.PHONY: help run test test-all test-long lint package bench book deps env
+.PHONY: help run test test-all test-long lint package bench book deps
 
 help:
 	@echo 'make run         build fabc and run tasks/double_straight.fab; more arguments: ARGS="..."'
@@ -22,7 +22,6 @@ help:
 	@echo 'make bench       the benchmarks'
 	@echo 'make book        build the book of docs/ to target/book'
 	@echo 'make deps        install what a build lacks; FABC_NO_INSTALL=1 only lists it'
-	@echo 'make env         the variables for calling cargo directly: eval "$$(make -s env)"'
 
 run: deps
 	@$(WITH_ENV) sh scripts/run.sh tasks/double_straight.fab $(ARGS)
@@ -54,7 +53,3 @@ book:
 
 deps:
 	@sh scripts/deps.sh
-
-env:
-	@sh scripts/toolchain-env.sh
-	@sh scripts/opencv-env.sh

@@ -6,6 +6,9 @@
 # installs (on Debian and Ubuntu as root or with sudo, on macOS with Homebrew, a Rust release with rustup). If it
 # cannot, it exits with 2 and one line that names each missing part and its command. The user installs rustup, git
 # and make.
+#
+# deps.sh --for-bindings       only lists what the build of OpenCV's bindings lacks; runtime/needs/build.rs asks it
+# deps.sh --command-for THING  prints the command that installs a part
 set -u
 here=$(dirname "$0")
 
@@ -35,9 +38,11 @@ package_of() {
     apt-libclang) echo libclang1 ;;
     apt-opencv) echo "libopencv-core-dev libopencv-imgproc-dev" ;;
     apt-openssl) echo "libssl-dev pkg-config" ;;
-    brew-clang | brew-libclang) echo llvm ;;
+    apt-pkg-config) echo pkg-config ;;
     brew-opencv) echo opencv ;;
+    brew-pkg-config) echo pkgconf ;;
     dnf-openssl) echo "openssl-devel pkgconf-pkg-config" ;;
+    dnf-pkg-config) echo pkgconf-pkg-config ;;
     dnf-linker) echo gcc ;;
     dnf-cxx) echo gcc-c++ ;;
     dnf-clang) echo clang ;;
@@ -47,6 +52,7 @@ package_of() {
     pacman-clang | pacman-libclang) echo clang ;;
     pacman-opencv) echo opencv ;;
     pacman-openssl) echo "openssl pkgconf" ;;
+    pacman-pkg-config) echo pkgconf ;;
     esac
 }
 
@@ -54,7 +60,7 @@ package_of() {
 command_for() {
     case $installer-$1 in
     apt-*) echo "${sudo}apt-get install -y --no-install-recommends $(package_of "$1")" ;;
-    brew-linker | brew-cxx) echo "xcode-select --install" ;;
+    brew-linker | brew-cxx | brew-clang | brew-libclang) echo "xcode-select --install" ;;
     brew-*) echo "brew install $(package_of "$1")" ;;
     dnf-*) echo "${sudo}dnf install $(package_of "$1")" ;;
     pacman-*) echo "${sudo}pacman -S $(package_of "$1")" ;;
@@ -88,7 +94,11 @@ has() {
 
 # Searches where the build searches: LIBCLANG_PATH, then the system's folders.
 has_libclang() {
+    # Nobody sets these without a reason, and they may hold a list.
+    [ -z "${LD_LIBRARY_PATH:-}${LIBRARY_PATH:-}${LLVM_CONFIG_PATH:-}" ] || return 0
+    xcode=$(xcode-select --print-path 2>/dev/null)
     for file in ${LIBCLANG_PATH:+"$LIBCLANG_PATH" "$LIBCLANG_PATH"/libclang*} \
+        ${xcode:+"$xcode"/Toolchains/XcodeDefault.xctoolchain/usr/lib/libclang[.-]*} \
         /usr/lib*/libclang[.-]* /usr/lib*/*/libclang[.-]* /usr/lib*/*/*/libclang[.-]* \
         /usr/local/lib*/libclang[.-]* /usr/local/lib*/*/libclang[.-]* \
         /usr/local/llvm*/lib*/libclang[.-]* /usr/local/opt/llvm*/lib/libclang[.-]* \
@@ -105,10 +115,15 @@ has_libclang() {
 
 # Whether the `opencv` crate will find OpenCV, through variables, pkg-config or CMake.
 has_opencv() {
-    if [ -n "${OpenCV_DIR:-}" ]; then return 0; fi
-    if [ -n "${OPENCV_LINK_LIBS:-}" ] && [ -n "${OPENCV_LINK_PATHS:-}" ] \
-        && [ -n "${OPENCV_INCLUDE_PATHS:-}" ]; then return 0; fi
-    if has pkg-config && pkg-config --exists opencv4; then return 0; fi
+    # A user who says where OpenCV is, or how to look for it, is believed.
+    for variable in OpenCV_DIR CMAKE_PREFIX_PATH VCPKG_ROOT OPENCV_INCLUDE_PATHS OPENCV_PACKAGE_NAME \
+        OPENCV_PKGCONFIG_NAME OPENCV_CMAKE_NAME OPENCV_CMAKE_BIN OPENCV_CMAKE_TOOLCHAIN_FILE; do
+        eval "[ -z \"\${$variable:-}\" ]" || return 0
+    done
+    pkg_config=${PKG_CONFIG:-$here/pkg-config}
+    for package in opencv5 opencv4 opencv; do
+        if "$pkg_config" --exists "$package" 2>/dev/null; then return 0; fi
+    done
     has cmake && [ -n "$(ls -d /usr/lib*/cmake/opencv4 /usr/lib/*/cmake/opencv4 \
         /usr/local/lib*/cmake/opencv4 2>/dev/null)" ]
 }
@@ -120,9 +135,19 @@ has_openssl() {
     has pkg-config && pkg-config --exists openssl
 }
 
+# What the build script of the `opencv` crate needs.
+find_missing_for_bindings() {
+    CXX=${CXX:-c++}
+    if ! has_libclang; then
+        note_package clang libclang
+    elif ! has "${CXX%% *}"; then
+        note_package cxx "a C++ compiler (c++)"
+    fi
+    has_opencv || note_package opencv "OpenCV's core and imgproc development files"
+}
+
 find_missing() {
     eval "$(sh "$here/toolchain-env.sh")"
-    eval "$(sh "$here/opencv-env.sh")"
 
     pinned=$(sed -n 's/^channel *= *"\(.*\)"/\1/p' "$here/../rust-toolchain.toml")
     if has rustup; then
@@ -198,6 +223,17 @@ install_packages() {
     esac
 }
 
+case ${1:-} in
+--command-for)
+    command_for "$2"
+    exit
+    ;;
+--for-bindings)
+    find_missing_for_bindings
+    [ -z "$missing_line" ] || give_up
+    exit 0
+    ;;
+esac
 find_missing
 [ -n "$missing_line" ] || exit 0
 case ${FABC_NO_INSTALL:-0} in

@@ -20,10 +20,10 @@ fi
 #
 # psm is allowed: it is the grammar's stack guard, a page of its own assembler that a C compiler translates, not a
 # system library, and it is absent on wasm32. inotify-sys and linux-raw-sys are allowed: they declare kernel calls and
-# link nothing.
+# link nothing. So is dirs-sys, which asks the C library for the user's home.
 no_system_library() {
     tree=$(cargo tree --edges normal,build --prefix none --locked --package "$@")
-    if printf '%s\n' "$tree" | grep -v -E '^(inotify|linux-raw)-sys v' | grep -E '^(opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
+    if printf '%s\n' "$tree" | grep -v -E '^(dirs|inotify|linux-raw)-sys v' | grep -E '^(opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
         echo "$1 depends on the crates named above, which need a system library" >&2
         exit 1
     fi

@@ -1,11 +1,8 @@
 #!/bin/sh
-# Runs a command in the build's environment: with-env.sh COMMAND [ARGUMENT...]
+# Runs a command with the pinned Rust release: with-env.sh COMMAND [ARGUMENT...]
 #
-# toolchain-env.sh and opencv-env.sh say what that environment adds, and when.
+# toolchain-env.sh says when that needs a variable.
 set -eu
-here=$(dirname "$0")
-toolchain=$(sh "$here/toolchain-env.sh")
-opencv=$(sh "$here/opencv-env.sh")
+toolchain=$(sh "$(dirname "$0")/toolchain-env.sh")
 eval "$toolchain"
-eval "$opencv"
 exec "$@"

@@ -323,6 +323,30 @@ impl Io {
         }
     }
 
+    /// Returns the folder of the user's cache; `FABC_CACHE_DIR` names another place.
+    pub(crate) fn cache_folder(&self) -> Option<PathBuf> {
+        let named = self.variable("FABC_CACHE_DIR");
+        let named = named.filter(|value| !value.is_empty()).map(PathBuf::from);
+        named.or_else(|| {
+            let folder = self.user_folder(dirs::cache_dir, "XDG_CACHE_HOME", ".cache")?;
+            Some(folder.join("fabc"))
+        })
+    }
+
+    /// Returns one of the user's folders: the system's, or the one that the command's own environment names.
+    pub(crate) fn user_folder(
+        &self,
+        of_process: fn() -> Option<PathBuf>,
+        variable: &str,
+        in_home: &str,
+    ) -> Option<PathBuf> {
+        if self.is_process() {
+            return of_process();
+        }
+        let named = self.variable(variable).map(PathBuf::from);
+        named.or_else(|| Some(PathBuf::from(self.variable("HOME")?).join(in_home)))
+    }
+
     /// Returns the time.
     pub(crate) fn now(&self) -> SystemTime {
         self.now.unwrap_or_else(SystemTime::now)

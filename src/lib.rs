@@ -15,6 +15,7 @@
 
 mod exit;
 mod io;
+mod shipped;
 mod snapshots;
 mod sources;
 mod verbs;
@@ -36,12 +37,13 @@ use verbs::Cli;
 pub fn run<A: Into<OsString> + Clone>(args: impl IntoIterator<Item = A>, io: &Io) -> u8 {
     let parsed = io.command(Cli::command()).try_get_matches_from(args);
     let exit = match parsed.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches))) {
-        Ok((cli, matches)) => io
-            .in_folder(|| act(&cli, &matches, io))
-            .unwrap_or_else(|failure| {
-                io.talk(&format!("error: {failure}"));
-                failure.exit()
-            }),
+        Ok((mut cli, matches)) => {
+            io.in_folder(|| act(&mut cli, &matches, io))
+                .unwrap_or_else(|failure| {
+                    io.talk(&format!("error: {failure}"));
+                    failure.exit()
+                })
+        }
         Err(error) => {
             io.help(&error);
             match error.kind() {
@@ -66,7 +68,7 @@ pub fn command() -> clap::Command {
     Cli::command()
 }
 
-fn act(cli: &Cli, matches: &ArgMatches, io: &Io) -> Exit {
+fn act(cli: &mut Cli, matches: &ArgMatches, io: &Io) -> Exit {
     cli.verb.run(io).unwrap_or_else(|failure| {
         io.talk(&format!("error: {failure}"));
         if verbs::wants_json(matches) {

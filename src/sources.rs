@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Which task of a file is meant.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct TaskArguments {
-    /// The file that declares the task.
+    /// The file that declares the task, or the name of a shipped task.
     #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub file: String,
     /// The task, where the file declares several.

@@ -19,6 +19,7 @@ pub mod vocabulary;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::shipped;
 use clap::{ArgMatches, Parser, Subcommand};
 
 const EXIT_CODES: &str = "Exit codes: 0 done (and the goal reached), 1 the .fab file is wrong, 2 the environment failed, \
@@ -46,13 +47,33 @@ pub enum Verb {
 }
 
 impl Verb {
-    /// Does it.
-    pub fn run(&self, io: &Io) -> Result<Exit, Failure> {
+    /// Finds the tasks that are named, and does it.
+    pub fn run(&mut self, io: &Io) -> Result<Exit, Failure> {
+        for file in self.files() {
+            *file = shipped::find(file, io)?;
+        }
         match self {
             Verb::Author(verb) => verb.run(io),
             #[cfg(feature = "runtime")]
             Verb::Runtime(verb) => verb.run(io),
             Verb::Shell(verb) => verb.run(io),
+        }
+    }
+
+    /// Returns the words that stand for a task's file.
+    fn files(&mut self) -> Vec<&mut String> {
+        match self {
+            Verb::Author(Author::Check(check)) => check.files.iter_mut().collect(),
+            Verb::Author(Author::Test(test)) => test.files.iter_mut().collect(),
+            Verb::Author(Author::Snap(snap)) => snap.files.iter_mut().collect(),
+            Verb::Author(Author::Build(build)) => vec![&mut build.file],
+            Verb::Author(Author::Render(render)) => vec![&mut render.task.file],
+            Verb::Author(
+                Author::New(_) | Author::Explain(_) | Author::Vocabulary(_) | Author::Review(_),
+            ) => Vec::new(),
+            #[cfg(feature = "runtime")]
+            Verb::Runtime(verb) => verb.file().into_iter().collect(),
+            Verb::Shell(_) => Vec::new(),
         }
     }
 }

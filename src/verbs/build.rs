@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `build`.
 #[derive(Args)]
 pub struct BuildArguments {
-    /// The file that declares the tasks.
+    /// The file that declares the tasks, or the name of a shipped task.
     #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub file: String,
     /// The folder that gets one folder per task.

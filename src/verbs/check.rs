@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 /// Arguments of `check`.
 #[derive(Args)]
 pub struct CheckArguments {
-    /// The files to check.
+    /// The files to check, or names of shipped tasks.
     #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<String>,
     /// Repair what can be meant in one way only; the rest is reported.

@@ -11,6 +11,7 @@ pub mod staging;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::shipped;
 use crate::sources;
 use clap::{Args, Subcommand, ValueHint};
 use fab_compiler::{LoadError, Loader};
@@ -60,17 +61,11 @@ pub struct NewTaskArguments {
     pub json: bool,
 }
 
-/// A shipped file that tasks build on: its path beside them, and its text.
-type Library = (&'static str, &'static str);
+/// A shipped file that tasks build on: its path beside them.
+type Library = &'static str;
 
-const FOLDING: Library = (
-    "lib/folding.fab",
-    include_str!("../../tasks/lib/folding.fab"),
-);
-const SMOOTHING: Library = (
-    "lib/smoothing.fab",
-    include_str!("../../tasks/lib/smoothing.fab"),
-);
+const FOLDING: Library = "lib/folding.fab";
+const SMOOTHING: Library = "lib/smoothing.fab";
 
 /// A task that is not written yet.
 pub struct Draft {
@@ -128,7 +123,8 @@ impl Draft {
 fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Failure> {
     check_place(arguments)?;
     let folder = folder_of(arguments);
-    let (path, shipped) = draft.library;
+    let path = draft.library;
+    let shipped = shipped::text(path);
     let present = present_library(&folder, path)?;
     let library = present.as_deref().unwrap_or(shipped);
     let program = compile(arguments, &draft, library, io)?;
@@ -238,13 +234,13 @@ fn compile(
     let entry = format!("{}.fab", arguments.name);
     let files = Beside(BTreeMap::from([
         (entry.as_str(), draft.text.as_str()),
-        (draft.library.0, library),
+        (draft.library, library),
     ]));
     let mut compiled = fab_compiler::compile(&entry, &files).map_err(Failure::environment)?;
     if compiled.has_errors() || compiled.programs.is_empty() {
-        let path = draft.library.0;
+        let path = draft.library;
         // Every name that the language allows compiles, but those that the library gives to its own tasks.
-        if library == draft.library.1 {
+        if library == shipped::text(path) {
             let name = &arguments.name;
             return Err(Failure::usage(format!(
                 "`{name}` cannot name a task: `{path}` has one of this name; `my_{name}` would be right"

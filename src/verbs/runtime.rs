@@ -54,3 +54,17 @@ super::verbs! {
     /// Checks a world of yours, a program in any language, against what every world promises.
     World(world::WorldArguments),
 }
+
+impl Verb {
+    /// Returns the word that stands for a task's file.
+    pub fn file(&mut self) -> Option<&mut String> {
+        let task = match self {
+            Verb::See(see) => &mut see.task,
+            Verb::Subgoals(subgoals) => &mut subgoals.task,
+            Verb::Demos(demos) => &mut demos.task,
+            Verb::Run(run) => &mut run.task,
+            _ => return None,
+        };
+        Some(&mut task.file)
+    }
+}

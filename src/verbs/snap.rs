@@ -15,6 +15,7 @@ mod scene;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::shipped;
 use crate::sources;
 use clap::Args;
 use fab_program::Program;
@@ -88,6 +89,11 @@ pub struct Declared {
 
 /// Takes snapshots, or says how they differ.
 pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
+    if !arguments.check {
+        for file in &arguments.files {
+            shipped::check_own(file, io)?;
+        }
+    }
     let mut plans = Vec::new();
     for (folder, declared) in compiled(&arguments.files, io)? {
         let mut plan = Plan::open(&folder)?;

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 /// Arguments of `test`.
 #[derive(Args)]
 pub struct TestArguments {
-    /// The files whose tests are run.
+    /// The files whose tests are run, or names of shipped tasks.
     #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<String>,
     /// Only tests whose name contains this.

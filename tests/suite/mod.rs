@@ -24,6 +24,8 @@ mod completions;
 mod demos;
 mod explain;
 mod external_world;
+#[cfg(unix)]
+mod finding_opencv;
 mod free_pick;
 mod job_options;
 mod journal;
@@ -54,6 +56,7 @@ mod robot;
 mod see;
 mod seen_coverage;
 mod serve;
+mod shipped_tasks;
 mod sim_outlines;
 mod sim_replay;
 mod sim_verbs;

@@ -21,7 +21,7 @@ struct Member {
 }
 
 /// Every member; `fabc` at the root may use all.
-const MEMBERS: [Member; 17] = [
+const MEMBERS: [Member; 18] = [
     member("grammar", "fab-grammar", &[], &[]),
     member("compiler/program", "fab-program", &[], &[]),
     member(
@@ -44,10 +44,11 @@ const MEMBERS: [Member; 17] = [
         &["fab-base", "fab-program"],
         &[],
     ),
+    member("runtime/needs", "fab-needs", &[], &[]),
     member(
         "runtime/vision",
         "fab-vision",
-        &["fab-picture", "fab-program"],
+        &["fab-needs", "fab-picture", "fab-program"],
         &[],
     ),
     member(

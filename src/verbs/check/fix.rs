@@ -2,6 +2,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
+use crate::shipped;
 use crate::sources;
 use fab_base::files;
 use fab_compiler::diag::{Certainty, Diagnostic, Edit};
@@ -22,6 +23,7 @@ pub fn run(file: &str, io: &Io) -> Result<Compiled, Failure> {
         if texts.is_empty() {
             break;
         }
+        shipped::check_own(file, io)?;
         for (name, (text, count)) in texts {
             write(Path::new(&name), &text)
                 .map_err(|error| Failure::environment(format!("cannot write `{name}`: {error}")))?;

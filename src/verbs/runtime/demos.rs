@@ -2,6 +2,7 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::shipped;
 use crate::sources;
 use crate::sources::TaskArguments;
 use crate::verbs::runtime::setting;
@@ -38,6 +39,9 @@ pub struct DemosArguments {
 /// Demonstrates the task and writes the file that it names.
 pub fn run(arguments: &DemosArguments, io: &Io) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
+    if arguments.out.is_none() {
+        shipped::check_own(&arguments.task.file, io)?;
+    }
     let interrupt = io.interrupt()?;
     let make_world = || setting::world(&program);
     let making = Making {

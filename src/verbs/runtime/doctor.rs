@@ -5,7 +5,6 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::catalogue::FactsArguments;
 use crate::verbs::runtime::setting::catalogue::{self, UserFile};
 use crate::verbs::runtime::setting::remote;
@@ -216,7 +215,7 @@ fn keys(io: &Io) -> (Keys, Finding) {
 
 fn cache(io: &Io) -> Finding {
     const NAME: &str = "cache";
-    let Some(folder) = setting::cache_folder(io) else {
+    let Some(folder) = io.cache_folder() else {
         let help = "name a folder in FABC_CACHE_DIR";
         return Finding::missing(
             About::File,

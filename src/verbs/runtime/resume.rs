@@ -6,6 +6,7 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::shipped;
 use crate::sources;
 use crate::verbs::runtime::run::{self, Begun, Into, RUN_FILE};
 use crate::verbs::runtime::setting::model_arguments::dollars;
@@ -63,6 +64,7 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
     wanted.spend.max_calls = arguments.max_calls.or(wanted.spend.max_calls);
     // Paths of the command line are relative to where it was given.
     let io = io.within(&directory);
+    shipped::restore(&wanted.task.file, &io)?;
     io.in_folder(|| run::play(&wanted, Into::Again(&folder), &io))
         .map_err(|failure| failure.saying("the run was begun there"))?
 }

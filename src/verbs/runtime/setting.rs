@@ -23,7 +23,7 @@ use fab_world::start::{Grid, Start, StartFrame, Up};
 use fab_world::{SimulatedWorld, World, WorldError};
 use serde::Deserialize;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Where the cloth lies at first.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
@@ -179,34 +179,8 @@ pub fn cache(io: &Io) -> Cache {
 
 /// Opens the user's cache of one kind of results.
 pub fn cache_of(kind: &str, io: &Io) -> Cache {
-    match cache_folder(io) {
+    match io.cache_folder() {
         Some(folder) => Cache::at(folder.join(kind)),
         None => Cache::none(),
     }
-}
-
-/// Returns the folder of the user's cache; `FABC_CACHE_DIR` names another place.
-pub fn cache_folder(io: &Io) -> Option<PathBuf> {
-    let named = io
-        .variable("FABC_CACHE_DIR")
-        .filter(|value| !value.is_empty())
-        .map(PathBuf::from);
-    named.or_else(|| {
-        user_folder(io, dirs::cache_dir, "XDG_CACHE_HOME", ".cache")
-            .map(|folder| folder.join("fabc"))
-    })
-}
-
-/// Returns one of the user's folders: the system's, or the one that the command's own environment names.
-pub fn user_folder(
-    io: &Io,
-    of_process: fn() -> Option<PathBuf>,
-    variable: &str,
-    in_home: &str,
-) -> Option<PathBuf> {
-    if io.is_process() {
-        return of_process();
-    }
-    let named = io.variable(variable).map(PathBuf::from);
-    named.or_else(|| Some(PathBuf::from(io.variable("HOME")?).join(in_home)))
 }

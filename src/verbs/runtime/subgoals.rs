@@ -4,6 +4,7 @@ mod offered;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::shipped;
 use crate::sources;
 use crate::sources::TaskArguments;
 use crate::verbs::runtime::setting;
@@ -36,6 +37,9 @@ pub struct SubgoalsArguments {
 /// Draws, pins, and lists the files.
 pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
+    if arguments.sheet.is_none() {
+        shipped::check_own(&arguments.task.file, io)?;
+    }
     let folder = sources::folder_of(&arguments.task.file);
     let interrupt = io.interrupt()?;
     let mut world = setting::world(&program).map_err(Failure::environment)?;
@@ -43,9 +47,12 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let watch = &mut |step: Demonstrated<'_>| offered.look(step);
     let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt, watch);
     let set = drawn.map_err(failure)?;
-    let mut files = set
-        .pin(&program, &folder, &world.parameters())
-        .map_err(Failure::environment)?;
+    let mut files = match shipped::is_shipped(&arguments.task.file, io) {
+        true => Vec::new(),
+        false => set
+            .pin(&program, &folder, &world.parameters())
+            .map_err(Failure::environment)?,
+    };
     for note in offered.notes {
         io.talk(&format!("note: {note}"));
     }

@@ -2,6 +2,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
+use crate::shipped;
 use crate::sources;
 use crate::verbs::runtime::bench::BenchArguments;
 use crate::verbs::runtime::bench::Shard;
@@ -86,8 +87,7 @@ pub fn prepare(
 ) -> Result<Vec<Prepared>, Failure> {
     let mut tasks = Vec::new();
     for file in &suite.tasks {
-        let path = folder.join(file);
-        let file = path.display().to_string();
+        let file = shipped::find_beside(folder, file, io)?;
         let declared = sources::compile_tasks(&file, None, io)?;
         let mut bare = declared.iter().filter(|program| program.variant.is_none());
         let (Some(program), None) = (bare.next(), bare.next()) else {

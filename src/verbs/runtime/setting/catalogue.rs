@@ -66,12 +66,11 @@ fn user_file(variable: &str, name: &str, io: &Io) -> Option<UserFile> {
         named_by: NamedBy::User,
     });
     named.or_else(|| {
-        super::user_folder(io, dirs::config_dir, "XDG_CONFIG_HOME", ".config").map(|folder| {
-            UserFile {
+        io.user_folder(dirs::config_dir, "XDG_CONFIG_HOME", ".config")
+            .map(|folder| UserFile {
                 path: folder.join("fabc").join(name),
                 named_by: NamedBy::Place,
-            }
-        })
+            })
     })
 }
 

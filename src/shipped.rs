@@ -1,0 +1,163 @@
+//! Finds tasks by their name: `double_straight` for `double_straight.fab`, wherever that lies.
+//!
+//! In: a word of the command line. Out: the path of a file. The nearest and most explicit place wins: a file of the
+//! working folder, the folder that the user names in `FABC_TASKS`, the folder that an installation has beside the
+//! program, and last the tasks inside of the program. Those are written to the user's cache, below the hash of their
+//! contents, so that everything else reads them as files.
+
+mod embedded;
+
+use crate::exit::Failure;
+use crate::io::Io;
+use embedded::FILES;
+use fab_base::{digest, files};
+use sha2::{Digest, Sha256};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Where an installation keeps the shipped tasks, from the folder above that of the program.
+const INSTALLED: &str = "share/fabc/tasks";
+
+/// Names a folder of the user's with tasks.
+const VARIABLE: &str = "FABC_TASKS";
+
+/// Returns the file that a word names; a word that cannot be a task's name is returned as it is.
+pub fn find(word: &str, io: &Io) -> Result<String, Failure> {
+    find_beside(Path::new(""), word, io)
+}
+
+/// The same for a word in a file of `folder`, which is looked into in place of the working folder.
+pub fn find_beside(folder: &Path, word: &str, io: &Io) -> Result<String, Failure> {
+    let own = folder.join(word);
+    if !is_name(word) || (own.exists() && !own.is_dir()) {
+        return Ok(own.display().to_string());
+    }
+    let name = format!("{word}.fab");
+    let found = |path: &Path, whose: &str| {
+        let path = path.display().to_string();
+        io.talk(&format!("task: {word}, {whose} ({path})"));
+        path
+    };
+    let beside = own.with_extension("fab");
+    if beside.is_file() {
+        return Ok(found(&beside, "a file of this folder"));
+    }
+    let named = io.variable(VARIABLE).filter(|value| !value.is_empty());
+    let named = named.map(|folder| Path::new(&folder).join(&name));
+    if let Some(path) = named.filter(|path| path.is_file()) {
+        return Ok(found(&path, &format!("of {VARIABLE}")));
+    }
+    let installed = installed(io).map(|folder| folder.join(&name));
+    if let Some(path) = installed.filter(|path| path.is_file()) {
+        return Ok(found(&path, "shipped with fabc"));
+    }
+    if FILES.iter().any(|(path, _)| *path == name) {
+        return Ok(found(&unpacked(io)?.join(&name), "shipped with fabc"));
+    }
+    Err(Failure::environment(format!(
+        "there is no file `{name}`, and fabc ships no task `{word}`; it ships {}",
+        names()
+            .map(|name| format!("`{name}`"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    )))
+}
+
+/// Writes the embedded tasks again if a path is among them and the cache was emptied.
+pub fn restore(file: &str, io: &Io) -> Result<(), Failure> {
+    match embedded_folder(io) {
+        Some(folder) if Path::new(file).starts_with(&folder) => unpacked(io).map(drop),
+        _ => Ok(()),
+    }
+}
+
+/// Returns whether a file is a shipped one, which a new version of fabc replaces.
+pub fn is_shipped(file: &str, io: &Io) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    let Some(file) = real(Path::new(file)) else {
+        return false;
+    };
+    let folders = [embedded_folder(io), installed(io)].into_iter().flatten();
+    folders
+        .filter_map(|folder| real(&folder))
+        .any(|folder| file.starts_with(folder))
+}
+
+/// Fails where a file is a shipped one: nothing that would be written beside it lasts.
+pub fn check_own(file: &str, io: &Io) -> Result<(), Failure> {
+    if !is_shipped(file, io) {
+        return Ok(());
+    }
+    let folder = Path::new(file).parent().unwrap_or(Path::new("."));
+    Err(Failure::environment(format!(
+        "`{file}` is shipped with fabc, and nothing is written into its folder; work on a copy: `cp -r {} my_tasks`",
+        folder.display()
+    )))
+}
+
+/// Returns the text of an embedded file.
+///
+/// - `path`: from the folder of the tasks.
+pub fn text(path: &str) -> &'static str {
+    let file = FILES.iter().find(|(name, _)| *name == path);
+    let (_, bytes) = file.expect("every file that the program itself uses is embedded");
+    std::str::from_utf8(bytes).expect("a shipped source is UTF-8")
+}
+
+fn is_name(word: &str) -> bool {
+    let is_plain = |letter: char| letter.is_alphanumeric() || letter == '_';
+    !word.is_empty() && word.chars().all(is_plain)
+}
+
+/// Returns the names of the embedded tasks.
+fn names() -> impl Iterator<Item = &'static str> {
+    let files = FILES.iter().map(|(path, _)| *path);
+    files
+        .filter(|path| !path.contains('/'))
+        .filter_map(|path| path.strip_suffix(".fab"))
+}
+
+/// Returns where an installation would keep the tasks, whether or not it does.
+fn installed(io: &Io) -> Option<PathBuf> {
+    // A link to the program, from a folder of the PATH, leads to its installation.
+    let program = io.program().ok()?.canonicalize().ok()?;
+    Some(program.parent()?.parent()?.join(INSTALLED))
+}
+
+/// Returns where the embedded tasks are written.
+fn embedded_folder(io: &Io) -> Option<PathBuf> {
+    let mut hash = Sha256::new();
+    for (path, bytes) in FILES {
+        for part in [path.as_bytes(), bytes] {
+            // With its length, so that no two lists of files run together alike.
+            hash.update((part.len() as u64).to_le_bytes());
+            hash.update(part);
+        }
+    }
+    let hash = digest::hex(&hash.finalize()[..8]);
+    Some(io.cache_folder()?.join("tasks").join(hash))
+}
+
+/// Writes the embedded files where they are not, or were changed; returns their folder.
+fn unpacked(io: &Io) -> Result<PathBuf, Failure> {
+    let folder = embedded_folder(io).ok_or_else(|| {
+        Failure::environment(
+            "the shipped tasks need a folder, and there is no cache folder; name one in FABC_CACHE_DIR",
+        )
+    })?;
+    for (path, bytes) in FILES {
+        let path = folder.join(path);
+        if fs::read(&path).is_ok_and(|present| present == *bytes) {
+            continue;
+        }
+        let above = path.parent().unwrap_or(&folder);
+        let written = fs::create_dir_all(above).and_then(|()| files::write_whole(&path, bytes));
+        written.map_err(|error| {
+            Failure::environment(format!(
+                "cannot write the shipped tasks into `{}`: {error}; name another cache folder in FABC_CACHE_DIR",
+                folder.display()
+            ))
+        })?;
+    }
+    Ok(folder)
+}
