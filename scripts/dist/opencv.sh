@@ -6,7 +6,7 @@
 # Out: FOLDER/installed (headers and libraries) and FOLDER/licences. Takes ten minutes on two cores; does nothing if
 # FOLDER already holds what this script builds.
 #
-# Debian's own static libraries do not serve: they need LAPACK, TBB, OpenGL and OpenCL.
+# Debian's own static libraries do not serve: they need LAPACK, TBB and GLX.
 set -eu
 here=$(CDPATH='' cd -- "$(dirname "$0")" && pwd)
 mkdir -p "$1"
