@@ -15,6 +15,7 @@ trap 'exit 130' INT
 trap 'exit 143' TERM
 # In a user namespace, root of the new root is another user outside.
 chmod 755 "$work"
+# shellcheck source=scripts/dist/check/steps.sh
 . "$here/check/steps.sh"
 results=$work/results
 : >"$results"

@@ -37,12 +37,13 @@ OPENCV_INCLUDE_PATHS=$build/opencv/installed/include/opencv4
 CXXSTDLIB=static=stdc++
 export OPENCV_LINK_LIBS OPENCV_LINK_PATHS OPENCV_INCLUDE_PATHS CXXSTDLIB
 # maturin only builds here, tagged for this machine's Linux; auditwheel finds the widest tag that is true.
-(cd "$stage" && maturin build --quiet --profile dist --locked --target x86_64-unknown-linux-gnu \
+(cd "$stage" && maturin build --profile dist --locked --target x86_64-unknown-linux-gnu \
     --target-dir "$build" --compatibility linux --out "$stage/built")
 
 rm -f "$FABC_DIST"/fabc-*.whl
-auditwheel --quiet repair --only-plat --wheel-dir "$FABC_DIST" "$stage/built"/*.whl || {
-    auditwheel show "$stage/built"/*.whl >&2
+auditwheel repair --only-plat --wheel-dir "$FABC_DIST" "$stage/built"/*.whl >"$stage/repair.log" 2>&1 || {
+    cat "$stage/repair.log" >&2
     exit 1
 }
+auditwheel show "$FABC_DIST"/fabc-*.whl
 rm -rf "$stage"

@@ -1,5 +1,5 @@
 # Functions of the checks; check.sh and the scripts in the clean roots read this file. `results` names their file.
-# shellcheck shell=sh
+# shellcheck shell=sh disable=SC2154
 
 # Runs a command and records whether it succeeded; prints its output only if it failed: step NAME COMMAND...
 step() {
@@ -24,12 +24,12 @@ skip() {
 # Runs a command as a user without a name, who can write to his home and to nothing else: as_user COMMAND...
 as_user() {
     setpriv --reuid=1000 --regid=1000 --clear-groups --no-new-privs \
-        env HOME=/home/tester sh -c 'cd && exec "$@"' sh "$@"
+        env HOME=/srv/tester sh -c 'cd && exec "$@"' sh "$@"
 }
 
 make_user_home() {
-    mkdir -p /home/tester
-    chown 1000:1000 /home/tester
+    mkdir -p /srv/tester
+    chown 1000:1000 /srv/tester
 }
 
 # Runs fabc on a shipped task and looks at what it wrote: folds FABC TASK
@@ -40,8 +40,8 @@ folds() {
     }
     cat /tmp/check/run.log
     grep -q '^outcome: goal_reached' /tmp/check/run.log || return
-    [ -s /home/tester/runs/double_straight-0001/sheet.png ] || return
-    rm -r /home/tester/runs
+    [ -s /srv/tester/runs/double_straight-0001/sheet.png ] || return
+    rm -r /srv/tester/runs
 }
 
 # Succeeds if two listings are equal, and prints what differs: same BEFORE AFTER

@@ -4,9 +4,10 @@ set -u
 cd /tmp/check || exit
 results=/tmp/check/results
 : >"$results"
+# shellcheck source=scripts/dist/check/steps.sh
 . ./steps.sh
 
-environment=/home/tester/environment
+environment=/srv/tester/environment
 
 list() {
     find $environment -name __pycache__ -prune -o -print | sort
