@@ -94,5 +94,6 @@ Description: language and compiler for cloth-folding prompts
 CONTROL
 (cd "$package" && find usr -type f -print0 | sort -z | xargs -0 md5sum >DEBIAN/md5sums)
 
+rm -f "$FABC_DIST"/fabc_*_amd64.deb
 dpkg-deb --root-owner-group -Zxz --build "$package" "$FABC_DIST/fabc_$FABC_VERSION-1_amd64.deb" >/dev/null
 rm -rf "$stage"

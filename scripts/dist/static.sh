@@ -19,6 +19,7 @@ RUSTFLAGS="$RUSTFLAGS -C target-feature=+crt-static"
 export RUSTFLAGS
 cargo build --profile dist --locked --package fabc --bin fabc --no-default-features \
     --target $triple --target-dir "$FABC_DIST/build"
+rm -f "$FABC_DIST"/fabc-authoring-*
 cp "$FABC_DIST/build/$triple/dist/fabc" "$FABC_DIST/fabc-authoring-$FABC_VERSION-x86_64-linux"
 
 # The texts that go with the binary. glibc's licence asks for them where it is linked statically.
