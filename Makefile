@@ -11,7 +11,10 @@ WITH_ENV = sh scripts/with-env.sh
 # More arguments for `fabc run`, for example: make run ARGS="--start 3"
 ARGS =
 
-.PHONY: help run test test-all test-long lint package bench book deps
+# What `make dist` builds and `make dist-check` tests: deb, wheel, static; everything if empty.
+PARTS =
+
+.PHONY: help run test test-all test-long lint package bench book dist dist-check deps
 
 help:
 	@echo 'make run         build fabc and run tasks/double_straight.fab; more arguments: ARGS="..."'
@@ -21,6 +24,8 @@ help:
 	@echo 'make package     pack each crate and build it from its archive alone; takes as long as a first build'
 	@echo 'make bench       the benchmarks'
 	@echo 'make book        build the book of docs/ to target/book'
+	@echo 'make dist        a Debian package, a Python wheel and a static authoring tool, to target/dist (Linux x86-64)'
+	@echo 'make dist-check  install these into clean roots, run and remove them; needs mmdebstrap; only some: PARTS="deb wheel"'
 	@echo 'make deps        install what a build lacks; FABC_NO_INSTALL=1 only lists it'
 
 run: deps
@@ -50,6 +55,12 @@ bench: deps
 
 book:
 	@$(WITH_ENV) sh scripts/book.sh
+
+dist: deps
+	@$(WITH_ENV) sh scripts/dist.sh $(PARTS)
+
+dist-check:
+	@sh scripts/dist/check.sh $(PARTS)
 
 deps:
 	@sh scripts/deps.sh

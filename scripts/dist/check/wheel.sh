@@ -1,0 +1,43 @@
+#!/bin/sh
+# Runs in a clean root that holds Python alone: installs the wheel into a virtual environment, uses it, and removes it.
+set -u
+cd /tmp/check || exit
+results=/tmp/check/results
+: >"$results"
+# shellcheck source=scripts/dist/check/steps.sh
+. ./steps.sh
+
+environment=/srv/tester/environment
+
+list() {
+    find $environment -name __pycache__ -prune -o -print | sort
+}
+
+has_no_libraries() {
+    ! ls /usr/lib/*/libopencv* /usr/lib/*/libstdc++* 2>/dev/null
+}
+
+has_licences() {
+    folder=$(echo $environment/lib/python3*/site-packages/fabc-*.dist-info/licenses)
+    find "$folder" -type f
+    for text in LICENSE-MIT LICENSE-APACHE rust-crates.txt opencv-LICENSE opencv-COPYRIGHT zlib-copyright libstdc++-copyright; do
+        find "$folder" -name "$text" -size +0 | grep -q . || return
+    done
+}
+
+make_user_home
+step "the root has neither OpenCV nor the C++ library" has_no_libraries
+step "the user makes a virtual environment" as_user python3 -m venv $environment
+list >before
+step "pip installs the wheel without a network" as_user $environment/bin/pip install --no-index /tmp/check/fabc-*.whl
+step "fabc run on a shipped task" folds $environment/bin/fabc $environment/share/fabc/tasks/double_straight.fab
+if as_user $environment/bin/fabc check double_straight >/dev/null 2>&1; then
+    step "fabc run double_straight" folds $environment/bin/fabc double_straight
+else
+    skip "fabc run double_straight" "this fabc does not look for tasks where they are installed"
+fi
+step "fabc test on the shipped tasks" as_user sh -c "$environment/bin/fabc test $environment/share/fabc/tasks/*.fab"
+step "the licences are in the wheel" has_licences
+step "pip removes the wheel" as_user $environment/bin/pip uninstall -y fabc
+list >after
+step "the environment is as before" same before after
