@@ -529,7 +529,9 @@ mod tests {
                 "wrote 1048576 bytes without a newline",
             ),
         ] {
-            let error = asked(script, SOON).expect_err(script).to_string();
+            // A line before the question would be another fault.
+            let script = format!("read _; {script}");
+            let error = asked(&script, SOON).expect_err(&script).to_string();
             assert!(error.contains(words), "{script}: {error}");
         }
         let absent = CommandLine::parse("/nowhere/at/all").expect("a word");
