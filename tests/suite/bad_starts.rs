@@ -74,7 +74,7 @@ fn a_start_of_the_wrong_shape_or_with_nan() {
         refused(here, &RUN, 2, &["promises more numbers"]);
     }
     fs::write(here.join("start.npy"), b"\x93NUMPY\x02\x00\x00\x00\x00\xff").unwrap();
-    refused(here, &RUN, 2, &["cut"]);
+    refused(here, &RUN, 2, &["truncated"]);
     write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &flat(60));
     refused(here, &RUN, 2, &["`start.npy`"]);
     let mut broken = flat(64);
