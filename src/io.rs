@@ -3,8 +3,8 @@
 //! In: [`Io::process`], the process's own, or [`Io::new`], made for one command within a process. Out: what verbs read,
 //! write and look up. Data goes to stdout, talk to stderr; a closed pipe is no error.
 //!
-//! Not covered: what third-party libraries read themselves (proxy variables, certificates) and raw keys of a terminal,
-//! which only the process's own streams can have.
+//! Not covered: what third-party libraries read themselves (proxy variables, certificates), the environment of programs
+//! that a command starts, which is the process's, and raw keys of a terminal, which only the process's own streams have.
 
 use crate::exit::{Exit, Failure};
 use fab_base::interrupt::Interrupt;
@@ -151,7 +151,9 @@ impl Io {
 
     /// The same with a variable of the environment.
     pub fn with_variable(mut self, name: impl Into<OsString>, value: impl Into<OsString>) -> Io {
-        let variables = self.variables.get_or_insert_default();
+        let variables = self
+            .variables
+            .get_or_insert_with(|| Arc::new(std::env::vars_os().collect()));
         Arc::make_mut(variables).insert(name.into(), value.into());
         self
     }

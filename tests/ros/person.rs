@@ -158,7 +158,7 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
         let state = arm.move_tool(&to, 0.2, &mut |_| Ok(())).unwrap();
         places.push(state.tool.translation.vector);
         writeln!(typed, "{pixel}").unwrap();
-        line_with(&mut lines, &format!("point {}: taken", places.len()));
+        line_with(&mut lines, &format!("point {}: added", places.len()));
     }
     // While it goes on its way, its place is none.
     let away = tool_down(&Point3::new(0.35, -0.30, 0.25), 0.0);

@@ -80,7 +80,7 @@ fn wrong_answers_are_named_with_their_values() {
         ),
         (
             "s/\"world_from_camera\":\\[\\[1.0/\"world_from_camera\":[[2.0/",
-            "`world_from_camera` is no pose",
+            "`world_from_camera` is not a pose",
         ),
         ("s/rgb.png/depth.npy/", "is not a readable PNG picture"),
         (
