@@ -123,8 +123,7 @@ pub fn write(snapshot: &Snapshot) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Normalizes text for comparing and writing: `
-/// ` line ends, no trailing whitespace.
+/// Normalizes text for comparing and writing: line feeds only, no trailing whitespace.
 pub fn normal(text: &str) -> String {
     text.trim_end().replace("\r\n", "\n")
 }

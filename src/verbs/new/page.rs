@@ -24,7 +24,7 @@ const MARGIN: f64 = 0.1;
 /// Height above the table from which pixels count as cloth, millimetres; a flat cloth lies at 5 mm.
 const CLOTH_MM: f64 = 4.0;
 
-/// A cloth that covers a smaller share of its rectangle may not be rectangular, and gets a warning.
+/// A cloth that covers a smaller share of its rectangle may not be rectangular, so the draft says that it is not sure.
 const RECTANGULAR: f64 = 0.93;
 
 /// Rotation from which on a note is written, degrees.
