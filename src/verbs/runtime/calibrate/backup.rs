@@ -1,4 +1,4 @@
-//! Copies a file that is about to be replaced to a free name.
+//! Backs up a file that is about to be replaced.
 
 use crate::exit::Failure;
 use std::fs;
