@@ -41,7 +41,7 @@ fn peer_python_recomputes_the_printed_error_from_the_journal() {
     );
 }
 
-/// The share of pixels that both silhouettes cover, and the rank of the result among the bundled cloth's.
+/// Checks MuJoCo's final cloth: its silhouette against the subgoal's, and its distance from the bundled cloth.
 #[test]
 #[ignore = "needs Python with mujoco"]
 fn peer_mujoco_folds_double_triangle_as_a_world_in_another_language() {
