@@ -1,23 +1,23 @@
-//! Goes through one page as a reader would: writes its files, makes its edits, runs its commands, in one folder.
+//! Processes one page as a reader would: writes its files, makes its edits, runs its commands, in one folder.
 //!
-//! | block | what becomes of it |
+//! | block | treatment |
 //! |---|---|
 //! | `fab` | a whole file, compiled as `example.fab`; its tests are run; `file=PATH` keeps it under that path |
 //! | `fab task` | sections of a task that extends `half`, the first task of the language page |
-//! | `fab wrong`, `fab task wrong` | likewise, and the next block, of `text`, is what the compiler says of it |
-//! | `diff PATH` | an edit of a file: the lines that stay or go stand there once |
+//! | `fab wrong`, `fab task wrong` | the same, but it must fail: the next block, of `text`, has the diagnostics |
+//! | `diff PATH` | an edit of a file: its unchanged and removed lines must occur there exactly once |
 //! | `LANGUAGE file=PATH` | the file |
-//! | `LANGUAGE from=PATH` | stands in that file of the project, however deep |
-//! | `console` | commands behind `$ `, what they print, and `? N` where they end with another code than 0 |
-//! | `console slow` | likewise, in the slow test only |
-//! | `console not-run: REASON` | read by the command line's own parser (`book_calls.rs`), and not run |
-//! | `sh` | targets of the Makefile, and commands that are listed here with the reason |
+//! | `LANGUAGE from=PATH` | must occur in that file of the project, at any indentation |
+//! | `console` | commands after `$ `, their output, and `? N` for an exit code N other than 0 |
+//! | `console slow` | the same, in the slow test only |
+//! | `console not-run: REASON` | parsed as a command line (`book_calls.rs`), but not run |
+//! | `sh` | targets of the Makefile, and commands listed in `NOT_RUN` with the reason |
 //! | `text` | nothing |
 //! | `json` | read as JSON |
 //!
-//! A comment `<!-- starts-with: PATH, … -->` names what of the project lies in the folder at first (`half.fab`:
-//! that task), `<!-- recorded: PATH -->`
-//! which of the recorded data the slow test finds there, `<!-- varies: WORDS, … -->` the beginnings of lines whose numbers vary.
+//! Three comments configure a page. `<!-- starts-with: PATH, … -->` lists project files that are copied into the folder
+//! first (`half.fab` means that task), `<!-- recorded: PATH -->` names recorded data that the slow test copies there,
+//! and `<!-- varies: WORDS, … -->` lists the beginnings of lines whose numbers vary.
 
 use super::matching::{fits, refreshed};
 use super::page::{Block, Page};

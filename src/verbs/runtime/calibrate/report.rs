@@ -1,4 +1,4 @@
-//! Reports a calibration as text and as JSON, and warns of what is doubtful about it.
+//! Reports a calibration as text and as JSON, and warns of doubtful values.
 
 use crate::io::Io;
 use fab_agent::arm_sight::SIGHT;
