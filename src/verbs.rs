@@ -86,8 +86,7 @@ pub fn wants_json(matches: &ArgMatches) -> bool {
     }
 }
 
-/// Defines the enumeration of verbs from its rows: `Name(module::Arguments)`, where the module has `run(arguments,
-/// io)`.
+/// Defines the enumeration of verbs from its rows, `Name(module::Arguments)`; each module has `run(arguments, io)`.
 macro_rules! verbs {
     ($(#[$about:meta])* $enum:ident: $($(#[$help:meta])* $name:ident($module:ident::$arguments:ident),)*) => {
         $(#[$about])*

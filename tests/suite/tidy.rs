@@ -1,9 +1,9 @@
 //! Checks the structure of the tree: which packages may depend on each other, where reserved names may occur, what a
 //! package may include, how a file begins.
 //!
-//! In: every text file below the package's root on disk. Out: one test per rule; a failure lists `file:line: what is
-//! wrong` for every violation. The rules read text, not types: everything that clippy and the compiler can check is
-//! left to them.
+//! In: every text file below the package's root on disk. Out: one test per rule; a failure lists
+//! `file:line: what is wrong` for every violation. The rules read text, not types: everything that clippy and the
+//! compiler can check is left to them.
 
 #[path = "tidy/reading.rs"]
 mod reading;

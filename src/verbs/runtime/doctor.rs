@@ -1,6 +1,6 @@
 //! `fabc doctor`: reports what is set up, what is missing, and the command that sets it up.
 //!
-//! Nothing is sent to any provider; servers on this machine are only connected to. Only the names of keys are used;
+//! Nothing is sent to any provider; servers on this machine are only connected to. Keys are looked up by name;
 //! their values are neither stored nor shown.
 
 use crate::exit::{Exit, Failure};
