@@ -44,9 +44,7 @@ pub struct Edit {
     pub key: String,
     /// Where the lines come from: the new place of added lines, otherwise the old place.
     pub causes: Vec<Cause>,
-    /// The removed lines.
     pub removed: Vec<String>,
-    /// The added lines.
     pub added: Vec<String>,
     /// Lines of one snapshot's new text before them.
     pub before: Vec<String>,

@@ -44,7 +44,6 @@ pub struct Pending {
     pub accepted: Option<Snapshot>,
     /// Why the accepted snapshot cannot be read, if it exists and cannot.
     pub unreadable: Option<String>,
-    /// The proposed snapshot.
     pub proposed: Snapshot,
     /// Details that `fabc` wrote about the proposed snapshot.
     pub info: Info,

@@ -85,7 +85,6 @@ pub const RUN_FILE: &str = "run.json";
 pub struct Begun {
     /// The folder in which the command was run.
     pub directory: PathBuf,
-    /// Its arguments.
     pub arguments: RunArguments,
 }
 

@@ -15,7 +15,6 @@ pub struct Found {
     pub name: String,
     /// The folder of the file; the suite's task paths are relative to it.
     pub folder: PathBuf,
-    /// The parsed suite.
     pub suite: Suite,
 }
 

@@ -11,7 +11,6 @@ use fab_base::child::CommandLine;
 use fab_base::interrupt::Interrupt;
 use std::time::Duration;
 
-/// The available policies.
 const POLICIES: &str = "`prompted` (asks the models of `--model`), `random` or `random:SEED` (draws from the action space), `expert` (follows the task's demonstration), `exec:\"CMD ARG...\"` (a program of yours), and `exec+particles:\"CMD ARG...\"` (one that looks at the true particles)";
 
 /// The seed of the random policy if its name has none.
