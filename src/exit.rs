@@ -3,10 +3,10 @@
 use serde_json::{Value, json};
 use std::fmt;
 
-/// How the command ends; scripts rely on the codes.
+/// How the command ends; scripts rely on the exit codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// Done, and the goal reached where one is declared.
+    /// Success; the goal, if the task declares one, was reached.
     Done,
     /// The `.fab` file is wrong.
     Author,
@@ -56,12 +56,12 @@ impl Failure {
         Failure::new(Exit::Environment, error.to_string())
     }
 
-    /// The command line asks for what there is not.
+    /// The command line asks for something that does not exist or cannot be done.
     pub fn usage(message: impl Into<String>) -> Failure {
         Failure::new(Exit::Usage, message.into())
     }
 
-    /// The file is wrong; its diagnostics, as JSON, have been shown as text.
+    /// The file is wrong; `diagnostics` holds as JSON what was already shown as text.
     pub fn author(message: impl Into<String>, diagnostics: Value) -> Failure {
         Failure {
             diagnostics: Some(diagnostics),
@@ -69,7 +69,7 @@ impl Failure {
         }
     }
 
-    /// Says more about what that means.
+    /// Adds an explanation to the message.
     pub fn saying(self, more: &str) -> Failure {
         Failure {
             message: format!("{}; {more}", self.message),
@@ -77,22 +77,22 @@ impl Failure {
         }
     }
 
-    /// A cap stopped it before there was anything to report.
+    /// A cap stopped the verb before there was a result to report.
     pub fn capped(error: impl fmt::Display) -> Failure {
         Failure::new(Exit::Unreached, error.to_string())
     }
 
-    /// The user stopped it before there was anything to report.
+    /// The user stopped the verb before there was a result to report.
     pub fn interrupted() -> Failure {
         Failure::new(Exit::Interrupted, "interrupted".to_owned())
     }
 
-    /// Returns the exit that goes with it.
+    /// Returns the exit status for this failure.
     pub fn exit(&self) -> Exit {
         self.exit
     }
 
-    /// Returns what `--json` prints in place of a result.
+    /// Returns the document that `--json` prints instead of a result.
     pub fn to_json(&self) -> Value {
         let mut value = json!({ "error": self.message, "exit": self.exit.code() });
         if let Some(diagnostics) = &self.diagnostics {

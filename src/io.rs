@@ -1,7 +1,7 @@
-//! What a command reaches beyond its arguments: streams, working folder, environment, clock, interrupts.
+//! Everything a command accesses beyond its arguments: streams, working folder, environment, clock, interrupts.
 //!
-//! In: [`Io::process`], the process's own, or [`Io::new`], made for one command within a process. Out: what verbs read,
-//! write and look up. Data goes to stdout, talk to stderr; a closed pipe is no error.
+//! In: [`Io::process`] for the process's own surroundings, or [`Io::new`] for one command run inside a process. Out:
+//! what verbs read, write and look up. Data goes to stdout, talk to stderr; a closed pipe is not an error.
 //!
 //! Not covered: what third-party libraries read themselves (proxy variables, certificates), the environment of programs
 //! that a command starts, which is the process's, and raw keys of a terminal, which only the process's own streams have.
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::SystemTime;
 
-/// Width of help texts where no terminal tells its own, columns.
+/// Width of help texts if no terminal reports its own, columns.
 const HELP_COLUMNS: usize = 100;
 
 /// The surroundings of one command. Cloning shares the streams.
@@ -24,13 +24,13 @@ const HELP_COLUMNS: usize = 100;
 pub struct Io {
     streams: Arc<Streams>,
     folder: Option<PathBuf>,
-    /// `None`: those of the process.
+    /// `None` means the process's variables.
     variables: Option<Arc<BTreeMap<OsString, OsString>>>,
-    /// `None`: the system's clock.
+    /// `None` means the system clock.
     now: Option<SystemTime>,
-    /// `None`: raised by SIGINT and SIGTERM.
+    /// `None` means an interrupt raised by SIGINT and SIGTERM.
     interrupt: Option<Interrupt>,
-    /// `None`: the running one.
+    /// `None` means the running program.
     program: Option<PathBuf>,
 }
 
@@ -38,11 +38,11 @@ struct Streams {
     stdin: Mutex<Box<dyn BufRead + Send>>,
     stdout: Mutex<Sink>,
     stderr: Mutex<Sink>,
-    /// Which of the three are terminals.
+    /// Whether stdin, stdout and stderr are terminals.
     terminals: [bool; 3],
-    /// Whether these are the process's own.
+    /// Whether these are the process's own streams.
     is_process: bool,
-    /// Why data could not be written, where that happened.
+    /// Why data could not be written, if a write failed.
     lost: OnceLock<String>,
 }
 
@@ -73,12 +73,12 @@ impl Sink {
     }
 }
 
-/// What a command has written, as far as [`Io`] kept it.
+/// What a command wrote, if [`Io`] captured it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Said {
-    /// Data.
+    /// Captured data.
     pub stdout: String,
-    /// Talk.
+    /// Captured talk.
     pub stderr: String,
 }
 
@@ -110,9 +110,9 @@ impl Io {
         }
     }
 
-    /// Makes surroundings with an empty stdin, kept output, no variables, and nobody who interrupts.
+    /// Makes surroundings with empty stdin, captured output, no variables and no interrupts.
     ///
-    /// The command works in `folder`: paths of its command line are relative to it.
+    /// The command works in `folder`: relative paths on its command line start there.
     pub fn new(folder: impl Into<PathBuf>) -> Io {
         Io {
             streams: Arc::new(Streams {
@@ -131,25 +131,25 @@ impl Io {
         }
     }
 
-    /// The same with something to read on stdin.
+    /// Returns the same surroundings with `bytes` on stdin.
     pub fn with_stdin(self, bytes: impl Into<Vec<u8>>) -> Io {
         *lock(&self.streams.stdin) = Box::new(Cursor::new(bytes.into()));
         self
     }
 
-    /// The same with data written to a stream in place of being kept.
+    /// Returns the same surroundings, writing data to a stream instead of capturing it.
     pub fn with_stdout(self, writer: impl Write + Send + 'static) -> Io {
         *lock(&self.streams.stdout) = Sink::To(Box::new(writer));
         self
     }
 
-    /// The same with talk written to a stream in place of being kept.
+    /// Returns the same surroundings, writing talk to a stream instead of capturing it.
     pub fn with_stderr(self, writer: impl Write + Send + 'static) -> Io {
         *lock(&self.streams.stderr) = Sink::To(Box::new(writer));
         self
     }
 
-    /// The same with a variable of the environment.
+    /// Returns the same surroundings with one more environment variable.
     pub fn with_variable(mut self, name: impl Into<OsString>, value: impl Into<OsString>) -> Io {
         let variables = self
             .variables
@@ -158,25 +158,25 @@ impl Io {
         self
     }
 
-    /// The same with a clock that stands.
+    /// Returns the same surroundings with a clock that always shows `now`.
     pub fn with_clock(mut self, now: SystemTime) -> Io {
         self.now = Some(now);
         self
     }
 
-    /// The same, interrupted whenever `interrupt` is raised.
+    /// Returns the same surroundings, interrupted whenever `interrupt` is raised.
     pub fn with_interrupt(mut self, interrupt: Interrupt) -> Io {
         self.interrupt = Some(interrupt);
         self
     }
 
-    /// The same with another program to start as a helper of this one.
+    /// Returns the same surroundings with another program to start as a helper process.
     pub fn with_program(mut self, program: impl Into<PathBuf>) -> Io {
         self.program = Some(program.into());
         self
     }
 
-    /// Returns what the command has written, as far as it was kept.
+    /// Returns what the command wrote, if output was captured.
     pub fn said(&self) -> Said {
         Said {
             stdout: lock(&self.streams.stdout).kept(),
@@ -188,7 +188,7 @@ impl Io {
 
     /// Writes data and a line end to stdout.
     pub(crate) fn data(&self, text: &str) {
-        // A reader that has seen enough (`| head`) closes the pipe; nobody is left to be told.
+        // A closed pipe (`| head`) means the reader has seen enough, so it is not an error.
         if let Err(error) = lock(&self.streams.stdout).write(&format!("{text}\n"))
             && error.kind() != ErrorKind::BrokenPipe
         {
@@ -201,7 +201,7 @@ impl Io {
         self.data(&serde_json::to_string_pretty(value).expect("a JSON value can be written"));
     }
 
-    /// Writes what a verb found out: for programs where `--json` asks for it, else for people.
+    /// Writes a verb's result: as JSON if `--json` was given, otherwise as text.
     pub(crate) fn report(
         &self,
         json: bool,
@@ -219,9 +219,10 @@ impl Io {
         let _ = lock(&self.streams.stderr).write(&format!("{text}\n"));
     }
 
-    /// Shows how far a long job is, in one line of a terminal that the next call replaces; elsewhere nothing.
+    /// Shows the progress of a long job in one terminal line, which the next call replaces; does nothing without a
+    /// terminal.
     ///
-    /// An empty text takes the line away.
+    /// An empty text clears the line.
     pub(crate) fn progress(&self, text: &str) {
         if self.streams.terminals[2] {
             // Carriage return, text, and "erase to the end of the line".
@@ -229,14 +230,14 @@ impl Io {
         }
     }
 
-    /// Empties a terminal on stdout, with what has scrolled out of it; elsewhere does nothing.
+    /// Clears a terminal on stdout, including its scrollback; does nothing if stdout is not a terminal.
     pub(crate) fn clear(&self) {
         if self.streams.terminals[1] {
             let _ = lock(&self.streams.stdout).write("\x1b[H\x1b[2J\x1b[3J");
         }
     }
 
-    /// Returns why some data could not be written; a reader that closed the pipe is no such reason.
+    /// Returns why some data could not be written; a closed pipe does not count.
     pub(crate) fn lost(&self) -> Option<&str> {
         self.streams.lost.get().map(String::as_str)
     }
@@ -261,7 +262,7 @@ impl Io {
         }
     }
 
-    /// Gives a command line the width of its help.
+    /// Sets the width of a command's help.
     pub(crate) fn command(&self, command: clap::Command) -> clap::Command {
         match self.is_process() {
             true => command,
@@ -269,10 +270,10 @@ impl Io {
         }
     }
 
-    /// Writes a help text, or what is wrong with a command line.
+    /// Writes a help text or a command-line error.
     pub(crate) fn help(&self, error: &clap::Error) {
         if self.is_process() {
-            // A reader that closed the pipe has seen enough of the help.
+            // A closed pipe means the reader has seen enough of the help.
             let _ = error.print();
             return;
         }
@@ -295,7 +296,7 @@ impl Io {
         Input(self.clone())
     }
 
-    /// Returns stdout as a stream, for data in lines of its own.
+    /// Returns stdout as a stream.
     pub(crate) fn output(&self) -> Output<'_> {
         Output(self)
     }
@@ -305,12 +306,12 @@ impl Io {
         self.streams.is_process
     }
 
-    /// Returns whether somebody can be asked: stdin is a terminal.
+    /// Returns whether the user can be asked: stdin is a terminal.
     pub(crate) fn has_terminal_input(&self) -> bool {
         self.streams.terminals[0]
     }
 
-    /// Returns whether stdin and stdout are a terminal.
+    /// Returns whether stdin and stdout are both terminals.
     pub(crate) fn is_interactive(&self) -> bool {
         self.streams.terminals[0] && self.streams.terminals[1]
     }
@@ -325,7 +326,7 @@ impl Io {
         }
     }
 
-    /// Returns the folder of the user's cache; `FABC_CACHE_DIR` names another place.
+    /// Returns the user's cache folder; `FABC_CACHE_DIR` overrides it.
     pub(crate) fn cache_folder(&self) -> Option<PathBuf> {
         let named = self.variable("FABC_CACHE_DIR");
         let named = named.filter(|value| !value.is_empty()).map(PathBuf::from);
@@ -349,12 +350,12 @@ impl Io {
         named.or_else(|| Some(PathBuf::from(self.variable("HOME")?).join(in_home)))
     }
 
-    /// Returns the time.
+    /// Returns the current time.
     pub(crate) fn now(&self) -> SystemTime {
         self.now.unwrap_or_else(SystemTime::now)
     }
 
-    /// Returns the program to start as a helper of this one.
+    /// Returns the program to start as a helper process.
     pub(crate) fn program(&self) -> std::io::Result<PathBuf> {
         match &self.program {
             Some(program) => Ok(program.clone()),
@@ -362,7 +363,7 @@ impl Io {
         }
     }
 
-    /// Lets the user stop work between two of its steps.
+    /// Starts to record interrupts, so that work can stop between two of its steps.
     ///
     /// A second SIGINT ends the process at once.
     pub(crate) fn interrupt(&self) -> Result<Interrupt, Failure> {
@@ -372,7 +373,7 @@ impl Io {
         }
     }
 
-    /// Returns whether the user wants work to stop, since [`Io::interrupt`] was called.
+    /// Returns whether the user has interrupted since [`Io::interrupt`] was called.
     pub(crate) fn is_interrupted(&self) -> bool {
         match &self.interrupt {
             Some(interrupt) => interrupt.is_raised(),
@@ -380,7 +381,7 @@ impl Io {
         }
     }
 
-    /// The same in another folder.
+    /// Returns the same surroundings in another working folder.
     pub(crate) fn within(&self, folder: &Path) -> Io {
         Io {
             folder: Some(folder.to_owned()),
@@ -388,7 +389,7 @@ impl Io {
         }
     }
 
-    /// Does work with the working folder of these surroundings, on a thread of its own where that is not the process's.
+    /// Runs `work` with this working folder, on a separate thread if the process's working folder is another one.
     pub(crate) fn in_folder<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
         let Some(folder) = &self.folder else {
             return Ok(work());
@@ -425,13 +426,13 @@ impl Write for Output<'_> {
     }
 }
 
-/// What SIGINT and SIGTERM raise: there is one handler in a process.
+/// The interrupt that SIGINT and SIGTERM raise: a process has only one handler.
 static RAISED: OnceLock<Interrupt> = OnceLock::new();
 
-/// What has to be put right before the process ends on a second signal, which drops nothing.
+/// Cleanup before the process ends on a second signal, which runs no destructors.
 static AT_EXIT: OnceLock<fn()> = OnceLock::new();
 
-/// Has something done before the process ends on a second signal; the first call counts.
+/// Registers a cleanup to run before the process ends on a second signal; only the first call counts.
 pub(crate) fn at_exit(restore: fn()) {
     AT_EXIT.get_or_init(|| restore);
 }
@@ -460,13 +461,13 @@ fn signals() -> Result<Interrupt, Failure> {
     }
 }
 
-/// Work in a folder of its own.
+/// Runs work in its own working folder.
 #[cfg(target_os = "linux")]
 mod folder {
     use nix::sched::{CloneFlags, unshare};
     use std::path::Path;
 
-    /// Does work on a thread that shares its working folder with no other one but those that it starts.
+    /// Runs work on a thread whose working folder is shared only with the threads that it starts.
     pub fn with<T: Send>(folder: &Path, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
         std::thread::scope(|scope| {
             let thread = scope.spawn(|| {
@@ -480,7 +481,7 @@ mod folder {
     }
 }
 
-/// Work in a folder of its own, one at a time: here a process has but one working folder.
+/// Runs work in its own working folder, one job at a time: here a process has only one working folder.
 #[cfg(not(target_os = "linux"))]
 mod folder {
     use std::path::Path;
@@ -488,7 +489,7 @@ mod folder {
 
     static ENTERED: Mutex<()> = Mutex::new(());
 
-    /// Does work with another working folder, while no other work does.
+    /// Runs work in another working folder while no other work does.
     pub fn with<T: Send>(folder: &Path, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
         let _one = ENTERED.lock().unwrap_or_else(PoisonError::into_inner);
         let before = std::env::current_dir()?;

@@ -1,8 +1,8 @@
 //! The `fabc` command: parse, run one verb, report.
 //!
-//! [`run`] does in this process what the program does in its own. Whatever a command reaches beyond its arguments is in
-//! its [`Io`]: this package is the only place that knows the command line, prints, reads the environment, and chooses exit
-//! codes. Data goes to stdout, talk to stderr.
+//! [`run`] does inside this process what the program does in a process of its own. Everything a command accesses beyond
+//! its arguments is in its [`Io`]: only this package knows the command line, prints, reads the environment, and chooses
+//! exit codes. Data goes to stdout, talk to stderr.
 //!
 //! ```
 //! let io = fabc::Io::new(env!("CARGO_MANIFEST_DIR"));
@@ -10,7 +10,7 @@
 //! assert_eq!((code, io.said().stdout.as_str()), (0, ""));
 //! ```
 
-// Verbs for authors use less of what all verbs share.
+// A build with only the authors' verbs does not use all shared code.
 #![cfg_attr(not(feature = "runtime"), allow(dead_code))]
 
 mod exit;
@@ -32,7 +32,7 @@ use verbs::Cli;
 
 /// Runs one command; returns its exit code.
 ///
-/// - `args`: the words of the command line, the program's name first.
+/// - `args`: the words of the command line, starting with the program's name.
 /// - `io`: what the command reads, writes and looks up.
 pub fn run<A: Into<OsString> + Clone>(args: impl IntoIterator<Item = A>, io: &Io) -> u8 {
     let parsed = io.command(Cli::command()).try_get_matches_from(args);

@@ -1,9 +1,9 @@
-//! Finds tasks by their name: `double_straight` for `double_straight.fab`, wherever that lies.
+//! Finds tasks by name: `double_straight` means `double_straight.fab`, in one of several places.
 //!
-//! In: a word of the command line. Out: the path of a file. The nearest and most explicit place wins: a file of the
-//! working folder, the folder that the user names in `FABC_TASKS`, the folder that an installation has beside the
-//! program, and last the tasks inside of the program. Those are written to the user's cache, below the hash of their
-//! contents, so that everything else reads them as files.
+//! In: a word from the command line. Out: the path of a file. The search goes from the nearest place to the farthest:
+//! the working folder, the folder named by `FABC_TASKS`, the installation's folder beside the program, and last the
+//! tasks embedded in the program. Embedded tasks are written to the user's cache, in a folder named by the hash of
+//! their contents, so that all other code reads them as files.
 
 mod embedded;
 
@@ -15,18 +15,18 @@ use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Where an installation keeps the shipped tasks, from the folder above that of the program.
+/// Where an installation keeps the shipped tasks, relative to the parent of the program's folder.
 const INSTALLED: &str = "share/fabc/tasks";
 
-/// Names a folder of the user's with tasks.
+/// Names a user's folder of tasks.
 const VARIABLE: &str = "FABC_TASKS";
 
-/// Returns the file that a word names; a word that cannot be a task's name is returned as it is.
+/// Returns the file that a word names; a word that cannot be a task name is returned unchanged.
 pub fn find(word: &str, io: &Io) -> Result<String, Failure> {
     find_beside(Path::new(""), word, io)
 }
 
-/// The same for a word in a file of `folder`, which is looked into in place of the working folder.
+/// Does the same for a word in a file of `folder`, which is searched instead of the working folder.
 pub fn find_beside(folder: &Path, word: &str, io: &Io) -> Result<String, Failure> {
     let own = folder.join(word);
     if !is_name(word) || (own.exists() && !own.is_dir()) {
@@ -83,7 +83,7 @@ pub fn is_shipped(file: &str, io: &Io) -> bool {
         .any(|folder| file.starts_with(folder))
 }
 
-/// Fails where a file is a shipped one: nothing that would be written beside it lasts.
+/// Fails if a file is a shipped one: files written beside it would be lost.
 pub fn check_own(file: &str, io: &Io) -> Result<(), Failure> {
     if !is_shipped(file, io) {
         return Ok(());
@@ -97,7 +97,7 @@ pub fn check_own(file: &str, io: &Io) -> Result<(), Failure> {
 
 /// Returns the text of an embedded file.
 ///
-/// - `path`: from the folder of the tasks.
+/// - `path`: relative to the tasks folder.
 pub fn text(path: &str) -> &'static str {
     let file = FILES.iter().find(|(name, _)| *name == path);
     let (_, bytes) = file.expect("every file that the program itself uses is embedded");
@@ -117,19 +117,19 @@ fn names() -> impl Iterator<Item = &'static str> {
         .filter_map(|path| path.strip_suffix(".fab"))
 }
 
-/// Returns where an installation would keep the tasks, whether or not it does.
+/// Returns where an installation would keep the tasks, whether or not the folder exists.
 fn installed(io: &Io) -> Option<PathBuf> {
-    // A link to the program, from a folder of the PATH, leads to its installation.
+    // The PATH may hold a link to the program, so resolve it to find the installation.
     let program = io.program().ok()?.canonicalize().ok()?;
     Some(program.parent()?.parent()?.join(INSTALLED))
 }
 
-/// Returns where the embedded tasks are written.
+/// Returns the folder to which the embedded tasks are written.
 fn embedded_folder(io: &Io) -> Option<PathBuf> {
     let mut hash = Sha256::new();
     for (path, bytes) in FILES {
         for part in [path.as_bytes(), bytes] {
-            // With its length, so that no two lists of files run together alike.
+            // The length comes first, so that two different lists of files cannot hash alike.
             hash.update((part.len() as u64).to_le_bytes());
             hash.update(part);
         }
@@ -138,7 +138,7 @@ fn embedded_folder(io: &Io) -> Option<PathBuf> {
     Some(io.cache_folder()?.join("tasks").join(hash))
 }
 
-/// Writes the embedded files where they are not, or were changed; returns their folder.
+/// Writes the embedded files that are missing or were changed; returns their folder.
 fn unpacked(io: &Io) -> Result<PathBuf, Failure> {
     let folder = embedded_folder(io).ok_or_else(|| {
         Failure::environment(

@@ -27,19 +27,19 @@ pub struct TaskArguments {
     pub variant: Option<String>,
 }
 
-/// The largest source file that is read.
+/// The largest source file that is read, bytes.
 const MAX_BYTES: u64 = 1 << 22;
 
-/// Gives the compiler one file from disk, those of its folder, and those of the folder `lib` beside that.
+/// Loads one file from disk, the files of its folder, and those of the neighbouring folder `lib`.
 ///
-/// The entry itself may be a link to elsewhere; what it uses may not.
+/// The entry itself may be a link to elsewhere; the files that it uses may not.
 pub struct Disk {
     entry: String,
     folder: PathBuf,
 }
 
 impl Disk {
-    /// Makes the loader for a compilation of `entry`, a path as the user wrote it.
+    /// Makes the loader for compiling `entry`, a path as the user wrote it.
     pub fn beside(entry: &str) -> Disk {
         Disk {
             entry: entry.to_owned(),
@@ -67,7 +67,7 @@ impl Loader for Disk {
     }
 }
 
-/// Returns the folder that holds a file, for what lies beside it.
+/// Returns the folder that holds a file.
 pub fn folder_of(file: &str) -> PathBuf {
     Path::new(file)
         .parent()
@@ -75,9 +75,10 @@ pub fn folder_of(file: &str) -> PathBuf {
         .unwrap_or_default()
 }
 
-/// Returns where a file really lies; says why where that is not inside `folder`, which an empty path calls the current one.
+/// Returns the real path of a file; the error says why it is not inside `folder` (an empty path means the current
+/// folder).
 ///
-/// Links are followed on both sides, so that one may lead to a neighbour and none may lead out.
+/// Links are resolved in both paths, so a link may point to a neighbour but not out of the folder.
 pub fn inside(folder: &Path, path: &Path) -> Result<PathBuf, String> {
     let folder = if folder.as_os_str().is_empty() {
         Path::new(".")
@@ -96,7 +97,7 @@ pub fn inside(folder: &Path, path: &Path) -> Result<PathBuf, String> {
     ))
 }
 
-/// Returns where a file really lies, as [`inside`] does, also where that is inside of the folder `lib` beside `folder`.
+/// Does the same as [`inside`], but also allows files in the folder `lib` beside `folder`.
 fn inside_or_library(folder: &Path, path: &Path) -> Result<PathBuf, String> {
     let found = inside(folder, path);
     if found.is_ok() {
@@ -109,13 +110,13 @@ fn inside_or_library(folder: &Path, path: &Path) -> Result<PathBuf, String> {
     inside(&above.join("lib"), path).or(found)
 }
 
-/// Reads a regular file of at most [`MAX_BYTES`]; says why where that is not to be had.
+/// Reads a regular file of at most [`MAX_BYTES`]; the error says why it cannot.
 pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
     let information = fs::metadata(path).map_err(|error| error.to_string())?;
     if information.is_dir() {
         return Err("it is a directory, and a file is wanted".to_owned());
     }
-    // A device or a pipe has no length to ask for and may have no end.
+    // A device or a pipe has no length and may never end.
     if !information.is_file() {
         return Err("it is no regular file".to_owned());
     }
@@ -135,7 +136,7 @@ pub fn compile(file: &str) -> Result<Compiled, Failure> {
         .map_err(|error| Failure::environment(error.message))
 }
 
-/// Writes what is wrong for people, and how much of it is not written.
+/// Formats diagnostics for people, and says how many are left out.
 pub fn findings(compiled: &Compiled, color: diag::Color) -> String {
     let text = diag::to_text(&compiled.diagnostics, &compiled.sources, color);
     match compiled.left_out {
@@ -144,7 +145,7 @@ pub fn findings(compiled: &Compiled, color: diag::Color) -> String {
     }
 }
 
-/// Compiles a file and returns its tasks with their variants, or those of the one that is wanted; at least one.
+/// Compiles a file and returns its tasks with their variants, or only the `wanted` task; at least one.
 pub fn compile_tasks(file: &str, wanted: Option<&str>, io: &Io) -> Result<Vec<Program>, Failure> {
     let compiled = compile(file)?;
     if !compiled.diagnostics.is_empty() {
@@ -153,7 +154,7 @@ pub fn compile_tasks(file: &str, wanted: Option<&str>, io: &Io) -> Result<Vec<Pr
     runnable(compiled, file, wanted)
 }
 
-/// Takes the runnable tasks of a compilation; at least one.
+/// Returns the runnable tasks of a compilation; at least one.
 fn runnable(compiled: Compiled, file: &str, wanted: Option<&str>) -> Result<Vec<Program>, Failure> {
     if compiled.has_errors() {
         let diagnostics = diag::to_json(&compiled.diagnostics, &compiled.sources);
@@ -183,9 +184,9 @@ fn runnable(compiled: Compiled, file: &str, wanted: Option<&str>) -> Result<Vec<
     Ok(programs)
 }
 
-/// Compiles a file and returns the task to work on, after showing what is wrong with the file.
+/// Compiles a file, shows its diagnostics, and returns the task to work on.
 ///
-/// A task has to be named where the file declares several; without a variant it is the task itself.
+/// The task must be named if the file declares several; without a variant it is the task itself.
 pub fn compile_task(wanted: &TaskArguments, io: &Io) -> Result<Program, Failure> {
     chosen(
         compile_tasks(&wanted.file, wanted.task.as_deref(), io)?,
@@ -193,7 +194,7 @@ pub fn compile_task(wanted: &TaskArguments, io: &Io) -> Result<Program, Failure>
     )
 }
 
-/// Compiles the task again for a cloth of another grid; only errors are shown, the rest is known already.
+/// Compiles the task again for a cloth of another grid; shows only errors, since other diagnostics were shown before.
 ///
 /// - `grid`: particles along X and along Y.
 pub fn compile_task_for(
@@ -207,7 +208,7 @@ pub fn compile_task_for(
     )
 }
 
-/// Compiles a file again for a cloth of another grid; returns what [`compile_tasks`] does.
+/// Compiles a file again for a cloth of another grid; returns the same as [`compile_tasks`].
 pub fn compile_tasks_for(
     file: &str,
     wanted: Option<&str>,
@@ -264,7 +265,7 @@ mod tests {
     use super::*;
     use std::os::unix::fs::symlink;
 
-    /// A folder with a task in it, and a file outside of it.
+    /// A folder with a task in it, and a file outside it.
     fn folders() -> (tempfile::TempDir, PathBuf) {
         let root = tempfile::tempdir().expect("a temporary folder");
         let folder = root.path().join("tasks");

@@ -1,7 +1,7 @@
-//! The verbs of the command line: one file each, with its arguments, what it does and what it reports.
+//! The verbs of the command line: one file each, with its arguments, its work and its report.
 //!
-//! A new verb is a file here, its `mod` line and its row below. Verbs that need the simulator, pictures or models are in
-//! [`runtime`], behind one gate.
+//! A new verb needs a file here, its `mod` line and its row below. Verbs that need the simulator, pictures or models
+//! are in [`runtime`], behind one feature.
 
 pub mod build;
 pub mod check;
@@ -47,7 +47,7 @@ pub enum Verb {
 }
 
 impl Verb {
-    /// Finds the tasks that are named, and does it.
+    /// Resolves the names of tasks, and runs the verb.
     pub fn run(&mut self, io: &Io) -> Result<Exit, Failure> {
         for file in self.files() {
             *file = shipped::find(file, io)?;
@@ -60,7 +60,7 @@ impl Verb {
         }
     }
 
-    /// Returns the words that stand for a task's file.
+    /// Returns the arguments that name a task's file.
     fn files(&mut self) -> Vec<&mut String> {
         match self {
             Verb::Author(Author::Check(check)) => check.files.iter_mut().collect(),
@@ -86,7 +86,7 @@ pub fn wants_json(matches: &ArgMatches) -> bool {
     }
 }
 
-/// Makes the enumeration of verbs from its rows: `Name(module::Arguments)`, where the module has `run(arguments, io)`.
+/// Defines the enumeration of verbs from its rows, `Name(module::Arguments)`; each module has `run(arguments, io)`.
 macro_rules! verbs {
     ($(#[$about:meta])* $enum:ident: $($(#[$help:meta])* $name:ident($module:ident::$arguments:ident),)*) => {
         $(#[$about])*

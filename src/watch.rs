@@ -1,8 +1,8 @@
 //! `--watch`: runs a verb again whenever a file that it used has changed.
 //!
-//! In: the files of a command line, and the verb. Out: the verb's own output, again and again. Events of the system
-//! only wake it; whether anything changed is read from the files themselves, so that any way in which an editor
-//! replaces a file is the same here, and no event is kept.
+//! In: the files of a command line, and the verb. Out: the verb's output after each run. System events only trigger a
+//! look; whether anything changed is read from the files themselves. So it does not matter how an editor replaces a
+//! file, and no event has to be stored.
 
 pub mod inputs;
 
@@ -16,19 +16,20 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant, SystemTime};
 
-/// How long nothing may happen before a change counts as whole: an editor writes, renames and deletes within this.
+/// How long to wait without events before a change counts as complete: an editor writes, renames and deletes within
+/// this time.
 const QUIET: Duration = Duration::from_millis(120);
-/// How long a folder in which something always happens can put that off.
+/// The longest that constant activity in a folder can delay a run.
 const LONGEST_UNREST: Duration = Duration::from_secs(2);
-/// How often files are looked at without any event, since not every file system tells of changes.
+/// Interval at which files are checked without any event, since not every file system reports changes.
 const UNASKED: Duration = Duration::from_secs(2);
-/// How often an interrupt is looked for.
+/// Interval at which interrupts are checked.
 const INTERRUPTIBLE: Duration = Duration::from_millis(100);
 
 /// Runs a verb, then again after each change, until Ctrl-C.
 ///
-/// - `entries`: the `.fab` files; what they use is watched too.
-/// - `others`: further files that the command line names.
+/// - `entries`: the `.fab` files; the files that they use are watched too.
+/// - `others`: further files named on the command line.
 pub fn run(
     entries: &[String],
     others: &[PathBuf],
@@ -40,7 +41,7 @@ pub fn run(
     loop {
         let files = inputs::files(entries, others);
         folders.watch(&files)?;
-        // Taken before the verb reads them, so that a change while it runs counts.
+        // Taken before the verb reads the files, so that a change during its run counts.
         let seen = stamps(&files);
         io.clear();
         if let Err(failure) = verb() {
@@ -54,7 +55,7 @@ pub fn run(
     }
 }
 
-/// What tells one content of a file from another; none: there is no file.
+/// Distinguishes versions of a file; `None` if there is no file.
 type Stamp = Option<(u64, SystemTime)>;
 type Stamps = BTreeMap<PathBuf, Stamp>;
 
@@ -69,7 +70,7 @@ fn stamps(files: &BTreeSet<PathBuf>) -> Stamps {
         .collect()
 }
 
-/// Returns once a file has changed and all that there were are there, or on an interrupt.
+/// Waits until a file has changed and all earlier files exist again, or until an interrupt.
 fn wait_for_change(
     files: &BTreeSet<PathBuf>,
     seen: Stamps,
@@ -87,7 +88,7 @@ fn wait_for_change(
             let shown = path.display();
             io.talk(&format!("`{shown}` is gone; waiting until it is back"));
         }
-        // A file that came back is worth a run even if it is as it was, since its loss was told.
+        // A file that returns triggers a run even if unchanged, since its loss was reported.
         let is_back = gone.is_empty() && !reported.is_empty();
         if gone.is_empty() && (is_back || now != seen) {
             return Ok(());
@@ -104,7 +105,7 @@ fn say_watching(seen: &Stamps, io: &Io) {
     io.talk(&format!("watching {present} {files}; Ctrl-C ends"));
 }
 
-/// The folders in which something may happen. Files themselves are not watched: a new file of the same name would not be.
+/// The folders to watch. Watching the files themselves would miss a new file of the same name.
 struct Folders {
     watcher: RecommendedWatcher,
     watched: BTreeSet<PathBuf>,
@@ -113,10 +114,10 @@ struct Folders {
 
 impl Folders {
     fn new() -> Result<Folders, Failure> {
-        // One message is enough to wake; what does not fit is dropped.
+        // One message is enough to wake the thread; further ones are dropped.
         let (wake, woken) = sync_channel(1);
         let watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
-            // Reading the files is an event too, and would wake without end.
+            // Reading the files raises access events, which would wake this without end.
             if event.is_ok_and(|event| event.kind.is_access()) {
                 return;
             }
@@ -129,13 +130,13 @@ impl Folders {
         })
     }
 
-    /// Watches the folders of these files, or the nearest above them that there are, and no others.
+    /// Watches exactly the folders of these files; for a missing folder, its nearest existing parent.
     fn watch(&mut self, files: &BTreeSet<PathBuf>) -> Result<(), Failure> {
         let links = files.iter().filter_map(|path| path.canonicalize().ok());
         let places = links.chain(files.iter().cloned());
         let wanted: BTreeSet<PathBuf> = places.filter_map(|path| folder_of(&path)).collect();
         for folder in self.watched.difference(&wanted) {
-            // One that was deleted is not watched any more.
+            // A deleted folder is no longer watched.
             let _ = self.watcher.unwatch(folder);
         }
         let mut watched = BTreeSet::new();
@@ -143,7 +144,7 @@ impl Folders {
             if !self.watched.contains(&folder) {
                 match self.watcher.watch(&folder, RecursiveMode::NonRecursive) {
                     Ok(()) => {}
-                    // It was there a moment ago; the next look finds the one above it.
+                    // It existed a moment ago; the next look finds its parent.
                     Err(_) if !folder.is_dir() => continue,
                     Err(error) => return Err(unwatchable(error)),
                 }
@@ -154,7 +155,7 @@ impl Folders {
         Ok(())
     }
 
-    /// Sleeps until something has happened and is over, or until it is time to look unasked.
+    /// Sleeps until a change has happened and is complete, or until the next check without events.
     fn sleep(&self, interrupt: &Interrupt) {
         let begun = Instant::now();
         while self.woken.recv_timeout(INTERRUPTIBLE).is_err() {
@@ -171,7 +172,7 @@ fn unwatchable(error: notify::Error) -> Failure {
     Failure::environment(format!("files cannot be watched: {error}"))
 }
 
-/// Returns the nearest folder above a file that there is, as an absolute path.
+/// Returns the nearest existing folder above a file, as an absolute path.
 fn folder_of(path: &Path) -> Option<PathBuf> {
     let path = std::path::absolute(path).ok()?;
     let folder = path.ancestors().skip(1).find(|folder| folder.is_dir())?;

@@ -1,6 +1,6 @@
-//! The shipped tasks inside of the program: sources, libraries, pinned subgoal pictures, demonstrations.
+//! The tasks embedded in the program: sources, libraries, pinned subgoal pictures, demonstrations.
 //!
-//! A test compares the list with `tasks/`. Not listed are what needs an arm (`real`), snapshots, and suites.
+//! A test compares the list with `tasks/`. The list leaves out tasks that need an arm (`real`), snapshots, and suites.
 
 /// Lists files of `tasks/` with their bytes.
 macro_rules! embed {
@@ -9,7 +9,7 @@ macro_rules! embed {
     };
 }
 
-/// Each file's path from `tasks/`, and its bytes.
+/// Each file's path relative to `tasks/`, and its bytes.
 pub const FILES: &[(&str, &[u8])] = embed![
     "all_corners_inward.fab",
     "all_corners_inward.subgoals/0.png",
@@ -79,7 +79,7 @@ mod tests {
 
     const LEFT_OUT: [&str; 3] = ["real", "snapshots", "suites"];
 
-    /// Adds the files of a folder, by their paths from `tasks`.
+    /// Adds the files of a folder by their paths relative to `tasks`.
     fn list(tasks: &Path, folder: &Path, files: &mut BTreeSet<String>) {
         for entry in fs::read_dir(folder).expect("a folder") {
             let path = entry.expect("an entry").path();

@@ -1,4 +1,4 @@
-//! What can be done to snapshots, and the steps on files that each comes to.
+//! Changes of snapshots, and the file steps that each one takes.
 
 use super::format::{self, Contents, MAX_PICTURE_BYTES, Snapshot};
 use super::journal::Step;
@@ -6,23 +6,23 @@ use super::name::{Name, Side};
 use super::{Folder, SnapshotError};
 use std::collections::BTreeSet;
 
-/// One part of a change; a change names each snapshot once.
+/// One part of a change; a change names each snapshot at most once.
 #[derive(Clone, Debug)]
 pub enum Operation {
-    /// A snapshot becomes pending, in place of what was pending under its name. Fails where it is too large.
+    /// Makes a snapshot pending and replaces the one pending under its name. Fails if it is too large.
     Propose(Name, Snapshot),
-    /// Nothing is pending under the name any more; that nothing was is no error.
+    /// Removes the pending snapshot of this name, if there is one.
     Withdraw(Name),
-    /// The pending snapshot becomes the accepted one. Fails where it is not this one, which somebody looked at.
+    /// Accepts the pending snapshot. Fails if it is no longer this one, which the user looked at.
     Accept(Name, Snapshot),
-    /// The accepted snapshot goes; that there was none is no error.
+    /// Removes the accepted snapshot, if there is one.
     Remove(Name),
 }
 
 /// Returns the new files and the steps of a change.
 ///
-/// Steps are done in order, and a picture comes before the file that names it and goes after it, so that a reader
-/// who knows nothing of changes finds no file without its picture.
+/// Steps run in order. A picture is placed before the file that names it and removed after it, so that a reader who
+/// ignores changes under way never finds a file without its picture.
 pub(super) fn steps(
     folder: &Folder,
     operations: &[Operation],
@@ -65,7 +65,7 @@ fn propose(
         why,
     })?;
     let mut place = |bytes: Vec<u8>, file: String| {
-        // A change of more files than a number of 32 bits counts does not fit into memory.
+        // More than `u32::MAX` files would not fit into memory.
         let aside = u32::try_from(new_files.len()).unwrap_or(u32::MAX);
         new_files.push(bytes);
         Step::Place { aside, file }

@@ -1,29 +1,29 @@
-//! The file operations that a change of a snapshot folder is made of, one by one.
+//! The single file operations that make up a change of a snapshot folder.
 //!
-//! In: paths and bytes. Out: what the system says. That a change is whole wherever it stops is tested by a disk
-//! that stops after each of them; so nothing else in this folder writes.
+//! In: paths and bytes. Out: the system's errors. Tests check that a change is atomic with a disk that stops after each
+//! operation, so all writes of this module go through [`Disk`].
 
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// What a change does to files.
+/// The file operations of a change.
 pub trait Disk {
-    /// Makes a folder; one that exists is no error.
+    /// Creates a folder; an existing one is not an error.
     fn make_folder(&self, path: &Path) -> io::Result<()>;
     /// Writes a new file.
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
-    /// Waits until the bytes of a file, or the names in a folder, outlast a loss of power.
+    /// Waits until the bytes of a file, or the names in a folder, would survive a loss of power.
     fn sync(&self, path: &Path) -> io::Result<()>;
-    /// Gives a file another name, in place of the file that has it.
+    /// Renames a file and replaces the file that has the new name.
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()>;
     /// Removes a file.
     fn remove(&self, path: &Path) -> io::Result<()>;
-    /// Removes a folder with all that is in it; a link is not followed.
+    /// Removes a folder with all its contents; links are not followed.
     fn remove_folder(&self, path: &Path) -> io::Result<()>;
 }
 
-/// The system's own files.
+/// The real file system.
 #[derive(Debug)]
 pub struct System;
 
@@ -39,7 +39,7 @@ impl Disk for System {
     fn sync(&self, path: &Path) -> io::Result<()> {
         match File::open(path) {
             Ok(file) => file.sync_all(),
-            // Not every system lets a folder be opened.
+            // Some systems cannot open a folder.
             Err(_) if path.is_dir() => Ok(()),
             Err(error) => Err(error),
         }

@@ -11,7 +11,7 @@ pub enum SnapshotError {
     Unreadable {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The system's message.
         why: String,
     },
     /// A file or folder cannot be written.
@@ -19,10 +19,10 @@ pub enum SnapshotError {
     Unwritable {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The system's message.
         why: String,
     },
-    /// A file is not of the format.
+    /// A file does not have the snapshot format.
     #[error("`{path}` is not a snapshot that can be read: {why}")]
     Format {
         /// The file.
@@ -30,7 +30,7 @@ pub enum SnapshotError {
         /// What is wrong.
         why: String,
     },
-    /// A file is larger than any snapshot.
+    /// A file exceeds the size limit of snapshots.
     #[error("`{path}` is larger than {most} bytes, the most that a snapshot may have")]
     TooLarge {
         /// The file.
@@ -38,7 +38,7 @@ pub enum SnapshotError {
         /// The limit.
         most: u64,
     },
-    /// A folder holds more files than are looked at.
+    /// A folder holds too many files.
     #[error("`{path}` holds more than {most} files")]
     TooMany {
         /// The folder.
@@ -46,7 +46,7 @@ pub enum SnapshotError {
         /// The limit.
         most: usize,
     },
-    /// The bytes of a picture are not beside its snapshot.
+    /// The picture of a snapshot is missing.
     #[error("`{picture}` is missing, the picture of the snapshot `{path}`")]
     PictureMissing {
         /// The snapshot.
@@ -54,7 +54,7 @@ pub enum SnapshotError {
         /// Where its picture should be.
         picture: PathBuf,
     },
-    /// A name cannot be that of a snapshot.
+    /// A name is not valid for a snapshot.
     #[error("`{name}` cannot name a snapshot: {why}")]
     Name {
         /// The name.
@@ -68,7 +68,7 @@ pub enum SnapshotError {
         /// The folder.
         path: PathBuf,
     },
-    /// What an interrupted change left is not what it leaves.
+    /// The folder of an interrupted change holds something that fabc did not write.
     #[error("`{path}` is not what an interrupted fabc leaves: {why}; look at it, and remove it")]
     Foreign {
         /// The file or folder.
@@ -82,7 +82,7 @@ pub enum SnapshotError {
         /// The snapshot.
         name: String,
     },
-    /// What is to be accepted is not what was shown.
+    /// The pending snapshot is not the one that was shown.
     #[error("`{path}` has changed since it was shown; nothing was accepted, look at it again")]
     Changed {
         /// The pending file.
@@ -91,7 +91,7 @@ pub enum SnapshotError {
 }
 
 impl SnapshotError {
-    /// Says that a file or folder cannot be read.
+    /// Reports that a file or folder cannot be read.
     pub fn unreadable(path: &Path, error: &io::Error) -> SnapshotError {
         SnapshotError::Unreadable {
             path: path.to_owned(),
@@ -99,7 +99,7 @@ impl SnapshotError {
         }
     }
 
-    /// Says that a file or folder cannot be written.
+    /// Reports that a file or folder cannot be written.
     pub fn unwritable(path: &Path, error: &io::Error) -> SnapshotError {
         SnapshotError::Unwritable {
             path: path.to_owned(),

@@ -1,7 +1,7 @@
-//! A folder of snapshots, as it lies on disk.
+//! A folder of snapshots on disk.
 //!
-//! In: its path. Out: which snapshots it holds, and each of them. A change that was interrupted is ended first; where there
-//! is none, nothing is written, so that a folder that cannot be written can be read. Other files in it are left alone.
+//! In: its path. Out: the names and contents of its snapshots. Opening it first finishes an interrupted change; without
+//! one it writes nothing, so that read-only folders can be read. Other files in the folder are left alone.
 
 use super::disk::{Disk, System};
 use super::format::{self, Contents, MAX_PICTURE_BYTES, MAX_TEXT_BYTES, Snapshot};
@@ -13,7 +13,7 @@ use std::fs::{self, File};
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-/// The most files that are looked at.
+/// The most files that are read.
 const MAX_FILES: usize = 200_000;
 
 /// A folder of snapshots.
@@ -27,7 +27,7 @@ pub struct Folder {
 impl Folder {
     /// Opens a folder; one that does not exist is empty.
     ///
-    /// What an interrupted change left is ended first: done where it was decided, else forgotten.
+    /// Finishes an interrupted change first: completes it if its journal was written, otherwise discards it.
     pub fn open(path: impl Into<PathBuf>) -> Result<Folder, SnapshotError> {
         let path = path.into();
         if journal::is_interrupted(&path) {
@@ -48,39 +48,40 @@ impl Folder {
         self.accepted.union(&self.pending)
     }
 
-    /// Returns the names of those that are accepted, in order.
+    /// Returns the names of all accepted snapshots, in order.
     pub fn accepted_names(&self) -> impl Iterator<Item = &Name> {
         self.accepted.iter()
     }
 
-    /// Returns the names of those that are pending, in order.
+    /// Returns the names of all pending snapshots, in order.
     pub fn pending_names(&self) -> impl Iterator<Item = &Name> {
         self.pending.iter()
     }
 
-    /// Reads an accepted snapshot; none where there is none.
+    /// Reads an accepted snapshot; `None` if there is none.
     pub fn accepted(&self, name: &Name) -> Result<Option<Snapshot>, SnapshotError> {
         self.read(name, Side::Accepted)
     }
 
-    /// Reads a pending snapshot; none where there is none.
+    /// Reads a pending snapshot; `None` if there is none.
     pub fn pending(&self, name: &Name) -> Result<Option<Snapshot>, SnapshotError> {
         self.read(name, Side::Pending)
     }
 
-    /// Returns the path of an accepted snapshot, whether or not it is there.
+    /// Returns the path of an accepted snapshot, whether or not it exists.
     pub fn accepted_path(&self, name: &Name) -> PathBuf {
         self.path.join(name.file(Side::Accepted))
     }
 
-    /// Returns the path of a pending snapshot, whether or not it is there.
+    /// Returns the path of a pending snapshot, whether or not it exists.
     pub fn pending_path(&self, name: &Name) -> PathBuf {
         self.path.join(name.file(Side::Pending))
     }
 
-    /// Does all of a change or nothing, whenever the process is stopped; waits a while for another process.
+    /// Applies all of a change or nothing, even if the process is stopped; waits a while for another process.
     ///
-    /// Fails without a change where an operation cannot be done: see [`Operation`]. Makes the folder where it is missing.
+    /// Fails and changes nothing if one operation is impossible: see [`Operation`]. Creates the folder if it is
+    /// missing.
     pub fn apply(&mut self, operations: &[Operation]) -> Result<(), SnapshotError> {
         self.apply_on(&System, operations)
     }
@@ -154,7 +155,7 @@ impl Folder {
     }
 }
 
-/// Reads a file, none where there is none; only plain files, since a pipe would never end and a link may lead anywhere.
+/// Reads a file; `None` if there is none. Reads only plain files: a pipe may never end, and a link may lead anywhere.
 fn read_bounded(path: &Path, most: u64) -> Result<Option<Vec<u8>>, SnapshotError> {
     let unreadable = |error: std::io::Error| SnapshotError::unreadable(path, &error);
     let found = match fs::symlink_metadata(path) {

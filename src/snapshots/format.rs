@@ -1,13 +1,13 @@
-//! insta's file format: YAML between two lines `---`, then the text; the bytes of a picture lie in a file of their own.
+//! insta's file format: YAML between two `---` lines, then the text; a picture's bytes are in a separate file.
 //!
-//! In: bytes. Out: a [`Snapshot`], or what is wrong in words; and back. Nothing here touches files.
+//! In: bytes. Out: a [`Snapshot`], or an error message; and back. Nothing here touches files.
 
 use super::Metadata;
 use serde_json::{Map, Value};
 
-/// The extension of pictures; no other binary snapshot is known.
+/// The extension of pictures; this is the only supported binary format.
 pub const PICTURE: &str = "png";
-/// The longest snapshot file, bytes; a picture's own bytes are not in it.
+/// The longest snapshot file without its picture, bytes.
 pub const MAX_TEXT_BYTES: u64 = 4 << 20;
 /// The longest picture, bytes.
 pub const MAX_PICTURE_BYTES: u64 = 32 << 20;
@@ -16,26 +16,26 @@ const MAX_HEADER_BYTES: usize = 512 << 10;
 /// The line before and after the front matter.
 const FENCE: &str = "---";
 
-/// A snapshot: what it is of, and what it holds.
+/// A snapshot: metadata and contents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
-    /// What it is of.
+    /// Describes what the snapshot is of.
     pub metadata: Metadata,
-    /// What it holds.
+    /// The text or picture.
     pub contents: Contents,
 }
 
-/// What a snapshot holds.
+/// The contents of a snapshot.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Contents {
-    /// Lines; blanks and line ends at the very end do not count, nor how lines end.
+    /// Lines of text. Line-end style and trailing whitespace are ignored.
     Text(String),
     /// A PNG file.
     Picture(Vec<u8>),
 }
 
 impl Contents {
-    /// Returns whether both hold the same, as insta compares them.
+    /// Returns whether both are equal by insta's rules.
     pub fn is_same(&self, other: &Contents) -> bool {
         match (self, other) {
             (Contents::Text(one), Contents::Text(other)) => normal(one) == normal(other),
@@ -45,11 +45,11 @@ impl Contents {
     }
 }
 
-/// A snapshot file without the picture that may belong to it.
+/// A parsed snapshot file, without the picture that may belong to it.
 #[derive(Debug)]
 pub struct Parsed {
     pub metadata: Metadata,
-    /// The text; none where the contents are a picture beside the file.
+    /// The text; `None` if the contents are a picture beside the file.
     pub text: Option<String>,
 }
 
@@ -95,7 +95,7 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed, String> {
     })
 }
 
-/// Writes a snapshot file; the bytes of a picture are not part of it.
+/// Writes a snapshot file, without the bytes of a picture.
 pub fn write(snapshot: &Snapshot) -> Result<Vec<u8>, String> {
     let mut map = snapshot
         .metadata
@@ -123,7 +123,7 @@ pub fn write(snapshot: &Snapshot) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Returns text as it is compared and written: one kind of line end, nothing blank at the end.
+/// Normalizes text for comparing and writing: line feeds only, no trailing whitespace.
 pub fn normal(text: &str) -> String {
     text.trim_end().replace("\r\n", "\n")
 }

@@ -1,8 +1,8 @@
-//! Changes that happen whole or not at all: new files aside, one journal that decides, then steps that may be repeated.
+//! Atomic changes: new files are staged, one journal file commits the change, then repeatable steps carry it out.
 //!
-//! In: new files and steps. Out: a folder in which all steps are done, or none; whoever comes next after a stop finds
-//! `.change/journal.json` and does the steps again, or finds none and removes what was put aside. A change is made under a lock.
-//! Which steps make up a change is left to `change.rs`.
+//! In: new files and steps. Out: a folder in which all steps are done, or none. After a crash, the next process that
+//! finds `.change/journal.json` repeats the steps; without a journal it removes the staged files. A change is made
+//! under a lock. `change.rs` decides which steps make up a change.
 
 use super::disk::Disk;
 use super::name::Name;
@@ -13,38 +13,38 @@ use std::io::{self, Read};
 use std::path::Path;
 use std::time::Duration;
 
-/// The folder in a snapshot folder that holds a change until it is done.
+/// The folder inside a snapshot folder that holds a change until it is done.
 pub const CHANGE: &str = ".change";
-/// The file in it whose presence decides that the change happens.
+/// The file in it whose presence commits the change.
 const JOURNAL: &str = "journal.json";
-/// Where that file is written before it gets its name.
+/// Where that file is written before it is renamed.
 const JOURNAL_PART: &str = "journal.part";
 /// The longest journal that is read, bytes.
 const MAX_JOURNAL_BYTES: u64 = 64 << 20;
-/// How often a lock is tried, and how long is waited in between: a change takes milliseconds, so two seconds in all.
+/// How often to try the lock, and how long to wait in between: two seconds in all, while a change takes milliseconds.
 const LOCK_TRIES: u32 = 100;
 const LOCK_WAIT: Duration = Duration::from_millis(20);
 
-/// One step of a change; each may be done again after it was done.
+/// One step of a change; every step may be repeated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Step {
-    /// A file that lies aside, by its number, takes a name.
+    /// Moves the staged file of this number to its name.
     Place { aside: u32, file: String },
-    /// A file takes another's name.
+    /// Renames a file.
     Move { from: String, to: String },
-    /// A file goes.
+    /// Removes a file.
     Remove { file: String },
 }
 
-/// Holds a folder for this process until it is dropped.
+/// A lock on a folder, held by this process until it is dropped.
 #[derive(Debug)]
 pub struct Lock {
     _folder: File,
 }
 
 impl Lock {
-    /// Takes the lock of a folder that exists; waits for another process a while.
+    /// Locks an existing folder; waits a while for another process.
     pub fn take(folder: &Path) -> Result<Lock, SnapshotError> {
         let file = handle(folder).map_err(|error| SnapshotError::unwritable(folder, &error))?;
         for _ in 0..LOCK_TRIES {
@@ -62,13 +62,13 @@ impl Lock {
     }
 }
 
-/// The folder itself can be locked, so that no file of ours stays beside the snapshots.
+/// Unix can lock the folder itself, so no lock file stays beside the snapshots.
 #[cfg(unix)]
 fn handle(folder: &Path) -> io::Result<File> {
     File::open(folder)
 }
 
-/// Folders cannot be opened here; a hidden file stays.
+/// Folders cannot be opened here, so a hidden lock file stays.
 #[cfg(not(unix))]
 fn handle(folder: &Path) -> io::Result<File> {
     let mut options = File::options();
@@ -79,15 +79,15 @@ fn handle(folder: &Path) -> io::Result<File> {
         .open(folder.join(".lock"))
 }
 
-/// Returns whether a change was begun and not ended.
+/// Returns whether a change was begun and not finished.
 pub fn is_interrupted(folder: &Path) -> bool {
     fs::symlink_metadata(folder.join(CHANGE)).is_ok()
 }
 
-/// Does the steps, all or none, with the new files that they place.
+/// Carries out all steps or none, with the new files that they place.
 ///
-/// An error before the journal has its name leaves the folder as it was; after that, the next that
-/// calls [`recover`] does the rest.
+/// An error before the journal is renamed leaves the folder unchanged; after that, the next call of [`recover`]
+/// completes the change.
 pub fn commit(
     disk: &dyn Disk,
     folder: &Path,
@@ -97,14 +97,14 @@ pub fn commit(
     let aside = folder.join(CHANGE);
     let unwritable = |error: io::Error| SnapshotError::unwritable(folder, &error);
     if let Err(error) = put_aside(disk, folder, new_files, steps) {
-        // What is left of it does not count; its removal may fail for the same reason.
+        // Leftovers are ignored later; their removal may fail for the same reason.
         let _ = disk.remove_folder(&aside);
         return Err(unwritable(error));
     }
     finish(disk, folder, steps).map_err(unwritable)
 }
 
-/// Ends a change that was interrupted: does it where it was decided, and forgets it where not.
+/// Finishes an interrupted change: completes it if its journal was written, otherwise discards it.
 pub fn recover(disk: &dyn Disk, folder: &Path) -> Result<(), SnapshotError> {
     let aside = folder.join(CHANGE);
     let foreign = |path: &Path, why: String| SnapshotError::Foreign {
@@ -150,8 +150,8 @@ fn put_aside(
     for (number, bytes) in new_files.iter().enumerate() {
         disk.write(&aside.join(number.to_string()), bytes)?;
     }
-    // What takes the place of an accepted file must outlast a loss of power. What is new can be proposed again, and
-    // waiting for each of a thousand takes longer than making them.
+    // A file that replaces an accepted one must survive a loss of power. New files can be proposed again, and syncing
+    // each of a thousand takes longer than making them.
     for step in steps {
         if let Step::Move { from, to } = step
             && folder.join(to).exists()
@@ -184,7 +184,7 @@ fn finish(disk: &dyn Disk, folder: &Path, steps: &[Step]) -> io::Result<()> {
     disk.remove_folder(&aside)
 }
 
-/// A source that is not there was moved before the change was interrupted.
+/// If the source is missing, it was moved before the change was interrupted.
 fn moved(disk: &dyn Disk, from: &Path, to: &Path) -> io::Result<()> {
     gone(disk.rename(from, to))
 }
@@ -196,9 +196,9 @@ fn gone(done: io::Result<()>) -> io::Result<()> {
     }
 }
 
-/// Returns a file that a step names and that no step of ours could.
+/// Returns a file name in a step that no step of ours could contain.
 ///
-/// A journal may come with a checkout of somebody else's, and must not reach other files.
+/// A journal may come with somebody else's checkout, and must not reach files outside the folder.
 fn stray(step: &Step) -> Option<&str> {
     let files: &[&String] = match step {
         Step::Place { file, .. } | Step::Remove { file } => &[file],

@@ -1,25 +1,25 @@
-//! What stands above the contents of a snapshot: what it is of, and where its lines come from.
+//! The front matter of a snapshot: what it is of, and where its lines come from.
 //!
-//! In and out: the map that the YAML front matter is. Keys that are not known are kept.
+//! In and out: the map of the YAML front matter. Unknown keys are kept.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::fmt;
 
-/// What stands above the contents of a snapshot.
+/// The front matter of a snapshot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metadata {
-    /// The file that it is of, relative to the folder that holds `snapshots/`.
+    /// The source file, relative to the folder that holds `snapshots/`.
     pub source: Option<String>,
-    /// One line for people.
+    /// A one-line description for people.
     pub description: Option<String>,
-    /// What `fabc` says of it; absent in snapshots that others wrote.
+    /// Details written by `fabc`; absent in snapshots that other tools wrote.
     pub info: Option<Info>,
-    /// Every other key, as it was read.
+    /// All other keys, unchanged.
     pub others: Map<String, Value>,
 }
 
-/// What `fabc` says of a snapshot.
+/// Details that `fabc` writes about a snapshot.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Info {
     /// The task.
@@ -33,22 +33,22 @@ pub struct Info {
     /// The pinned scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
-    /// What the picture shows; of pictures alone.
+    /// What the picture shows; only for pictures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub picture: Option<String>,
-    /// Estimated tokens; of prompt texts alone.
+    /// Estimated tokens; only for prompt texts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tokens: Option<u64>,
-    /// Hash of what a scene or picture was made from.
+    /// Hash of the inputs of a scene or picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_from: Option<String>,
-    /// Hash of a picture's bytes as they were drawn.
+    /// Hash of a picture's bytes when it was drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bytes: Option<String>,
     /// Where the lines of a prompt text come from, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub origin: Vec<Origin>,
-    /// Every other key, as it was read.
+    /// All other keys, unchanged.
     #[serde(flatten)]
     pub others: Map<String, Value>,
 }
@@ -57,13 +57,13 @@ pub struct Info {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Origin {
-    /// The first of the lines, from 1.
+    /// The first of these lines, from 1.
     pub from: u32,
-    /// The last of them.
+    /// The last of these lines.
     pub to: u32,
-    /// The component, `STAGE.say`, `check.NAME`, or a word such as `frame`; without blanks.
+    /// The component, `STAGE.say`, `check.NAME`, or a word such as `frame`; contains no blanks.
     pub component: String,
-    /// The file and its line, where there is one.
+    /// The file and line, if known.
     pub place: Option<(String, u32)>,
 }
 
@@ -116,7 +116,7 @@ fn parsed(text: &str) -> Option<Origin> {
 }
 
 impl Metadata {
-    /// Reads the map of a front matter; says which value is not as it should be.
+    /// Reads the map of a front matter; the error names the invalid value.
     pub(super) fn of_map(mut map: Map<String, Value>) -> Result<Metadata, String> {
         let mut words = |key: &str| match map.shift_remove(key) {
             None | Some(Value::Null) => Ok(None),
@@ -139,7 +139,7 @@ impl Metadata {
         })
     }
 
-    /// Returns the map that is written.
+    /// Returns the map to write.
     pub(super) fn to_map(&self) -> Result<Map<String, Value>, serde_json::Error> {
         let mut map = Map::new();
         let words = [("source", &self.source), ("description", &self.description)];

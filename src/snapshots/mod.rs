@@ -1,9 +1,9 @@
-//! Snapshot files: what prompts and pictures were when somebody last looked at them, and what they would become.
+//! Snapshot files: prompts and pictures as the user last accepted them, and proposed new versions.
 //!
 //! In: a folder `snapshots/` in insta's file format. `NAME.snap` is accepted, `NAME.snap.new` is pending; a picture's
 //! bytes lie beside its file as `NAME.snap.png` and `NAME.snap.new.png`.
-//! Out: [`Snapshot`]s, and changes of the folder that happen whole or not at all, whenever the process is stopped.
-//! What is worth a snapshot, and what to do with a pending one, is decided by those who call this.
+//! Out: [`Snapshot`]s, and atomic changes of the folder, even if the process is stopped.
+//! Callers decide which snapshots to make and what to do with pending ones.
 
 mod change;
 mod disk;
@@ -24,5 +24,5 @@ pub use format::{Contents, Snapshot};
 pub use metadata::{Info, Metadata, Origin};
 pub use name::Name;
 
-/// Name of the folder that holds snapshots, beside the files that they are of.
+/// Name of the folder that holds snapshots, beside their source files.
 pub const FOLDER: &str = "snapshots";

@@ -1,14 +1,14 @@
-//! Names of snapshots, which are also their file names without the ending.
+//! Names of snapshots, which are also their file names without the extension.
 
 use super::SnapshotError;
 use serde::Serialize;
 use std::fmt;
 
-/// Ending of an accepted snapshot's file.
+/// Extension of an accepted snapshot's file.
 const ACCEPTED: &str = ".snap";
-/// Ending of a pending one's.
+/// Extension of a pending snapshot's file.
 const PENDING: &str = ".snap.new";
-/// The longest name, bytes; most file systems end at 255 with the ending.
+/// The longest name, bytes; most file systems allow 255 including the extension.
 const MAX_NAME_BYTES: usize = 200;
 
 /// The name of a snapshot, such as `double_straight.describe@start`.
@@ -17,7 +17,7 @@ const MAX_NAME_BYTES: usize = 200;
 pub struct Name(String);
 
 impl Name {
-    /// Takes a name that can be a file's on any system: no blanks, nothing of a path, at most 200 bytes.
+    /// Checks a name: it must be a valid file name on any system, without blanks or path parts, at most 200 bytes.
     pub fn new(name: impl Into<String>) -> Result<Name, SnapshotError> {
         let name = name.into();
         match fault(&name) {
@@ -26,7 +26,7 @@ impl Name {
         }
     }
 
-    /// Returns the snapshot that a file is, where it is one: its name, and whether it is accepted or pending.
+    /// Returns the snapshot that a file name stands for, if any: its name, and whether it is accepted or pending.
     pub(super) fn of_file(file: &str) -> Option<(Name, Side)> {
         let (name, side) = match file.strip_suffix(PENDING) {
             Some(name) => (name, Side::Pending),
@@ -40,7 +40,7 @@ impl Name {
         &self.0
     }
 
-    /// Returns the file name of one side.
+    /// Returns the file name of the accepted or pending snapshot.
     pub(super) fn file(&self, side: Side) -> String {
         match side {
             Side::Accepted => format!("{}{ACCEPTED}", self.0),
@@ -48,7 +48,7 @@ impl Name {
         }
     }
 
-    /// Returns the name of the file that holds one side's picture.
+    /// Returns the file name of the accepted or pending picture.
     pub(super) fn picture(&self, side: Side) -> String {
         format!("{}.{}", self.file(side), super::format::PICTURE)
     }
@@ -60,12 +60,12 @@ impl fmt::Display for Name {
     }
 }
 
-/// Which of the two a file is.
+/// Whether a file is accepted or pending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
-    /// What somebody looked at and took.
+    /// The user looked at it and accepted it.
     Accepted,
-    /// What is proposed.
+    /// It is proposed.
     Pending,
 }
 

@@ -43,7 +43,7 @@ pub enum EmitArgument {
     Python,
 }
 
-/// Writes every artefact whole, and lists the files.
+/// Writes every artefact completely, and lists the files.
 pub fn run(arguments: &BuildArguments, io: &Io) -> Result<Exit, Failure> {
     let programs = sources::compile_tasks(&arguments.file, arguments.task.as_deref(), io)?;
     let targets: Vec<Target> = arguments.emit.iter().map(|it| target(*it)).collect();
@@ -70,7 +70,7 @@ fn target(argument: EmitArgument) -> Target {
     }
 }
 
-/// Writes one file and the folders above it; returns its path.
+/// Writes one file, and creates the folders above it; returns its path.
 fn write(folder: &Path, artifact: &Artifact) -> Result<PathBuf, Failure> {
     let path = folder.join(&artifact.path);
     let above = path.parent().unwrap_or(folder);

@@ -1,4 +1,4 @@
-//! `fabc check`: what is wrong with files, and how often a model can be asked at most.
+//! `fabc check`: reports what is wrong with files, and the most model calls that a task can make.
 
 mod fix;
 
@@ -28,7 +28,7 @@ pub struct CheckArguments {
     pub json: bool,
 }
 
-/// Checks every file, once or whenever one changes.
+/// Checks every file, once or after every change.
 pub fn run(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     match arguments.watch {
         true => watch::run(&arguments.files, &[], || check(arguments, io), io),
@@ -36,7 +36,7 @@ pub fn run(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     }
 }
 
-/// Checks every file, whatever the others hold.
+/// Checks every file; one file's faults do not stop the others.
 fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut diagnostics = Vec::new();
@@ -109,7 +109,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// Writes what a task says of itself, a line each.
+/// Formats the notes about a task, one per line.
 fn notes(program: &Program) -> String {
     let notes = program.notes().into_iter();
     notes
@@ -117,7 +117,7 @@ fn notes(program: &Program) -> String {
         .collect()
 }
 
-/// Lists the variants of a task, which follow it.
+/// Lists the variants of a task, which follow it in `following`.
 fn variants(following: &[Program]) -> String {
     let names: Vec<&str> = following
         .iter()

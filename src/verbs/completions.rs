@@ -1,4 +1,4 @@
-//! `fabc completions`: what a shell needs to complete this command line.
+//! `fabc completions`: scripts with which a shell completes this command line.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -7,7 +7,7 @@ use clap::Args;
 use clap::CommandFactory;
 use clap_complete::Shell;
 
-/// How each shell takes them.
+/// How to install them in each shell.
 const INSTALL: &str = "\
 bash        fabc completions bash > ~/.local/share/bash-completion/completions/fabc
 zsh         fabc completions zsh > _fabc     in a folder of your $fpath, such as ~/.zfunc; then `autoload -U compinit && compinit`

@@ -1,7 +1,7 @@
-//! `fabc new`: a commented task that runs at once, with the libraries that it uses.
+//! `fabc new`: writes a commented task that runs at once, with the libraries that it uses.
 //!
-//! In: a name, and pictures where a fold is drafted from them. Out: files, which were compiled before any of them
-//! was written; what to do next. What pictures show is found by `fab_agent::draft`.
+//! In: a name, and pictures if a fold is drafted from them. Out: files, which were compiled before any was written, and
+//! the next steps. `fab_agent::draft` finds what the pictures show.
 
 mod names;
 #[cfg_attr(feature = "runtime", path = "new/with_simulator.rs")]
@@ -61,7 +61,7 @@ pub struct NewTaskArguments {
     pub json: bool,
 }
 
-/// A shipped file that tasks build on: its path beside them.
+/// A shipped library file, as its path relative to the task.
 type Library = &'static str;
 
 const FOLDING: Library = "lib/folding.fab";
@@ -69,19 +69,19 @@ const SMOOTHING: Library = "lib/smoothing.fab";
 
 /// A task that is not written yet.
 pub struct Draft {
-    /// Its file's text.
+    /// The text of its file.
     text: String,
-    /// What it uses.
+    /// The library that it uses.
     library: Library,
-    /// Pictures of the user's that go beside it, by their paths there.
+    /// The user's pictures to copy beside it, with their paths there.
     pictures: Vec<(PathBuf, Vec<u8>)>,
-    /// What was not known and had to be guessed.
+    /// What had to be guessed.
     guesses: Vec<String>,
-    /// What to do with it, in this order.
+    /// Next steps for the user, in order.
     next: Vec<String>,
 }
 
-/// Writes the task, and says what to do with it.
+/// Writes the task, and prints the next steps.
 pub fn run(arguments: &NewArguments, io: &Io) -> Result<Exit, Failure> {
     match &arguments.what {
         NewVerb::Fold(arguments) => fold(arguments, io),
@@ -94,7 +94,7 @@ pub fn run(arguments: &NewArguments, io: &Io) -> Result<Exit, Failure> {
 
 fn fold(arguments: &NewFoldArguments, io: &Io) -> Result<Exit, Failure> {
     let task = &arguments.task;
-    // Before pictures are looked at, which takes a while.
+    // Checked before looking at the pictures, which takes a while.
     check_place(task)?;
     let draft = match simulator::draft(arguments, io)? {
         Some(draft) => draft,
@@ -104,7 +104,7 @@ fn fold(arguments: &NewFoldArguments, io: &Io) -> Result<Exit, Failure> {
 }
 
 impl Draft {
-    /// Fills in the name.
+    /// Fills the task's name into a template.
     fn of(template: &str, library: Library, arguments: &NewTaskArguments) -> Draft {
         let file = shown(&file_of(arguments));
         Draft {
@@ -173,7 +173,7 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     Ok(Exit::Done)
 }
 
-/// Refuses names that are none, and to write over anything, before any work is done.
+/// Rejects invalid names and existing files before any work is done.
 fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
     names::check(&arguments.name)?;
     let folder = folder_of(arguments);
@@ -195,7 +195,7 @@ fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the text of a library that lies there already.
+/// Returns the text of the library if the folder already has it.
 fn present_library(folder: &Path, path: &str) -> Result<Option<String>, Failure> {
     let place = folder.join(path);
     if place.symlink_metadata().is_err() {
@@ -213,7 +213,7 @@ fn present_library(folder: &Path, path: &str) -> Result<Option<String>, Failure>
     Ok(Some(text))
 }
 
-/// Gives the compiler the draft as it will lie there.
+/// A loader that finds the draft as if it were already written.
 struct Beside<'d>(BTreeMap<&'d str, &'d str>);
 
 impl Loader for Beside<'_> {
@@ -239,7 +239,7 @@ fn compile(
     let mut compiled = fab_compiler::compile(&entry, &files).map_err(Failure::environment)?;
     if compiled.has_errors() || compiled.programs.is_empty() {
         let path = draft.library;
-        // Every name that the language allows compiles, but those that the library gives to its own tasks.
+        // Every name that the language allows compiles, except names that the library uses for its own tasks.
         if library == shipped::text(path) {
             let name = &arguments.name;
             return Err(Failure::usage(format!(

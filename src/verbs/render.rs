@@ -1,7 +1,7 @@
-//! `fabc render`: the exact messages of each stage, without asking a model.
+//! `fabc render`: prints the exact messages of each stage, without asking a model.
 //!
-//! Points come from the camera at the chosen step, or from `--scene`. What only a model can say
-//! (an earlier stage's answer) comes from `--reply`, or stands as a typed placeholder, and a line on stderr says so.
+//! Points come from the camera at the chosen step, or from `--scene`. An earlier stage's answer, which only a model can
+//! give, comes from `--reply`; without it, a typed placeholder takes its place, and a line on stderr says so.
 
 #[cfg_attr(feature = "runtime", path = "render/with_camera.rs")]
 #[cfg_attr(not(feature = "runtime"), path = "render/without_camera.rs")]
@@ -56,7 +56,7 @@ pub struct RenderArguments {
     pub json: bool,
 }
 
-/// Renders every stage, or the one that is asked for, once or whenever a file changes.
+/// Renders every stage or the named one, once or after every change of a file.
 pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let entry = std::slice::from_ref(&arguments.task.file);
     match arguments.watch {
@@ -144,7 +144,7 @@ fn chosen_stages<'p>(
     }
 }
 
-/// Says which texts stand as placeholders.
+/// Reports which texts are placeholders.
 fn say_placeholders(program: &Program, shown: &[ShownStage], io: &Io) {
     for stage in &program.stages {
         let Read::Text { name, .. } = &stage.read else {
@@ -161,7 +161,7 @@ fn say_placeholders(program: &Program, shown: &[ShownStage], io: &Io) {
     }
 }
 
-/// Says what a picture of a prompt shows.
+/// Describes the content of a prompt's picture.
 pub fn title(picture: &PromptPicture, step: u32) -> String {
     match picture {
         PromptPicture::File(file) => file.path.clone(),
@@ -183,7 +183,7 @@ pub fn title(picture: &PromptPicture, step: u32) -> String {
     }
 }
 
-/// Returns what a model would be told where an answer is refused; none where the stage reads no action.
+/// Returns what a model would be told if its answer were rejected; empty if the stage reads no action.
 pub fn corrections_of(
     program: &Program,
     stage: &Stage,

@@ -1,7 +1,7 @@
 //! `fabc review`: shows what changed in prompts, scenes and pictures, and accepts or rejects it.
 //!
-//! In: snapshot folders. Out: changed folders, and what is pending, on a terminal or as JSON. What is pending was
-//! written by `fabc snap`; nothing is rendered here.
+//! In: snapshot folders. Out: changed folders, and the pending snapshots on a terminal or as JSON. `fabc snap` wrote
+//! the pending snapshots; nothing is rendered here.
 
 mod cost;
 mod decide;
@@ -67,7 +67,7 @@ pub struct ReviewArguments {
     pub json: bool,
 }
 
-/// Reviews what is pending.
+/// Reviews the pending snapshots.
 pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     let mut found = find::find(&arguments.places)?;
     if let Some(pattern) = &arguments.only {
@@ -132,7 +132,7 @@ pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     )
 }
 
-/// Does what the command line decides; an id that names nothing ends it before anything is done.
+/// Applies the decisions of the command line; an unknown id ends it before anything is changed.
 fn by_id(
     arguments: &ReviewArguments,
     found: &mut Found,
@@ -172,7 +172,7 @@ fn by_id(
         false => 0..0,
     };
     decided.extend(all.filter_map(|at| ballot.settle(at, Decision::Accept)));
-    // An accepted edit of a text that others change too is not enough to accept the text.
+    // A text with several edits needs all of them accepted.
     let waiting: Vec<Name> = ballot
         .waiting()
         .into_iter()
@@ -217,7 +217,7 @@ fn by_id(
     Ok(Exit::Done)
 }
 
-/// Returns what is pending as JSON.
+/// Returns the pending snapshots as JSON.
 fn as_json(
     found: &Found,
     groups: &[Group],

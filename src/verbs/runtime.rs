@@ -1,6 +1,6 @@
-//! Verbs that need the simulator, pictures, models or an arm: the feature `runtime` is asked for here alone.
+//! Verbs that need the simulator, pictures, models or an arm; this is the only gate for the feature `runtime`.
 //!
-//! What several of them need around a program is in [`setting`].
+//! [`setting`] has what several of them need besides a program.
 
 pub mod bench;
 pub mod calibrate;
@@ -56,7 +56,7 @@ super::verbs! {
 }
 
 impl Verb {
-    /// Returns the word that stands for a task's file.
+    /// Returns the argument that names a task's file.
     pub fn file(&mut self) -> Option<&mut String> {
         let task = match self {
             Verb::See(see) => &mut see.task,

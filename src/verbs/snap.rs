@@ -1,7 +1,7 @@
-//! `fabc snap`: pins what tasks say to models, as files that are reviewed like code.
+//! `fabc snap`: pins the prompts of tasks as files that are reviewed like code.
 //!
-//! In: `.fab` files. Out: pending snapshots beside them for whatever differs from the accepted ones, all or nothing for
-//! each folder; or with `--check`, which snapshots differ, wait, or belong to nothing, and exit 1.
+//! In: `.fab` files. Out: pending snapshots beside them for everything that differs from the accepted ones, all or
+//! nothing for each folder. With `--check`: which snapshots differ, wait for review, or belong to nothing, and exit 1.
 
 #[cfg_attr(feature = "runtime", path = "snap/with_camera.rs")]
 #[cfg_attr(not(feature = "runtime"), path = "snap/without_camera.rs")]
@@ -55,7 +55,7 @@ pub struct SnapArguments {
 }
 
 impl SnapArguments {
-    /// Returns the scene that is to be pinned beside the usual ones.
+    /// Returns the scene to pin in addition to the usual ones.
     pub fn moment(&self) -> Result<Option<Moment>, Failure> {
         let Some(name) = &self.scene else {
             return Ok(None);
@@ -81,13 +81,13 @@ impl SnapArguments {
 
 /// A file and what it declares.
 pub struct Declared {
-    /// The file, as the user named it.
+    /// The file, in the user's spelling.
     pub file: String,
     /// Its tasks, each followed by its variants.
     pub programs: Vec<Program>,
 }
 
-/// Takes snapshots, or says how they differ.
+/// Takes snapshots, or reports how they differ.
 pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
     if !arguments.check {
         for file in &arguments.files {
@@ -100,7 +100,7 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
         files::want(&declared, arguments, &mut plan, io)?;
         plans.push(plan);
     }
-    // Nothing is written before all of it is known, so that what fails leaves every folder as it was.
+    // Everything is computed before anything is written, so that a failure leaves every folder unchanged.
     let mut found = Vec::new();
     for plan in &mut plans {
         let mut states = plan.states(io);
@@ -121,7 +121,7 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
     })
 }
 
-/// Compiles every file before anything is written, and puts those of one folder together.
+/// Compiles every file before anything is written, and groups the files by folder.
 fn compiled(files: &[String], io: &Io) -> Result<Vec<(PathBuf, Vec<Declared>)>, Failure> {
     let mut folders: BTreeMap<PathBuf, (PathBuf, Vec<Declared>)> = BTreeMap::new();
     let mut failed: Option<Failure> = None;
@@ -131,7 +131,7 @@ fn compiled(files: &[String], io: &Io) -> Result<Vec<(PathBuf, Vec<Declared>)>, 
             true => Path::new("."),
             false => &folder,
         };
-        // One folder may be named in two ways.
+        // Two different paths may name the same folder.
         let real = shown.canonicalize().unwrap_or_else(|_| folder.clone());
         let (_, declared) = folders.entry(real).or_insert((folder, Vec::new()));
         let name = Path::new(file).file_name();
@@ -232,7 +232,7 @@ fn report(found: &[Found], arguments: &SnapArguments, io: &Io) {
     }
 }
 
-/// Returns the folders of snapshots that are not below the current one's own, as arguments for `fabc review`.
+/// Returns the snapshot folders outside the current folder, as arguments for `fabc review`.
 fn places(found: &[Found]) -> String {
     let folders: BTreeSet<&Path> = found
         .iter()

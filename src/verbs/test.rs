@@ -28,7 +28,7 @@ pub struct TestArguments {
     pub json: bool,
 }
 
-/// Runs every test of every file, once or whenever one changes; one that fails exits with 1.
+/// Runs every test of every file, once or after every change; exits with 1 if one fails.
 pub fn run(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
     match arguments.watch {
         true => watch::run(&arguments.files, &[], || test(arguments, io), io),
@@ -101,7 +101,7 @@ fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// Returns each test that is wanted with the program of its task.
+/// Returns each selected test with the program of its task.
 fn chosen<'c>(
     compiled: &'c Compiled,
     only: Option<&'c str>,

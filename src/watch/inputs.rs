@@ -1,4 +1,4 @@
-//! Which files a verb reads for a task.
+//! Finds the files that a verb reads for a task.
 
 use crate::sources::{self, Disk};
 use crate::verbs::render::RenderArguments;
@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Returns the files of a command line and all that they use, also those that are missing.
+/// Returns the files of a command line and all files that they use, including missing ones.
 pub fn files(entries: &[String], others: &[PathBuf]) -> BTreeSet<PathBuf> {
     let mut files: BTreeSet<PathBuf> = others.iter().cloned().collect();
     for entry in entries {
@@ -26,13 +26,13 @@ pub fn files(entries: &[String], others: &[PathBuf]) -> BTreeSet<PathBuf> {
     files
 }
 
-/// Returns the files that `render` reads beside the task's own.
+/// Returns the files that `render` reads besides the task's own.
 pub fn rendered(arguments: &RenderArguments) -> Vec<PathBuf> {
     let files = arguments.scene.iter().cloned();
     files.chain(arguments.camera.files()).collect()
 }
 
-/// Reads from disk and keeps what was asked for.
+/// A loader that reads from disk and records the requested files.
 struct Noting {
     disk: Disk,
     asked: RefCell<BTreeSet<PathBuf>>,
@@ -45,7 +45,7 @@ impl Loader for Noting {
     }
 }
 
-/// Returns the files that a task names, relative to its own, and its pinned pictures.
+/// Returns the files that a task names, relative to its own file, and its pinned pictures.
 fn beside(program: &Program) -> Vec<PathBuf> {
     let examples = program.stages.iter().flat_map(|stage| &stage.examples);
     let mut named: Vec<&FileRef> = examples.flat_map(|example| &example.images).collect();
@@ -59,7 +59,7 @@ fn beside(program: &Program) -> Vec<PathBuf> {
         Some(Subgoals::Demonstrate { folds }) => {
             let folder = format!("{}.subgoals", program.title().replace('/', "."));
             let pictures = (0..=folds.len()).map(|number| format!("{number}.png"));
-            // `fabc subgoals` writes the description after the pictures.
+            // `fabc subgoals` writes this description after the pictures.
             let files = pictures.chain(["pins.json".to_owned()]);
             pins.extend(files.map(|file| Path::new(&folder).join(file)));
         }

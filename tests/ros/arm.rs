@@ -1,4 +1,4 @@
-//! An arm over ROS: where it says it is, and goals that it reaches or gives up.
+//! An arm over ROS: its reported position, and goals that it reaches or gives up.
 
 use super::nodes::{Ros, TRAJECTORY, outcome, send_until_active};
 use fab_arm::port::{Ending, Goal, GoalId, GoalState, Port, Waypoint};
@@ -6,7 +6,7 @@ use fab_arm::settings::RosSettings;
 use fab_arm_ros::RosPort;
 use nalgebra::{Isometry3, Translation3};
 
-/// Where the tool is to go: up by some metres from where it is.
+/// A goal for the tool, `by_m` metres above its current position.
 fn above(port: &mut RosPort, by_m: f64) -> Goal {
     let tool = port.readings().tool.unwrap().value;
     Goal::ToolPose(Translation3::new(0.0, 0.0, by_m) * tool)
@@ -72,7 +72,7 @@ fn peer_ros_goals_of_all_three_servers_are_reached() {
     };
     assert!(distance(&readings.tool.unwrap().value, &target) < 1e-9);
     assert_eq!(readings.fingers.unwrap().value, [5000.0, 4000.0]);
-    // Goals for joints are sent in degrees of 32 bits.
+    // Goals for joints are sent in degrees, as 32-bit floats.
     let found = readings.joints_rad.unwrap().value;
     assert!(
         found
@@ -139,7 +139,7 @@ fn peer_ros_a_trajectory_is_followed() {
             .all(|(found, sent)| (found - sent).abs() < 1e-12),
         "{found:?}"
     );
-    // The hand goes on being the node's.
+    // The node still accepts goals for the hand.
     let id = port.send(&Goal::Fingers(vec![100.0, 100.0])).unwrap();
     assert_eq!(outcome(&mut port, &id), Some(Ending::Succeeded));
 }

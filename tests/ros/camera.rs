@@ -1,4 +1,4 @@
-//! A camera over ROS: pictures as they were taken, since they were asked for.
+//! A camera over ROS: unchanged pictures, taken after they were requested.
 
 use super::nodes::{PATIENCE_S, Ros};
 use fab_arm::rgbd::{Intrinsics, RgbdSource};

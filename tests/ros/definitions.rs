@@ -1,4 +1,4 @@
-//! Whether ROS computes the same sums from the definitions of messages as the generator of Rust types.
+//! Checks that ROS computes the same checksums of message definitions as the generator of Rust types.
 
 use super::nodes;
 

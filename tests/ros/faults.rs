@@ -1,4 +1,4 @@
-//! What is not there, and what breaks off: told in words, in time, and never waited for.
+//! Missing nodes and broken connections: reported in words, in time, without waiting forever.
 
 use super::nodes::{MODEL, Ros, TRAJECTORY, free_port, outcome, send_until_active};
 use fab_arm::port::{Ending, Goal, GoalState, Port};
@@ -6,7 +6,7 @@ use fab_arm::settings::RosSettings;
 use fab_arm_ros::RosError;
 use std::time::{Duration, Instant};
 
-/// Connects in vain, in time; returns what it says.
+/// Tries to connect and fails in time; returns the message.
 fn refusal(settings: &RosSettings, model: &str, timeout_s: f64) -> String {
     let began = Instant::now();
     let Err(error) = fab_arm_ros::connect(settings, model, timeout_s) else {
@@ -135,7 +135,7 @@ fn peer_ros_a_node_that_comes_back_is_not_handed_an_old_goal() {
     port.wait(0.5);
     ros.start_node();
     let deadline = Instant::now() + Duration::from_secs(30);
-    // Only a list of the new node can say that it does not know the goal.
+    // Only a status list of the new node can show that it does not know the goal.
     while port.state(&goal) == GoalState::Active && Instant::now() < deadline {
         port.wait(0.1);
     }

@@ -1,6 +1,6 @@
-//! A key that somebody holds on a terminal.
+//! A key that is held on a terminal.
 //!
-//! In: nothing. Out: the terminal, to be a program's stdin, on which spaces come as a held space bar repeats them.
+//! In: nothing. Out: a terminal for a program's stdin, which delivers spaces like a held space bar.
 
 use nix::pty::openpty;
 use std::fs::File;
@@ -11,10 +11,10 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread;
 use std::time::Duration;
 
-/// How often a held key comes.
+/// Repeat interval of a held key.
 const REPEAT: Duration = Duration::from_millis(50);
 
-/// The key; let go for good when dropped.
+/// The key; dropping it releases it for good.
 pub struct Key {
     is_down: Arc<AtomicBool>,
     is_there: Arc<AtomicBool>,
@@ -32,7 +32,7 @@ impl Key {
         let (is_down, is_there) = (key.is_down.clone(), key.is_there.clone());
         thread::spawn(move || {
             while is_there.load(Relaxed) {
-                // A terminal that nobody reads any more is full.
+                // The buffer of a terminal that nobody reads any more is full.
                 if is_down.load(Relaxed) && keys.write_all(b" ").is_err() {
                     break;
                 }
@@ -42,7 +42,7 @@ impl Key {
         (Stdio::from(pty.slave), key)
     }
 
-    /// Lets the key go for a while.
+    /// Releases the key for a while.
     pub fn let_go_for(&self, pause: Duration) {
         self.is_down.store(false, Relaxed);
         thread::sleep(pause);

@@ -1,7 +1,7 @@
-//! A simulated arm over a simulated cloth behind real ROS, with a camera whose place nobody told, and `fabc` beside it.
+//! A simulated arm over a simulated cloth behind real ROS, with a camera at an undisclosed place, and `fabc` beside it.
 //!
-//! In: a driver, a seed. Out: a [`Lab`] to calibrate and to run tasks in; and past ROS, what is true: where the tool
-//! was, whether the arm is stopped, where the cloth lies.
+//! In: a driver, a seed. Out: a [`Lab`] to calibrate and run tasks in, and the true state, without going through ROS:
+//! where the tool was, whether the arm is stopped, where the cloth lies.
 
 use super::nodes::{MODEL, PATIENCE_S, Ros, TRAJECTORY};
 use fab_agent::record::RECORD_FILE;
@@ -19,13 +19,13 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// The longest that a run may take on a busy machine.
+/// The longest duration of a run on a busy machine.
 pub const LONG: Duration = Duration::from_secs(240);
 
 /// Side of the camera's picture, pixels.
 const SIDE_PX: u32 = 480;
 
-/// What the settings of the arm and those of the program that plays it have in common.
+/// Settings shared by the arm and the program that simulates it.
 const COMMON: &str = "
 name = 'lab'
 model = 'j2n6s200'
@@ -44,22 +44,22 @@ rest_m = [0.30, -0.40, 0.25]
 max_speed_m_s = 0.5
 ";
 
-/// The corners of the box in which the tool stays, metres, base frame; those of the settings above.
+/// The corners of the tool's box, metres, base frame; the same as in the settings above.
 pub const BOX_M: [[f64; 3]; 2] = [[0.15, -0.525, 0.01], [0.75, 0.525, 0.45]];
 
-/// Who moves the arm.
+/// The driver of the arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Driver {
     Kinova,
     Trajectory,
 }
 
-/// How many labs there are; each has four programs that must keep up with the time.
+/// The number of labs; each has four programs that must run in real time.
 static LABS: Mutex<u32> = Mutex::new(0);
 static ONE_LESS: Condvar = Condvar::new();
 const MOST_LABS: u32 = 2;
 
-/// One of the labs that there may be at a time.
+/// One of the labs that may exist at a time.
 struct Place;
 
 impl Place {
@@ -85,14 +85,14 @@ pub struct Lab {
     asked: UnixStream,
     answers: BufReader<UnixStream>,
     folder: TempDir,
-    /// Last, since everything above ends before it.
+    /// The last field, so that it is dropped after everything above.
     _place: Place,
 }
 
 impl Lab {
     /// Sets everything up and waits until the arm answers; the table is empty.
     ///
-    /// - `seed`: draws where the camera is, and all chance.
+    /// - `seed`: determines the camera's place and all other random values.
     pub fn new(driver: Driver, seed: u64) -> Lab {
         let place = Place::wait();
         let folder = tempfile::tempdir().unwrap();
@@ -142,7 +142,7 @@ impl Lab {
         self.folder.path()
     }
 
-    /// Asks the program that plays the arm, past ROS.
+    /// Asks the simulating program directly, without ROS.
     pub fn ask(&mut self, request: &Value) -> Value {
         writeln!(self.asked, "{request}").unwrap();
         let mut line = String::new();
@@ -157,7 +157,7 @@ impl Lab {
         serde_json::from_value(told).unwrap()
     }
 
-    /// Lets something go wrong from now on.
+    /// Starts a fault.
     pub fn fail(&mut self, kind: FaultKind) {
         self.ask(&json!({ "ask": "fail", "kind": kind }));
     }
@@ -178,12 +178,12 @@ impl Lab {
         command
     }
 
-    /// Starts to fold a Double Triangle.
+    /// Starts a Double Triangle fold.
     pub fn run(&self) -> Run {
         self.run_from(Stdio::null(), &[])
     }
 
-    /// The same with something on stdin, and with more arguments.
+    /// Does the same with a given stdin and more arguments.
     pub fn run_from(&self, stdin: Stdio, more: &[&str]) -> Run {
         let folder = self.folder().join("run");
         let said = |name: &str| File::create(self.folder().join(name)).unwrap();
@@ -206,18 +206,18 @@ impl Lab {
     }
 }
 
-/// What is true of an arm and its cloth.
+/// The true state of an arm and its cloth.
 #[derive(Clone, Debug, serde::Deserialize)]
 pub struct Truth {
     pub tool_m: [f64; 3],
-    /// The least and the largest coordinates at which the tool ever was.
+    /// The least and the largest coordinates that the tool ever had.
     pub extent_m: [[f64; 3]; 2],
     pub is_stopped: bool,
     pub moved_after_stop_m: Option<f64>,
     pub particles_m: Vec<[f32; 3]>,
 }
 
-/// A `fabc run` under way; killed when dropped.
+/// A running `fabc run`; killed when dropped.
 pub struct Run {
     pub child: Child,
     pub folder: PathBuf,
@@ -227,11 +227,11 @@ pub struct Run {
 /// How a run ended.
 #[derive(Debug)]
 pub struct Ended {
-    /// None where a signal ended it.
+    /// `None` if a signal ended it.
     pub code: Option<i32>,
-    /// The report; null where there is none.
+    /// The report; null if there is none.
     pub report: Value,
-    /// Why the last step was not done, as the run's journal says it; empty where it was.
+    /// Why the last step was not completed, from the run's journal; empty if it was.
     pub why: String,
     /// The arm's journal.
     pub journal: String,
@@ -239,7 +239,7 @@ pub struct Ended {
 }
 
 impl Run {
-    /// Waits until a segment is begun, e.g. `over_pick`, for the first time; fails where the run ends before.
+    /// Waits until a segment, e.g. `over_pick`, begins for the first time; fails if the run ends before.
     pub fn until(&mut self, segment: &str) {
         let wanted = format!("\"segment\":\"{segment}\"");
         let deadline = Instant::now() + LONG;
@@ -258,7 +258,7 @@ impl Run {
         }
     }
 
-    /// Returns the arm's journal as far as it is written.
+    /// Returns the part of the arm's journal that is written so far.
     pub fn journal(&self) -> String {
         std::fs::read_to_string(self.folder.join(ARM_FILE)).unwrap_or_default()
     }
@@ -312,7 +312,7 @@ impl Drop for Run {
     }
 }
 
-/// The settings that `fabc` gets: nothing of where the camera is.
+/// The settings for `fabc`, without the camera's place.
 fn robot(ros: &Ros, driver: Driver) -> String {
     let (driver, controller) = match driver {
         Driver::Kinova => ("kinova", String::new()),

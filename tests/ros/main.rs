@@ -1,4 +1,5 @@
-//! The wire to ROS 1 against ROS itself: its master, its Python nodes, actionlib's own servers. `make test-all` runs it.
+//! The connection to ROS 1, tested with ROS itself: its master, its Python nodes, actionlib's servers. `make test-all`
+//! runs it.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,4 +1,4 @@
-//! A master and an arm's node of their own for each test, both ended with it.
+//! A separate master and arm node for each test, both ended with it.
 
 use fab_arm::port::{Goal, GoalId, GoalState, Port};
 use fab_arm::settings::RosSettings;
@@ -11,22 +11,22 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// The arm that the node plays.
+/// The arm that the node simulates.
 pub const MODEL: &str = "j2n6s200";
 
-/// Its server of joint trajectories.
+/// The name of its joint trajectory server.
 pub const TRAJECTORY: &str = "/j2n6s200/follow_joint_trajectory";
 
-/// Debian's Python, which alone has the modules of ROS.
+/// Debian's Python, the only one with the ROS modules.
 pub const PYTHON: &str = "/usr/bin/python3";
 
-/// What the programs complained of.
+/// Error output of the programs.
 const LOG: &str = "complaints.log";
 
 /// How long a program may take to start on a busy machine, seconds.
 pub const PATIENCE_S: f64 = 30.0;
 
-/// A program with all that it starts; ended when dropped.
+/// A program with its child processes; ended when dropped.
 struct Program(Child);
 
 impl Program {
@@ -52,10 +52,10 @@ impl Drop for Program {
     }
 }
 
-/// A master, and perhaps an arm's node.
+/// A master, and an arm's node if started.
 pub struct Ros {
     node: Option<Program>,
-    /// What the arm's program is started with.
+    /// Arguments of the program that simulates the arm.
     engine_arguments: Vec<String>,
     _master: Program,
     port: u16,
@@ -89,7 +89,7 @@ impl Ros {
         Ros::with_arm_of(Vec::new())
     }
 
-    /// The same with arguments for the program that plays the arm.
+    /// Does the same with arguments for the program that simulates the arm.
     pub fn with_arm_of(engine_arguments: Vec<String>) -> Ros {
         let mut ros = Ros::master();
         ros.engine_arguments = engine_arguments;
@@ -115,12 +115,12 @@ impl Ros {
         )));
     }
 
-    /// Ends the arm's node, and the arm with it, as `kill -9` does.
+    /// Ends the arm's node, and the arm with it, like `kill -9`.
     pub fn kill_node(&mut self) {
         self.node = None;
     }
 
-    /// Halts the arm's node, as a machine that hangs does; the arm itself goes on.
+    /// Halts the arm's node, like a machine that hangs; the arm itself continues.
     pub fn halt_node(&mut self) {
         let node = self.node.as_ref().map(|node| node.0.id().to_string());
         signal("STOP", &node.unwrap());
@@ -131,7 +131,7 @@ impl Ros {
         format!("http://127.0.0.1:{}", self.port)
     }
 
-    /// Settings that find this master, for the driver of Cartesian goals.
+    /// Returns settings with this master, for the driver of Cartesian goals.
     pub fn settings(&self) -> RosSettings {
         RosSettings {
             master: self.address(),
@@ -156,7 +156,7 @@ impl Ros {
 }
 
 impl Drop for Ros {
-    /// Shows what the programs complained of where a test failed; actionlib itself complains of each server's first goal.
+    /// Shows the programs' error output if a test failed; actionlib itself complains of each server's first goal.
     fn drop(&mut self) {
         if std::thread::panicking() {
             let log = std::fs::read_to_string(self.folder.path().join(LOG)).unwrap_or_default();
@@ -165,7 +165,7 @@ impl Drop for Ros {
     }
 }
 
-/// Writes Python modules of our messages; returns `TYPE SUM` for each of `types`, a line each.
+/// Generates Python modules of our messages; returns `TYPE SUM` for each of `types`, one per line.
 pub fn generate(modules: &Path, types: &[&str]) -> String {
     let output = Command::new(PYTHON)
         .arg(project("tests/peers/ros_messages.py"))
@@ -182,7 +182,7 @@ pub fn generate(modules: &Path, types: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Lets time pass until the goal ends; `None` if it does not within some seconds.
+/// Waits until the goal ends; `None` if it does not within some seconds.
 pub fn outcome(port: &mut RosPort, goal: &GoalId) -> Option<fab_arm::port::Ending> {
     let deadline_s = port.now_s() + 20.0;
     while port.now_s() < deadline_s {
@@ -194,7 +194,7 @@ pub fn outcome(port: &mut RosPort, goal: &GoalId) -> Option<fab_arm::port::Endin
     None
 }
 
-/// Sends a goal and lets time pass until it is active.
+/// Sends a goal and waits until it is active.
 pub fn send_until_active(port: &mut RosPort, goal: &Goal) -> GoalId {
     let id = port.send(goal).unwrap();
     let deadline_s = port.now_s() + 10.0;
@@ -205,7 +205,7 @@ pub fn send_until_active(port: &mut RosPort, goal: &Goal) -> GoalId {
     id
 }
 
-/// Sends a signal to a process, or with a minus to a group of them.
+/// Sends a signal to a process, or with a leading minus to a process group.
 pub fn signal(name: &str, process: &str) {
     let sent = Command::new("kill")
         .args([&format!("-{name}"), "--", process])
@@ -214,7 +214,7 @@ pub fn signal(name: &str, process: &str) {
     assert!(sent.is_ok(), "there is no program `kill`");
 }
 
-/// A port that nobody listens at.
+/// Returns a port on which nothing listens.
 pub fn free_port() -> u16 {
     TcpListener::bind(("127.0.0.1", 0))
         .unwrap()
@@ -223,7 +223,7 @@ pub fn free_port() -> u16 {
         .port()
 }
 
-/// Files and addresses that a program of ROS takes from its environment, all of them this test's own.
+/// Sets the files and addresses that ROS programs read from the environment, all of them this test's own.
 fn surroundings<'a>(command: &'a mut Command, folder: &Path, port: u16) -> &'a mut Command {
     let log = OpenOptions::new()
         .create(true)

@@ -1,4 +1,4 @@
-//! A person beside the arm: sees to one that a killed program left, lets it go, and guides it from point to point.
+//! A person beside the arm: recovers and enables it after a program was killed, and guides it from point to point.
 
 use super::lab::{Driver, Lab, Run};
 use fab_arm::calibration::read_pairs;
@@ -12,7 +12,7 @@ use std::io::{BufRead, BufReader, Lines, Write};
 use std::process::{ChildStderr, Stdio};
 use std::time::{Duration, Instant};
 
-/// What a command said, and its exit code.
+/// Runs a command; returns its exit code and output.
 fn said(lab: &Lab, arguments: &[&str]) -> (Option<i32>, String) {
     let output = lab.fabc().args(arguments).output().unwrap();
     let both = [output.stdout, output.stderr].concat();
@@ -70,7 +70,7 @@ fn peer_ros_an_arm_whose_program_was_killed_is_refused_until_a_person_has_seen_t
     ];
     let (code, text) = said(&lab, &recover);
     assert_eq!(code, Some(0), "{text}");
-    // What was noted lets no arm go.
+    // Recording a recovery enables no arm.
     let stood = lab.truth();
     assert!(stood.is_stopped);
     let (code, text) = said(
@@ -101,13 +101,13 @@ fn peer_ros_an_arm_whose_program_was_killed_is_refused_until_a_person_has_seen_t
     let journal = std::fs::read_to_string(lab.folder().join("run/arm.jsonl")).unwrap();
     let ends = "{\"type\":\"recovered\",\"how\":\"taken out\"}\n{\"type\":\"enabled\",\"how\":\"the way is free\"}\n";
     assert!(journal.ends_with(ends), "{journal}");
-    // It stands over the cloth, out of which nobody has brought it.
+    // It stands over the cloth, and nobody has moved it away.
     let (code, text) = said(&lab, &again);
     assert_eq!(code, Some(2), "{text}");
     assert!(text.contains("and not at `rest_m`"), "{text}");
 }
 
-/// Reads lines until one has the words, and returns it.
+/// Reads lines until one contains the words, and returns it.
 fn line_with(lines: &mut Lines<BufReader<ChildStderr>>, words: &str) -> String {
     let mut all = String::new();
     for line in lines {
@@ -146,7 +146,7 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     let mut typed = child.stdin.take().unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
     line_with(&mut lines, "type `u,v`");
-    // Somebody else's joystick.
+    // Another client moves the arm, like a joystick.
     let port = lab.ros.connect();
     let mut arm = PortArm::by_poses(port, &settings.model, settings.fingers, settings.tolerance);
     let mut places = Vec::new();
@@ -160,7 +160,7 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
         writeln!(typed, "{pixel}").unwrap();
         line_with(&mut lines, &format!("point {}: added", places.len()));
     }
-    // While it goes on its way, its place is none.
+    // While the arm moves, its position is not accepted.
     let away = tool_down(&Point3::new(0.35, -0.30, 0.25), 0.0);
     let mut is_asked = false;
     arm.move_tool(&away, 0.2, &mut |state| {
@@ -174,7 +174,7 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     .unwrap();
     line_with(&mut lines, "error: the arm still moves: its tool went ");
     drop(typed);
-    // Two points are too few; they are kept.
+    // Two points are too few; they are saved.
     assert_eq!(child.wait().unwrap().code(), Some(2));
     let kept = read_pairs(&lab.folder().join("lab.calibration.pairs.csv")).unwrap();
     assert_eq!(kept.len(), 2);

@@ -1,7 +1,7 @@
-//! Rollouts over ROS in which something goes wrong: each ends with a word for it, the arm stays in its box, and one that
-//! was stopped moves no more.
+//! Rollouts over ROS with faults: each ends in a named outcome, the arm stays in its box, and an arm that was stopped
+//! does not move again.
 //!
-//! What goes wrong begins during the first pick and place, at a segment that the arm's journal names.
+//! A fault begins during the first pick and place, at a segment that the arm's journal names.
 
 use super::key::Key;
 use super::lab::{BOX_M, Driver, Ended, Lab, Truth};
@@ -15,34 +15,34 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// What goes wrong.
+/// A fault.
 #[derive(Clone, Copy, Debug)]
 enum What {
     Fails(FaultKind),
     /// `fabc` gets a signal.
     Signal(&'static str),
-    /// The same, and the first word to stop the arm is lost.
+    /// The same, and the first stop request is lost.
     SignalAndLostStop(&'static str),
     /// The machine of the arm's node hangs.
     NodeHangs,
-    /// The key that has to be held is let go for a while, and the first word to end the motion is lost.
+    /// The key that must be held is released for a while, and the first cancel request is lost.
     LetsGoAndLostCancel,
 }
 
 /// How a rollout ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
-    /// Both folds are made.
+    /// Both folds are done.
     Made,
-    /// Exit code 2, `world_failed`, and the arm verifiedly stopped; its journal says these words.
+    /// Exit code 2, `world_failed`, and the arm verified to be stopped; its journal contains these words.
     Stopped(&'static str),
-    /// The same, with a stop that could not be verified.
+    /// The same, but the stop could not be verified.
     Unverified(&'static str),
-    /// Exit code 2 with nothing in the hand and nothing to stop; these words are told.
+    /// Exit code 2 with nothing in the hand and nothing to stop; the message contains these words.
     Failed(&'static str),
-    /// Exit code 130, and the arm verifiedly stopped.
+    /// Exit code 130, and the arm verified to be stopped.
     Interrupted,
-    /// Killed, and the arm stopped from outside; whether the hand may hold cloth.
+    /// Killed, and the arm stopped from outside; `may_hold` says whether the hand may hold cloth.
     Killed { may_hold: bool },
 }
 
@@ -75,21 +75,21 @@ const CASES: [(What, &str, End); 23] = [
     (Signal("STOP"), "over", Killed { may_hold: true }),
 ];
 
-/// From the beginning of a segment until its motion is surely under way.
+/// Time from the beginning of a segment until its motion has certainly begun.
 const UNDER_WAY: Duration = Duration::from_millis(500);
 
-/// How long the key is let go: it counts as held for 0.6 s.
+/// How long the key is released: it counts as held for 0.6 s.
 const LET_GO: Duration = Duration::from_millis(2500);
 
-/// The longest until the watchdog has stopped the arm: 1.5 s without a sign of life, and time on a busy machine.
+/// Time limit for the watchdog to stop the arm: 1.5 s without a heartbeat, plus time on a busy machine.
 const STOPPED_WITHIN: Duration = Duration::from_secs(20);
 
-/// The longest until a rollout has ended after something went wrong: a stop is asked for three times, and the motion that
-/// is under way is let end where nothing is heard.
+/// Time limit for a rollout to end after a fault: a stop is requested three times, and if there is no answer, the
+/// current motion may run to its end.
 const TOLD_WITHIN: Duration = Duration::from_secs(40);
 
-/// How far outside of its box an arm that runs away may get, metres: it turns at 0.3 rad/s, the farthest corner is 0.92 m
-/// from the axis, a reading is up to 0.1 s old, it is looked at every 0.05 s, and a stop is on its way for 0.15 s.
+/// How far a runaway arm may leave its box, metres: it turns at 0.3 rad/s, the farthest corner is 0.92 m from the axis,
+/// a reading is up to 0.1 s old, it is checked every 0.05 s, and a stop takes 0.15 s to arrive.
 const RUNAWAY_M: f64 = 0.3 * 0.92 * (0.1 + 0.05 + 0.15);
 
 /// Rounding, metres.
@@ -100,7 +100,7 @@ const STILL_M: f64 = 1e-6;
 fn peer_ros_whatever_goes_wrong_a_rollout_ends_with_a_word_for_it() {
     let cases = Mutex::new(VecDeque::from(CASES));
     let wrong = Mutex::new(Vec::new());
-    // Each has a master, a node and an arm of its own, and a machine with two cores is to keep up.
+    // Each case has its own master, node and arm, and a machine with two cores must keep up.
     std::thread::scope(|scope| {
         for lane in 0..2 {
             let (cases, wrong) = (&cases, &wrong);
@@ -143,7 +143,8 @@ fn rollout(seed: u64, what: What, when: &str, end: End) {
     };
     run.until(when);
     match what {
-        // During a motion, so that the question before the next one is lost. A motion's own goal is sent but three times.
+        // During a motion, so that the request before the next one is lost. A motion's own goal is sent only three
+        // times.
         Fails(LostGoals) => {
             std::thread::sleep(3 * UNDER_WAY);
             lab.fail(LostGoals);
@@ -209,7 +210,7 @@ fn rollout(seed: u64, what: What, when: &str, end: End) {
                 .journal
                 .matches(&format!("\"segment\":\"{when}\""))
                 .count();
-            // A motion that was ended for a while is begun again.
+            // A paused motion is restarted.
             let paused = usize::from(key.is_some());
             assert_eq!(begun, 2 + paused, "{}", ended.journal);
         }
@@ -258,7 +259,7 @@ fn wait_until_stopped(lab: &mut Lab) {
     }
 }
 
-/// After a kill, `fabc robot recover` says what is left, and takes nobody's silence for an answer.
+/// After a kill, `fabc robot recover` reports the state, and does not accept silence as an answer.
 fn recovers(lab: &Lab, segment: &str, may_hold: bool) {
     let recover = |more: &[&str]| {
         let output = lab
@@ -292,7 +293,7 @@ fn peer_ros_a_trajectory_of_a_killed_run_does_not_go_on() {
     run.signal("KILL");
     wait_until_stopped(&mut lab);
     run.end();
-    // A controller that kept its trajectory would go on with it now.
+    // A controller that kept its trajectory would continue it now.
     lab.ros.connect().start().unwrap();
     let before = lab.truth().tool_m;
     std::thread::sleep(Duration::from_secs(2));

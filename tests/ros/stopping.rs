@@ -1,4 +1,4 @@
-//! An arm that was stopped: it moves no more, whatever is asked, until it is started.
+//! A stopped arm: it does not move, whatever is requested, until it is started.
 
 use super::nodes::{Ros, outcome, send_until_active};
 use fab_arm::port::{Ending, Goal, Port};

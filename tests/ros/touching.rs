@@ -1,7 +1,8 @@
-//! Pairs of a pixel and a place, as a person measures them with an arm, and `fabc calibrate`.
+//! Pairs of a pixel and a position, as a person measures them with an arm, and `fabc calibrate`.
 //!
-//! In: a lab. Out: a calibration that is as wrong as a careful one: pixels are read to half a pixel, the tool's place to
-//! a millimetre, and the fingertips are not quite where the arm takes them to be. None of it is told to `fabc`.
+//! In: a lab. Out: a calibration with the errors of a careful person: pixels are read to half a pixel, the tool's
+//! position to a millimetre, and the fingertips are slightly off from where the arm assumes them. `fabc` is told none
+//! of these errors.
 
 use super::lab::Lab;
 use super::nodes::PATIENCE_S;
@@ -13,25 +14,25 @@ use fab_base::chance::Chance;
 use nalgebra::Point3;
 use serde_json::json;
 
-/// How far a pixel is read wrong, at the most.
+/// Largest error of a pixel.
 const PIXEL: f64 = 0.5;
 
-/// How far a place is, metres.
+/// Largest error of a position, metres.
 const PLACE_M: f64 = 0.001;
 
-/// How far from where the arm takes it to be the point is that touches, metres.
+/// Offset of the touching point from where the arm assumes it, metres.
 const TIP_M: [f64; 3] = [0.0010, -0.0008, 0.0003];
 
-/// How points come to be touched.
+/// How points are touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Touching {
-    /// The arm goes to each, over ROS.
+    /// The arm moves to each, over ROS.
     Driven,
-    /// Where it would come to is reckoned, which takes no time.
+    /// The reached position is computed, which takes no time.
     Reckoned,
 }
 
-/// Measures 16 points, and calibrates by them.
+/// Measures 16 points, and calibrates with them.
 pub fn calibrate(lab: &mut Lab, touching: Touching) {
     let mut lines = "u,v,x,y,z\n".to_owned();
     let places = places();
@@ -66,7 +67,7 @@ pub fn calibrate(lab: &mut Lab, touching: Touching) {
     );
 }
 
-/// Brings the tool to each place and says where it came to; then back to where it rests.
+/// Moves the tool to each position and returns where it arrived; then moves it back to rest.
 fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let settings = lab.settings();
     let port = lab.ros.connect();
@@ -84,11 +85,11 @@ fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
     reached
 }
 
-/// A grid of 4 x 4 over the table, drawn in to where the arm reaches.
+/// A grid of 4 x 4 over the table, shrunk to the arm's reach.
 fn places() -> Vec<[f64; 3]> {
     let shares = [-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0];
     let at = |row: usize, column: usize| {
-        // There and back again, so that no way is long.
+        // Alternating directions, so that every move is short.
         let column = if row.is_multiple_of(2) {
             column
         } else {

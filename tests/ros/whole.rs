@@ -1,5 +1,5 @@
-//! The whole loop over ROS: pictures from topics, a calibration with an error that nobody told, goals to actionlib's
-//! servers, and a cloth that ends folded.
+//! The whole loop over ROS: pictures from topics, a calibration with an unknown error, goals to actionlib's servers,
+//! and a folded cloth at the end.
 
 use super::lab::{Driver, Lab, cache_folder, project};
 use super::touching::{Touching, calibrate};
@@ -12,8 +12,8 @@ use fab_world::start::Start;
 use fab_world::{SimulatedWorld, World, WorldError};
 use fab_world::{expert, metrics};
 
-/// How far the cloth may be from the nearest expert's, metres: twice what was found over eight cameras, 6 to 12 mm;
-/// it differs from run to run by some, as messages come when they come.
+/// Largest distance of the cloth from the nearest expert's, metres: twice the 6 to 12 mm found over eight cameras; it
+/// varies between runs with the timing of messages.
 const DISTANCE_M: f64 = 0.025;
 
 struct Files;
@@ -26,7 +26,7 @@ impl Loader for Files {
     }
 }
 
-/// Returns how far a cloth is from the nearest expert's, metres, as the report of a simulated run says it.
+/// Returns the distance of a cloth from the nearest expert's, metres, as a simulated run's report computes it.
 fn distance_m(program: &Program, particles: &[[f32; 3]]) -> f64 {
     let make_world = || -> Result<Box<dyn World>, WorldError> {
         let world = SimulatedWorld::new(&program.camera, program.picker)?;
@@ -54,7 +54,7 @@ fn folds_a_double_triangle(driver: Driver, seed: u64) {
     let folder = run.folder.clone();
     let ended = run.end();
     assert_eq!(ended.code, Some(0), "{ended:#?}");
-    // A real arm knows no particles, so that the goal is not judged.
+    // A real arm knows no particles, so the goal is not judged.
     assert_eq!(ended.report["outcome"], "horizon_reached");
     assert!(ended.report["goal_reached"].is_null());
     assert_eq!(ended.report["steps"], 2);

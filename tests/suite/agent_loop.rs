@@ -1,4 +1,4 @@
-//! The agent loop under scripted models: what ends it, what it asks again, what it never does.
+//! The agent loop with scripted models: what ends it, what it asks again, what it never does.
 
 use super::support::{self, Scripted, Trial};
 use fab_agent::outcome::Outcome;
@@ -17,7 +17,7 @@ use fab_world::start::Start;
 
 const WORDS: &str = "Instructions: fold the back left corner onto the front left corner.\nExplanation: the arrow says so.";
 
-/// What a rollout under scripted replies came to.
+/// The result of a rollout with scripted replies.
 struct Played {
     report: Ended,
     seen: Vec<Request>,
@@ -45,7 +45,7 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         .subgoals
         .as_ref()
         .map_or(0, |subgoals| subgoals.steps());
-    // Scripted models do not look, so that nothing need be drawn for them.
+    // Scripted models do not look at pictures, so none need to be drawn.
     let subgoals = SubgoalSet {
         pictures: vec![image::RgbImage::new(32, 32); steps + 1],
         arrows: vec![None; steps],
@@ -84,7 +84,7 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
     }
 }
 
-/// The corners that the prompt of stage two offers, as it writes them.
+/// The corners that the prompt of stage two offers, in its notation.
 fn offered_corners() -> Vec<String> {
     let played = play(&[WORDS], &["nothing", "nothing", "nothing"]);
     let Part::Text(prompt) = &played.said[0].messages[1].parts[0] else {
@@ -231,7 +231,7 @@ fn a_detector_without_a_corner_is_a_named_outcome() {
     let mut program = support::small_task();
     for keypoint in &mut program.keypoints {
         if let Extractor::Corners { response, .. } = &mut keypoint.extractor {
-            // With k = 1 Harris' response, det - k trace^2, is nowhere above zero.
+            // With k = 1, Harris's response, det - k trace^2, is never above zero.
             *response = Response::Harris { k: 1.0 };
         }
     }

@@ -1,4 +1,5 @@
-//! A suite on a simulated arm: one rollout at a time, each with the arm's journal; what was cut off, and an arm that fails.
+//! A suite on a simulated arm: one rollout at a time, each with the arm's journal; interrupted suites, and failing
+//! arms.
 
 use super::bench::project;
 use super::physical::SUITE;
@@ -9,7 +10,7 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// A folder with a suite of two folds of a small cloth, and a simulated arm.
+/// A folder with a simulated arm and a suite of two folds of a small cloth.
 fn lab(edits: &[(&str, &str)]) -> TempDir {
     let folder = project(&SUITE.replace("count = 3", "count = 2"));
     let task = folder.path().join("tasks/tiny.fab");
@@ -22,7 +23,7 @@ fn lab(edits: &[(&str, &str)]) -> TempDir {
     folder
 }
 
-/// Carries the suite out on the arm, with these lines typed.
+/// Runs the suite on the arm, with these lines typed.
 fn carried(folder: &Path, more: &[&str], lines: &str) -> Said {
     finish(
         fabc(folder)
@@ -64,7 +65,7 @@ fn rollouts_go_one_at_a_time_and_the_operator_judges_each() {
     assert!(!again.stderr.contains("Was the task reached?"));
     assert_eq!(document(&again)["rows"][0]["value"], 0.5);
 
-    // The same rollouts in the simulator are others.
+    // The same rollouts in the simulator count as different ones.
     let other = finish(fabc(lab.path()).args(["bench", "tiny", "--out", "out"]));
     assert_eq!(other.code, 2, "{}", other.stderr);
     assert!(
@@ -131,7 +132,7 @@ fn what_was_cut_off_is_named_and_an_arm_left_in_a_motion_is_not_moved() {
 #[test]
 #[ignore = "long"]
 fn an_arm_or_a_camera_that_fails_ends_the_suite() {
-    // An arm that comes to rest a millimetre off, held to a tenth of that.
+    // An arm that stops a millimetre off, with a tolerance of a tenth of that.
     let strict = (
         "[simulated]",
         "[tolerance]\nposition_m = 0.0001\n\n[simulated]",

@@ -1,4 +1,4 @@
-//! A suite on an arm whose cloths a person lays: what the person is told, and what is not done before anybody is there.
+//! A suite on an arm whose cloths a person lays: what the person is told, and what is not done without a person.
 
 use super::physical::{SUITE, smoothing};
 use super::seen_coverage::{Blind, flat};

@@ -1,5 +1,5 @@
-//! Whole rollouts with the simulated arm while something goes wrong, on its own clock: each ends in a named outcome, within
-//! its box, at rest once it is stopped, and with journals that say how it was left.
+//! Whole rollouts with faults of the simulated arm, on its own clock: each ends in a named outcome, within its box, at
+//! rest once stopped, and with journals that say how it was left.
 
 use super::support::{self, Trial, root, task};
 use fab_agent::arm_sight::SIGHT;
@@ -33,34 +33,34 @@ use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
-/// How far outside of its box an arm that runs away may get, metres: it turns at 0.3 rad/s, the farthest corner of the box is
-/// 0.92 m from the axis, a reading is up to 0.1 s old, and it is looked at every 0.05 s, with a tick to each.
+/// How far a runaway arm may leave its box, metres: it turns at 0.3 rad/s, the farthest corner of the box is 0.92 m
+/// from the axis, a reading is up to 0.1 s old, and it is checked every 0.05 s, with one tick for each.
 const RUNAWAY_M: f64 = 0.3 * 0.92 * (0.1 + 0.05 + 0.02);
 
-/// How much farther where a stop is lost, which is noticed after a second and sent again, metres.
+/// How much farther it may go if a stop is lost, which is noticed after a second and sent again, metres.
 const LOST_STOP_M: f64 = 0.3 * 0.92 * 1.01;
 
-/// Side of the camera's picture, pixels: most of a rollout's time goes into pictures.
+/// Side of the camera's picture, pixels: most of a rollout's time is spent on pictures.
 const SIDE_PX: u32 = 360;
 
-/// How much longer than without a fault a rollout may take, seconds of the arm's clock.
+/// How much longer a rollout may take than one without a fault, seconds of the arm's clock.
 const LATER_S: f64 = 120.0;
 
 thread_local! {
-    /// The arm of the rollout under way, since a world is made where it cannot be handed out.
+    /// The arm of the current rollout, since the world is made where the arm cannot be returned.
     static ARM: RefCell<Option<SharedArm>> = const { RefCell::new(None) };
 }
 
-/// What a person does who watches.
+/// What a person beside the arm does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Person {
     /// Nothing.
     LooksOn,
-    /// Asks the program to end when the arm is looked at for the so manieth time.
+    /// Interrupts the program at this reading of the arm.
     Interrupts(u32),
-    /// Lets the key go at that time, for ten looks.
+    /// Releases the key at this reading, for ten readings.
     LetsGo(u32),
-    /// Says no to the so manieth question.
+    /// Answers no to this question.
     SaysNo(u32),
 }
 
@@ -94,7 +94,7 @@ impl Supervisor for Watching {
     }
 }
 
-/// What goes wrong in a rollout.
+/// The faults of a rollout.
 #[derive(Clone, Debug)]
 struct Trouble {
     faults: Vec<Fault>,
@@ -109,7 +109,7 @@ impl Trouble {
         }
     }
 
-    /// Draws one or two faults, and what a person does, over the time that a rollout usually takes.
+    /// Draws one or two faults and a person's action, within a rollout's usual duration.
     fn seeded(seed: u64, usual: &Ended) -> Trouble {
         let mut chance = Chance::seeded(seed);
         let kinds = FaultKind::ALL;
@@ -118,7 +118,7 @@ impl Trouble {
             from_s: chance.fraction() * usual.took_s,
         });
         let faults = faults.collect();
-        // Four looks at the arm in a second at the least, about as many questions as segments.
+        // At least four readings of the arm per second, and about as many questions as segments.
         let look = 1 + chance.below((usual.took_s * 10.0) as usize) as u32;
         let person = match chance.below(8) {
             0 => Person::Interrupts(look),
@@ -141,7 +141,7 @@ struct Ended {
     took_s: f64,
 }
 
-/// The task on a cloth of few particles, which only has to be seen and carried, in small pictures.
+/// The task with a cloth of few particles, which only needs to be seen and carried, in small pictures.
 fn program() -> Program {
     let mut program = task("real/double_triangle");
     program.camera.image_px = SIDE_PX;
@@ -225,7 +225,7 @@ fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
     }
 }
 
-/// Checks all that is promised of a rollout in which something went wrong; returns its outcome.
+/// Checks everything that is promised of a rollout with faults; returns its outcome.
 fn survives(trial: &Trial<'_>, seed: u64, usual: &Ended) -> Outcome {
     let trouble = Trouble::seeded(seed, usual);
     let told = format!("seed {seed}: {trouble:?}");
@@ -251,7 +251,7 @@ fn survives(trial: &Trial<'_>, seed: u64, usual: &Ended) -> Outcome {
         assert!(arm.is_stopped(), "{told}: {journal}");
     }
     if let Some(moved_m) = arm.moved_after_stop_m() {
-        // A pause cannot tell a stop that is pressed while its cancellation is on its way: kinova-ros lifts it.
+        // A pause cannot distinguish a stop pressed while its cancellation is in flight: kinova-ros lifts it.
         let may_be_lifted =
             matches!(trouble.person, Person::LetsGo(_)) && trouble.has(FaultKind::PressedStop);
         assert!(moved_m < 1e-9 || may_be_lifted, "{told}: {moved_m} m");
@@ -280,7 +280,7 @@ fn is_within_the_box(ended: &mut Ended, trouble: &Trouble, told: &str) {
     }
 }
 
-/// Checks that the arm's journal says what its lines add up to, and that this fits the outcome.
+/// Checks that the arm's state matches the journal's lines, and fits the outcome.
 fn is_left_as_it_says(folder: &Path, outcome: Outcome, journal: &str, told: &str) {
     let text = fs::read_to_string(folder.join(ARM_FILE)).unwrap_or_default();
     let entries: Vec<Entry> = text
@@ -291,7 +291,7 @@ fn is_left_as_it_says(folder: &Path, outcome: Outcome, journal: &str, told: &str
     for entry in &entries {
         match entry {
             Entry::Begin { segment, .. } => {
-                // A motion that was paused is begun again; no other before the one before it is verified.
+                // A paused motion is restarted; any other begins only after the previous one was verified.
                 assert!(is_verified || begun == Some(*segment), "{told}: {text}");
                 (begun, is_verified) = (Some(*segment), false);
                 may_hold |= segment.may_hold_cloth();
@@ -344,11 +344,11 @@ fn survive(seeds: std::ops::Range<u64>) -> BTreeMap<&'static str, u32> {
 #[ignore = "long"]
 fn a_rollout_in_which_anything_goes_wrong_ends_in_a_named_outcome() {
     let outcomes = survive(0..12);
-    // Neither does every fault end a rollout, nor none.
+    // Some faults must end a rollout and some must not.
     assert!(outcomes.len() >= 2, "{outcomes:?}");
 }
 
-// A thousand rollouts, in two tests that run side by side.
+// A thousand rollouts, in two tests that run in parallel.
 
 #[test]
 #[ignore = "long"]

@@ -1,4 +1,4 @@
-//! The picture of the flat cloth on an arm's table: taken from the settings, or of the table that is simulated.
+//! The picture of the flat cloth on an arm's table: from the settings, or of the simulated table.
 
 use super::support::{self, bring_robot, fabc, finish};
 use fab_agent::arm_sight::SIGHT;
@@ -36,7 +36,7 @@ fn arm(folder: &Path) -> ArmWorld {
     ArmWorld::simulated(parts).unwrap().with_flat(flat)
 }
 
-/// How many pixels are as colourful as the cloth.
+/// Counts the pixels that are as colourful as the cloth.
 fn cloth_px(picture: &RgbImage) -> usize {
     let spread = |pixel: &image::Rgb<u8>| {
         pixel.0.iter().max().unwrap_or(&0) - pixel.0.iter().min().unwrap_or(&0)

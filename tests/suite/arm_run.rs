@@ -1,4 +1,4 @@
-//! `fabc run --world jaco` with the arm that is simulated: the whole loop, without a robot.
+//! `fabc run --world jaco` with the simulated arm: the whole loop, without a robot.
 
 use super::support::{Said, bring_robot, fabc, finish, root};
 use fab_arm::log::{RunState, run_state};
@@ -19,7 +19,7 @@ fn the_simulated_arm_folds_a_double_triangle() {
     let report: Value = serde_json::from_str(&output.stdout).unwrap();
     assert_eq!(report["outcome"], "goal_reached", "{report}");
     assert_eq!(output.code, 0);
-    // Every motion was written down before it and verified after it, and the hand is empty.
+    // Every motion was recorded before it and verified after it, and the hand is empty.
     assert_eq!(run_state(&run).unwrap(), RunState::Clear);
     let journal = std::fs::read_to_string(run.join("arm.jsonl")).unwrap();
     let count = |kind: &str| journal.matches(&format!("\"type\":\"{kind}\"")).count();
@@ -47,7 +47,7 @@ fn an_arm_without_settings_is_told_so() {
     assert!(said.contains("none.toml"), "{said}");
 }
 
-/// Runs the fold with the arm's settings changed, and returns the folder and what came of it.
+/// Runs the fold with changed arm settings, and returns the folder and the output.
 fn planned(edits: &[(&str, &str)]) -> (tempfile::TempDir, Said) {
     let folder = tempfile::tempdir().unwrap();
     bring_robot(folder.path(), edits);
@@ -81,7 +81,7 @@ fn a_plan_is_drawn_and_nothing_moves() {
     assert_eq!((names[0], names[12], names.len()), ("rise", "rest", 13));
     let drawn = image::open(run.join("plan.png")).unwrap();
     assert_eq!((drawn.width(), drawn.height()), (900, 720 + 230));
-    // The journal of motions is not even begun.
+    // The journal of motions does not exist.
     assert!(!run.join("arm.jsonl").exists());
 }
 

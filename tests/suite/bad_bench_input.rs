@@ -1,4 +1,4 @@
-//! What `fabc bench` refuses, by which words and with which exit code.
+//! Input that `fabc bench` refuses, with its messages and exit codes.
 
 use super::bench::project;
 use super::support::{fabc, finish};

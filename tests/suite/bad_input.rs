@@ -1,10 +1,10 @@
-//! Bad input: one clear message, the documented exit code, nothing half-written.
+//! Bad input: one clear message, the documented exit code, no partial output.
 
 use super::support::{Said, bring_library, fabc, finish};
 use std::fs;
 use std::path::Path;
 
-/// A complete task on a cloth of 8 by 8 particles, by the shipped library.
+/// A complete task on a cloth of 8 by 8 particles, based on the shipped library.
 fn write_task(folder: &Path, subgoals: &str) {
     bring_library(folder);
     let text = format!(
@@ -20,7 +20,7 @@ pub(super) fn demonstrated(folder: &Path) {
     );
 }
 
-/// Runs the command and checks the code, that every expected word is said once, and that it is one message.
+/// Runs the command, and checks the code, that every expected word occurs once, and that it is one message.
 pub(super) fn refused(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) -> Said {
     let said = finish(fabc(folder).args(arguments));
     assert_eq!(
@@ -48,7 +48,7 @@ pub(super) fn refused(folder: &Path, arguments: &[&str], code: i32, words: &[&st
     said
 }
 
-/// Whether no run folder was left, not even an empty one.
+/// Returns whether no run folder is left, not even an empty one.
 pub(super) fn no_run_in(folder: &Path) -> bool {
     fs::read_dir(folder.join("runs")).map_or(true, |mut entries| entries.next().is_none())
 }
@@ -153,7 +153,7 @@ fn an_unknown_model_task_stage_or_step() {
 #[test]
 fn a_subgoal_picture_that_is_none_or_enormous() {
     let folder = tempfile::tempdir().unwrap();
-    // A task in another folder than the call: its pictures lie beside the task.
+    // The task is not in the working folder: its pictures are beside the task.
     let here = &folder.path().join("tasks");
     fs::create_dir(here).unwrap();
     write_task(
@@ -185,7 +185,7 @@ fn a_subgoal_picture_that_is_none_or_enormous() {
     );
 }
 
-/// The first bytes of a PNG file that promises a size.
+/// The first bytes of a PNG file that announces a size.
 fn png_header(width: u32, height: u32) -> Vec<u8> {
     let mut chunk = b"IHDR".to_vec();
     chunk.extend(width.to_be_bytes());

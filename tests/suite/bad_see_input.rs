@@ -1,4 +1,4 @@
-//! Pictures and arguments that `fabc see` refuses: one message, with what is there and what would be right.
+//! Pictures and arguments that `fabc see` refuses: one message, with the given value and what would be right.
 
 use super::bad_input::refused;
 use super::see::{FOLDING, SIDE_PX, write_depth};

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 
-/// Checks a refusal of a verb of `sim`.
+/// Checks that a `sim` verb refuses its input.
 fn sim_refused(folder: &Path, call: &str, code: i32, words: &[&str]) {
     let arguments: Vec<&str> = std::iter::once("sim").chain(call.split(' ')).collect();
     refused(folder, &arguments, code, words);
@@ -99,7 +99,7 @@ fn a_damaged_manifest() {
     sim_refused(here, "replay set", 2, &["`entries` are empty"]);
     write_manifest(here, &json!({ "entries": [7] }));
     sim_refused(here, "replay set", 2, &["entry 0"]);
-    // Each change of a whole entry, and what is said of it.
+    // Each change of a whole entry, and its message.
     let step = |name: &str, value: Value| {
         let mut step = whole["entries"][0]["steps"][0].clone();
         step[name] = value;
@@ -303,7 +303,7 @@ fn states_and_outputs_that_cannot_be() {
         ),
     ] {
         fs::write(here.join("outline.txt"), &letters).unwrap();
-        // `crumple` takes any grid, and so the first of these.
+        // `crumple` accepts any grid, so also the first of these.
         if letters != square(8) {
             let call = "crumple --outline outline.txt -o starts";
             sim_refused(here, call, 2, &[&["`outline.txt`"], words].concat());

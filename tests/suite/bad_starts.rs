@@ -1,4 +1,4 @@
-//! Starts that no cloth can have: refused before anything is run or written.
+//! Impossible starts of a cloth: refused before anything is run or written.
 
 use super::bad_input::{demonstrated, no_run_in, refused};
 use super::support::{fabc, finish};

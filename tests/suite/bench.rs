@@ -1,4 +1,4 @@
-//! `fabc bench` on suites so small that they take moments: figures, files, going on, and stopping.
+//! `fabc bench` on suites so small that they take moments: figures, files, resuming and stopping.
 
 use super::support::{bring_library, fabc, finish};
 use serde_json::Value;
@@ -55,7 +55,7 @@ value = 12.5
 source = "a paper"
 "#;
 
-/// A folder with the task and its suite, as a project has them.
+/// A project folder with the task and its suite.
 pub(super) fn project(suite: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let tasks = folder.path().join("tasks");
@@ -66,7 +66,7 @@ pub(super) fn project(suite: &str) -> tempfile::TempDir {
     folder
 }
 
-/// Runs the suite and returns its document.
+/// Runs the suite and returns its JSON document.
 fn bench(folder: &Path, arguments: &[&str]) -> Value {
     let said = finish(
         fabc(folder)
@@ -77,7 +77,7 @@ fn bench(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&said.stdout).unwrap()
 }
 
-/// The rows without what a clock decides.
+/// The rows without values that depend on a clock.
 fn timeless(document: &Value) -> Vec<Value> {
     let mut rows = document["rows"].as_array().unwrap().clone();
     for row in &mut rows {
@@ -105,7 +105,7 @@ fn a_suite_gives_the_same_figures_on_any_number_of_threads_and_is_not_run_twice(
     assert_eq!(first["rollouts"]["planned"], 6);
     assert_eq!(first["rollouts"]["found"], 0);
 
-    // A rollout that was cut off is run again, one that has ended is not.
+    // A rollout that was cut off is run again, a finished one is not.
     let cut_off = folder
         .path()
         .join("one/tiny/random/start-001-2/rollout.jsonl");
@@ -147,7 +147,7 @@ fn a_suite_gives_the_same_figures_on_any_number_of_threads_and_is_not_run_twice(
     }
 }
 
-/// Pulls at a small crumpled cloth; the goal is so near that chance meets it now and then.
+/// Pulls at a small crumpled cloth; the goal is so near that random pulls sometimes reach it.
 const PULLS: &str = r#"
 task tiny {
     cloth   grid(20, 20, start: crumpled)
@@ -206,7 +206,7 @@ fn figures_with_the_stop_are_those_of_rollouts_that_stopped() {
         .collect();
     assert_eq!(with_stop, timeless(&stopped));
     assert_eq!(with_stop.len(), 9);
-    // Some rollouts stop and some do not, else the test would show nothing.
+    // Some rollouts stop and some do not, otherwise the test would prove nothing.
     let last = &with_stop[6]["outcomes"];
     assert!(last["goal_reached"].as_u64() > Some(0), "{last}");
     let steps = |out: &str| {

@@ -1,7 +1,7 @@
-//! The book tells the truth: every file and every command in it is run, in the order of its page, in a folder of its own.
+//! Checks the book: every file and every command in it is run, in page order, in a folder of its own.
 //!
-//! In: README.md, ARCHITECTURE.md and the pages of `docs/`. What a block means stands in `book/walk.rs`. Where a page says
-//! something else than what comes, the difference is shown, and `FABC_WRITE_DOCS=1` writes the page anew.
+//! In: README.md, ARCHITECTURE.md and the pages of `docs/`. `book/walk.rs` defines the kinds of blocks. If a page
+//! differs from the real output, the difference is shown, and `FABC_WRITE_DOCS=1` rewrites the page.
 
 mod links;
 mod matching;
@@ -16,10 +16,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::{fs, thread};
 use walk::{Pace, Walked, walk};
 
-/// Pages side by side: as many as make a difference, since each command takes threads of its own.
+/// Pages in parallel: more would not help, since each command starts its own threads.
 const SIDE_BY_SIDE: usize = 2;
 
-/// Says how a page that differs comes to be as it should.
+/// The variable that has differing pages rewritten.
 const WRITE: &str = "FABC_WRITE_DOCS";
 
 #[test]
@@ -148,7 +148,7 @@ fn files_edits_and_commands_of_a_page_follow_each_other() {
     );
 }
 
-/// The whole task that the language page begins with.
+/// The complete task at the beginning of the language page.
 fn half() -> String {
     let pages = pages(root());
     let language = pages.iter().find(|page| page.path == "docs/language.md");
@@ -157,7 +157,7 @@ fn half() -> String {
     block.unwrap().text.clone()
 }
 
-/// Goes through pages; panics with all that is wrong in them, or writes them anew where that is asked for and enough.
+/// Processes pages; panics with all their faults, or rewrites them if asked to and if that suffices.
 fn walk_all(pages: &[Page], pace: &Pace) -> Vec<Walked> {
     let half = half();
     let next = AtomicUsize::new(0);

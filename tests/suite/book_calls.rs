@@ -1,16 +1,16 @@
-//! Holds the book to this command line: each call in it is read by the parser, also those that no test can run.
+//! Checks the book against this command line: each call is parsed, including those that no test can run.
 //!
-//! In: the pages that `book::page` reads. What the calls print is left to the book's own test.
+//! In: the pages that `book::page` reads. The book's own test checks the output of calls.
 
 use super::book::page::{self, Page};
 use super::support::root;
 
-/// Splits a call into words as a shell does.
+/// Splits a call into words like a shell.
 fn words_of(call: &str) -> Vec<String> {
     shlex::split(call).unwrap_or_else(|| panic!("`{call}` has a quote without an end"))
 }
 
-/// What is wrong with a call, by the parser's own name for it.
+/// The parser's own name for the error of a call.
 fn kind(error: &fabc::UsageError) -> String {
     format!("{:?}", error.kind())
 }
@@ -40,7 +40,7 @@ fn every_call_in_a_block_can_be_parsed() {
     assert!(n_calls > 20, "only {n_calls} calls were found");
 }
 
-/// Running text abbreviates: it may leave out what is required, and write `[--fix]`, `A|B` and `DIR…`.
+/// Running text abbreviates: it may omit required arguments, and write `[--fix]`, `A|B` and `DIR…`.
 #[test]
 fn every_call_in_running_text_names_verbs_and_flags_that_there_are() {
     let mut n_calls = 0;
@@ -58,7 +58,7 @@ fn every_call_in_running_text_names_verbs_and_flags_that_there_are() {
                 "MissingSubcommand",
             ]
             .contains(&kind(&error).as_str());
-            // A value may be spelt in capitals, such as `--size N`.
+            // A value may be a placeholder in capitals, such as `--size N`.
             let is_spelt = ["ValueValidation", "InvalidValue"].contains(&kind(&error).as_str());
             assert!(
                 is_abbreviated || is_spelt,
@@ -70,7 +70,7 @@ fn every_call_in_running_text_names_verbs_and_flags_that_there_are() {
     assert!(n_calls > 20, "only {n_calls} calls were found");
 }
 
-/// Calls between single backticks, outside of blocks.
+/// Calls between single backticks, outside blocks.
 fn inline_calls(page: &Page) -> Vec<String> {
     let mut text = page.text.clone();
     for block in &page.blocks {

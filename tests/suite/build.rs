@@ -23,7 +23,7 @@ fn build_lists_the_files_that_it_writes_whole() {
         .iter()
         .map(|file| file.as_str().unwrap())
         .collect();
-    // The task, its five ablations and the variant with examples, ten files each.
+    // The task, its five ablations and the variant with examples have ten files each.
     assert_eq!(files.len(), 70, "{files:?}");
     for file in &files {
         let text = std::fs::read_to_string(folder.path().join(file)).unwrap();

@@ -1,4 +1,4 @@
-//! `fabc calibrate`: points of a file or typed, each slip named, what was there kept, what was damaged refused.
+//! `fabc calibrate`: points from a file or typed; each mistake is named, existing files are kept, damaged ones refused.
 
 mod typing;
 
@@ -58,7 +58,7 @@ fn lab() -> (TempDir, Vec<Pair>) {
     (folder, pairs.collect())
 }
 
-/// A table of irregular sheets, so that there is something to find again.
+/// A table of irregular sheets, so that the registration has features to find.
 fn table() -> RgbImage {
     RgbImage::from_fn(640, 480, |u, v| {
         let sheet = (u / 23) * 7919 + (v / 19) * 104_729;
@@ -67,7 +67,7 @@ fn table() -> RgbImage {
     })
 }
 
-/// What the arm says where a pixel shows the table, seen from a metre; half a millimetre off, this way or that.
+/// The arm's reading at a pixel, with the camera a metre above; off by half a millimetre in varying directions.
 fn touched(pixel: [f64; 2], index: i32) -> Pair {
     let off = |salt: i32| f64::from((index * 7 + salt) % 5 - 2) * 0.00025;
     let round = |number: f64| (number * 10_000.0).round() / 10_000.0;
@@ -155,7 +155,7 @@ fn its_json_has_the_fields_that_scripts_rely_on() {
     }
 }
 
-/// What somebody does wrong.
+/// A mistake that a person makes.
 type Change = fn(&mut Vec<Pair>);
 
 #[test]
@@ -214,7 +214,7 @@ fn each_slip_is_named_and_nothing_is_written() {
 #[test]
 fn only_a_limit_on_errors_may_be_raised() {
     let (folder, mut pairs) = lab();
-    // No few points are to blame where every other one is off.
+    // If every other point is off, the fault is not that of a few points.
     for pair in pairs.iter_mut().step_by(2) {
         pair.base_m[0] += 0.012;
     }

@@ -1,4 +1,4 @@
-//! Keypoints from colour alone, as on the paper's real table: no depth, no number that depends on the lamp.
+//! Keypoints from colour alone, as on the paper's real table: no depth, and no number that depends on the lighting.
 
 use super::support::{self, ProjectFiles, Trial};
 use fab_agent::see::{Brought, SeeError, Seen, see};
@@ -7,7 +7,7 @@ use fab_program::{PixelPoint, Program};
 use fab_world::Look;
 use image::{Rgb, RgbImage};
 
-/// A table in one grey with a square of a colour from 146 to 333 on both axes, and a speck of that colour far from it.
+/// A uniformly grey table with a square of a colour from 146 to 333 on both axes, and a speck of that colour far away.
 fn table(grey: u8, cloth: [u8; 3]) -> RgbImage {
     RgbImage::from_fn(480, 480, |column, row| {
         let is_cloth = (146..334).contains(&column) && (146..334).contains(&row);
@@ -99,7 +99,7 @@ fn a_bare_table_shows_no_cloth() {
     }
 }
 
-/// A task beside the library, in a folder beside it.
+/// A task and the shipped library in a folder beside it.
 struct Own(String);
 
 impl Loader for Own {
@@ -143,7 +143,7 @@ fn new_keypoints_come_before_the_replaced_one_that_they_stand_above() {
 
 #[test]
 fn corners_are_kept_near_a_box_and_moved_towards_a_point() {
-    // Of the cloth's four corners two lie in the box around its blue half, and two 94 px beside it.
+    // Of the cloth's four corners, two lie in the box around its blue half, and two 94 px outside.
     let half = |margin: &str| {
         own(&format!(
             "blue = mask(hue: 200deg to 250deg, saturation: 0.3 to 1, value: 0.2 to 1) \
@@ -184,7 +184,7 @@ fn the_simulators_cloth_is_folded_in_half_twice_by_colour_alone() {
     let report =
         Trial::new(&program, &beside, Look::default()).run_stand_in(&folder.path().join("run"));
     assert_eq!((report.steps, report.retries), (3, 0));
-    // A quarter, and a little more for what lies askew.
+    // A quarter, plus a little because the layers lie askew.
     let covered = report.coverage_true.unwrap();
     assert!((0.24..0.32).contains(&covered), "{covered}");
 }

@@ -1,4 +1,4 @@
-//! `fabc completions` and `fabc manual`: scripts that shells can read, and pages that `man` can.
+//! `fabc completions` and `fabc manual`: scripts that shells can parse, and pages that `man` can.
 
 use super::support::{fabc, finish};
 use std::process::Command;
@@ -39,7 +39,7 @@ fn every_verb_has_a_manual_page() {
     assert!(said.stderr.contains("`file`"), "{}", said.stderr);
 }
 
-/// What bash offers after some words, the last of which is being written.
+/// The completions that bash offers for these words, the last of which is being typed.
 fn offered(words: &[&str]) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let script = folder.path().join("fabc.bash");
@@ -48,7 +48,7 @@ fn offered(words: &[&str]) -> Vec<String> {
     std::fs::write(folder.path().join("napkin.fab"), "").unwrap();
     let line = words.join(" ");
     let (last, before) = (words[words.len() - 1], words[words.len() - 2]);
-    // Outside of a real completion bash has no `compopt`.
+    // Bash has no `compopt` outside a real completion.
     let ask = format!(
         "compopt() {{ :; }}; source ./fabc.bash && COMP_WORDS=({line}) COMP_CWORD={} COMP_LINE='{line}' && _fabc fabc '{last}' '{before}' \
          && printf '%s\\n' \"${{COMPREPLY[@]}}\"",
@@ -72,7 +72,7 @@ fn bash_reads_its_script_and_completes_verbs_and_files() {
     assert!(verbs.contains(&"render".to_owned()), "{verbs:?}");
     assert!(verbs.contains(&"resume".to_owned()), "{verbs:?}");
     assert!(verbs.iter().all(|verb| verb.starts_with("re")), "{verbs:?}");
-    // A verb's own files are left to bash, which the script tells to complete them.
+    // The script leaves completing files to bash.
     let files = offered(&["fabc", "render", "a.fab", "--scene", "nap"]);
     assert_eq!(files, ["napkin.fab"]);
 }

@@ -1,11 +1,12 @@
-//! In-context examples: made by the scripted expert, told by the task's own words, refused where they are no test.
+//! In-context examples: made by the scripted expert, told in the task's own words, refused if they come from test
+//! starts.
 
 use super::support::{bring_library, fabc, finish, project};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// A task of one fold with a variant that is told demonstrations.
+/// A task of one fold with a variant that is given demonstrations.
 const ONE_FOLD: &str = r#"
 use "lib/folding.fab"
 
@@ -99,7 +100,7 @@ fn the_expert_demonstrates_and_the_prompt_tells_it_in_the_tasks_own_words() {
         assert!(answer.contains("\nPlace Point = ("), "{answer}");
     }
 
-    // Another wording of the task is another wording of its examples.
+    // Changing the task's wording changes the wording of its examples.
     let library = folder.path().join("lib/folding.fab");
     let text = fs::read_to_string(&library).unwrap();
     fs::write(
@@ -187,7 +188,7 @@ fn a_suite_with_a_start_that_is_an_example_is_refused() {
     );
 }
 
-/// A flat cloth, turned counter-clockwise, as the simulator lays it: z up.
+/// A flat cloth rotated counter-clockwise, as the simulator lays it: z up.
 fn turned(dimx: u64, dimy: u64, degrees: f64) -> Vec<[f32; 3]> {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let middle = |count: u64| (count - 1) as f64 / 2.0;
@@ -286,7 +287,7 @@ fn a_task_that_cannot_be_demonstrated_says_why() {
         "{}",
         said.stderr
     );
-    // No offered point stands for the middle of the cloth's inside.
+    // No offered point corresponds to the middle of the cloth.
     let nowhere = ONE_FOLD.replace("-> corner(front_left)", "-> point(0.25, 0.3)");
     let said = task(&nowhere);
     assert_eq!(said.code, 2);

@@ -1,4 +1,4 @@
-//! A world that is another program: the bundled simulator over lines, and what becomes of lines that are wrong.
+//! A world that is another program: the bundled simulator over lines, and the handling of wrong lines.
 #![cfg(unix)]
 
 use super::support::{self, fabc, finish, project};
@@ -12,7 +12,7 @@ use std::path::Path;
 
 const FABC: &str = env!("CARGO_BIN_EXE_fabc");
 
-/// The bundled simulator as a program, with what it says changed by an editor of streams.
+/// The bundled simulator as a program whose output `sed` changes.
 fn edited(script: &str) -> CommandLine {
     let pipe = format!("'{FABC}' world serve | sed -u -e '{script}'");
     let quoted = shlex::try_quote(&pipe).unwrap();
@@ -111,7 +111,7 @@ fn wrong_answers_are_named_with_their_values() {
     ] {
         let done = played(&edited(script));
         if words.is_empty() {
-            // It ends after its last answer; the question for particles finds that out.
+            // The program ends after its last answer, which the next request, for particles, finds out.
             assert!(
                 done.unwrap_err()
                     .to_string()

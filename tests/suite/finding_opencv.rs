@@ -1,4 +1,4 @@
-//! `scripts/pkg-config`: what a build is told about OpenCV, on systems that are folders of the test.
+//! `scripts/pkg-config`: what it tells a build about OpenCV, on simulated systems in test folders.
 
 use super::support::{Said, finish_process, root};
 use std::fs;
@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
 
-/// A system without pkg-config, whose files lie below a folder.
+/// A system without pkg-config, with its files below a folder.
 struct System {
     folder: TempDir,
 }
@@ -31,7 +31,7 @@ impl System {
         fs::write(path, text).unwrap();
     }
 
-    /// Adds a program in `sh`.
+    /// Adds a shell script as a program.
     fn program(&self, name: &str, text: &str) {
         let path = format!("programs/{name}");
         self.write(&path, &format!("#!/bin/sh\n{text}\n"));
@@ -39,7 +39,7 @@ impl System {
         fs::set_permissions(path, fs::Permissions::from_mode(0o755)).unwrap();
     }
 
-    /// Lays OpenCV where the system keeps it; returns the folders of its headers and libraries.
+    /// Installs OpenCV as the system would; returns the folders of its headers and libraries.
     fn bring_opencv(&self, libraries: &str) -> [String; 2] {
         let (prefix, ending) = match cfg!(target_os = "macos") {
             true => ("opt/homebrew/opt/opencv", "dylib"),
@@ -146,10 +146,10 @@ fn what_is_missing_is_named_in_one_line_with_a_command() {
     let start = "fabc: missing: OpenCV's core and imgproc development files: ";
     let command = line.strip_prefix(start).expect(line);
     assert!(command.contains("install"), "{line}");
-    // Whoever only asks whether it is there is not told.
+    // A check for existence prints nothing.
     let said = system.ask("--exists opencv4");
     assert_eq!((said.code, said.stderr.as_str()), (1, ""));
-    // A module alone is not enough.
+    // One module is not enough.
     system.write("usr/include/opencv4/opencv2/core.hpp", "");
     assert_eq!(system.ask("--exists opencv4").code, 1);
 }

@@ -1,4 +1,4 @@
-//! A pick anywhere on the cloth: what a model is told, what is refused, what is drawn at random.
+//! A pick anywhere on the cloth: what a model is told, what is rejected, what is drawn at random.
 
 use super::steered::{answer, play_with, steered_but};
 use super::support::{self, words_of};

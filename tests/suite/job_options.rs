@@ -1,4 +1,4 @@
-//! What a caller may set about a rollout, and the measures and counts that its report holds.
+//! What a caller may set about a rollout, and the measures and counts in its report.
 
 use super::steered::{LEFT, RIGHT, answer, play, play_with, steered};
 use super::support;
@@ -12,7 +12,7 @@ fn pull() -> String {
     answer(RIGHT, "0 deg", "10 mm")
 }
 
-/// A second one: after the first the center lies to the right of the fixed point.
+/// A second one: after the first, the center lies to the right of the fixed point.
 fn pull_back() -> String {
     answer("(112, 112)", "180 deg", "10 mm")
 }
@@ -79,7 +79,7 @@ fn both_measures_stand_side_by_side_after_each_step() {
             assert_eq!(entry["step"], played.steps[step]["step"]);
         }
     }
-    // A flat cloth covers itself: exactly by the true measure, roughly by SoftGym's.
+    // A flat cloth has full coverage: exactly by the true measure, roughly by SoftGym's.
     let number = |name: &str| report[name].as_f64().unwrap();
     assert!((number("coverage_true_at_start") - 1.0).abs() < 1e-4);
     assert!((0.85..1.0).contains(&number("coverage_at_start")));

@@ -1,4 +1,4 @@
-//! The run folder: whole lines, nothing overwritten, and enough to recompute the result.
+//! The run folder: complete lines, nothing overwritten, and enough data to recompute the result.
 
 use super::support::{self, Scripted, Trial};
 use fab_agent::journal::{JournalError, RunFolder};
@@ -60,7 +60,7 @@ fn every_file_that_the_journal_names_is_there_and_nothing_else() {
             .strip_prefix("images/")
             .and_then(|name| name.strip_suffix(".png"));
         let named = match image {
-            // A picture is named by the request that holds its hash.
+            // A request names a picture by its hash.
             Some(hash) => requests(&run, &lines).any(|request| request.contains(hash)),
             None => {
                 ["rollout.jsonl", "spent.jsonl"].contains(&file.as_str())
@@ -71,7 +71,7 @@ fn every_file_that_the_journal_names_is_there_and_nothing_else() {
     }
 }
 
-/// Collects every text of a line that looks like a file of the run.
+/// Collects every text in a line that looks like a file of the run.
 fn names(value: &Value, found: &mut Vec<String>) {
     match value {
         Value::String(text)

@@ -1,4 +1,4 @@
-//! One module per subject; `support` holds what they share.
+//! One module per subject; `support` holds shared code.
 
 mod pty;
 mod support;

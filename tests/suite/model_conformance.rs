@@ -1,4 +1,4 @@
-//! What every [`Model`] must do; a new model adds one line at the end.
+//! What every [`Model`] must do; add a line at the end for each new model.
 
 use super::support::{self, Scripted};
 use fab_base::interrupt::Interrupt;
@@ -30,7 +30,7 @@ fn conforms(make: &dyn Fn() -> Box<dyn Model>) {
     }
 }
 
-/// Questions good and bad; none may make a model panic.
+/// Valid and invalid questions; none may make a model panic.
 fn requests() -> Vec<Request> {
     let text = |words: &str| Part::Text(words.to_owned());
     let user = |parts: Vec<Part>| {
@@ -75,7 +75,7 @@ fn requests() -> Vec<Request> {
     all
 }
 
-/// What an answer may be said to be, good and bad.
+/// Valid and invalid answer schemas.
 fn schemas() -> Vec<serde_json::Value> {
     use serde_json::json;
     let field = |values: serde_json::Value| json!({ "type": "string", "enum": values });

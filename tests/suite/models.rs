@@ -1,11 +1,11 @@
-//! `fabc models`, `doctor` and `probe`: what they say, and how they end.
+//! `fabc models`, `doctor` and `probe`: their output and exit codes.
 
 use super::support::{Fabc, Said, fabc, finish};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// The command with settings in the test's own folder, and no key of the machine's.
+/// The command with its settings in the test's own folder, and without the machine's keys.
 fn alone(folder: &Path) -> Fabc {
     let mut command = fabc(folder);
     command

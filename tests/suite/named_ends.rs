@@ -1,4 +1,4 @@
-//! Input that no rollout can use: each kind ends in its own outcome, kept in the run folder and in the report.
+//! Input that no rollout can use: each kind ends in its own outcome, recorded in the run folder and in the report.
 
 use super::support::{self, Scripted, Trial};
 use fab_agent::outcome::Outcome;
@@ -45,14 +45,14 @@ fn ends(outcome: Outcome, model: &dyn Model, change: impl FnOnce(&mut Program, &
     assert!(!why.is_empty());
 }
 
-/// What is changed about the start and the pictures.
+/// Changes of the start and the pictures.
 #[derive(Default)]
 struct Shift {
     by_m: f32,
     without_arrows: bool,
 }
 
-/// Lets the cloth's mask take what is nearer than a depth.
+/// Makes the cloth's mask include everything nearer than a depth.
 fn mask_below(program: &mut Program, depth_m: f64) {
     for keypoint in &mut program.keypoints {
         if let Extractor::DepthMask { below_m } = &mut keypoint.extractor {
@@ -70,7 +70,7 @@ fn a_cloth_beside_the_picture() {
 
 #[test]
 fn a_mask_that_takes_the_whole_picture() {
-    // The detector looks at the mask's own outline, and a mask of everything has none.
+    // The detector works on the mask's outline, and a mask of everything has none.
     ends(Outcome::NoCandidates, &Geometric, |program, _| {
         mask_below(program, 5.0);
         for keypoint in &mut program.keypoints {

@@ -1,10 +1,10 @@
-//! `fabc new fold --from-images`: what it drafts runs to its goal, and what it cannot draft from it explains.
+//! `fabc new fold --from-images`: its drafts run to their goal, and it explains what it cannot draft.
 
 use super::new_tasks::{files, json, said};
 use super::support::root;
 use std::path::Path;
 
-/// The pinned pictures of a shipped task, in a folder beside the one that a test works in.
+/// The pinned pictures of a shipped task, in a folder beside the test's working folder.
 fn pictures(task: &str, count: usize) -> Vec<String> {
     let folder = root().join(format!("tasks/{task}.subgoals"));
     (0..count)
@@ -16,7 +16,7 @@ fn pictures(task: &str, count: usize) -> Vec<String> {
 #[ignore = "long"]
 fn a_fold_drafted_from_pictures_says_what_it_guessed_and_runs_to_its_goal() {
     let folder = tempfile::tempdir().unwrap();
-    // One picture lies there already, the others are brought.
+    // One picture is already there, the others are copied.
     let mut pictures = pictures("house", 3);
     std::fs::create_dir(folder.path().join("mine")).unwrap();
     std::fs::copy(&pictures[1], folder.path().join("mine/after.png")).unwrap();
@@ -130,7 +130,7 @@ fn drafts_of_shipped_folds_reach_their_goals_with_arrows_and_without() {
     }
 }
 
-/// Cuts a task's pictures, with their arrows, out of the sheet that `subgoals` lays; returns their paths.
+/// Cuts a task's pictures with their arrows out of the sheet that `subgoals` draws; returns their paths.
 fn sheets(folder: &Path, task: &str, count: usize) -> Vec<String> {
     let file = format!("{task}.fab");
     let folder = folder.join("tasks");

@@ -1,4 +1,4 @@
-//! `fabc new`: what it writes runs at once, and it writes all of it or nothing.
+//! `fabc new`: its tasks run at once, and it writes all of a task or nothing.
 
 use super::support::{Said, fabc, finish, root};
 use serde_json::Value;
@@ -13,7 +13,7 @@ pub fn json(said: &Said) -> Value {
     read.unwrap_or_else(|error| panic!("{error}\n{}\n{}", said.stdout, said.stderr))
 }
 
-/// Every file below a folder, in order.
+/// Every file below a folder, sorted.
 pub fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_owned()];

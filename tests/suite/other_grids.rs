@@ -1,11 +1,11 @@
-//! A start whose cloth is not the task's: what follows from the cloth is then that of the start.
+//! A start with another cloth than the task's: everything that depends on the cloth then follows the start.
 
 use super::bad_starts::write_npy;
 use super::support::{fabc, finish, project};
 use serde_json::Value;
 use std::path::Path;
 
-/// Runs the steered task, with distances in `edge`, from a flat start of that grid; returns the kept program.
+/// Runs the steered task, with distances in `edge`, from a flat start of that grid; returns the recorded program.
 fn kept_program(folder: &Path, [dimx, dimy]: [u32; 2]) -> Value {
     let text = std::fs::read_to_string(project("tests/fixtures/tasks/steered.fab")).unwrap();
     let text = text
@@ -25,7 +25,7 @@ fn kept_program(folder: &Path, [dimx, dimy]: [u32; 2]) -> Value {
     let dims = format!("{dimx}x{dimy}");
     let mut command = fabc(folder);
     command.args(["run", "task.fab", "--out", "run", "--start", "start.npy"]);
-    // However the rollout ends, what was compiled is kept.
+    // The compiled program is recorded however the rollout ends.
     let said = finish(command.args(["--dims", &dims, "--up", "z", "--json"]));
     assert!(![1, 64].contains(&said.code), "{}", said.stderr);
     let report: Value = serde_json::from_str(&said.stdout).unwrap();

@@ -1,4 +1,4 @@
-//! The command with a provider that is paid: kept answers, roles, interrupts, and suites with a cap.
+//! The command with a paid provider: cached answers, roles, interrupts, and suites with a cap.
 
 use super::provider::{Fate, Provider};
 use super::provider_commands::{calls, command, run};
@@ -170,7 +170,7 @@ fn a_probe_keeps_to_its_caps() {
     let said = probe(&["--max-cost", "1"]);
     assert_eq!((said.code, calls(&provider)), (3, 1), "{}", said.stderr);
     assert!(said.stderr.contains("cannot be held"), "{}", said.stderr);
-    // The stand-in names no place of a dot, which is what a probe is to find out.
+    // The stand-in cannot state a dot's position, which the probe must find out.
     let said = probe(&[]);
     assert_eq!((said.code, calls(&provider)), (3, 2), "{}", said.stderr);
     assert!(said.stdout.contains("0 of 12 dots"), "{}", said.stdout);
@@ -244,7 +244,7 @@ fn a_suite_ends_at_a_provider_that_refuses_and_goes_on_when_it_does_not() {
     assert_eq!(calls(&paid), 8 - 3, "what was answered is not bought again");
 }
 
-/// A suite of one small task, two starts, two rollouts each.
+/// A suite of one small task with two starts and two rollouts each.
 fn suite(folder: &Path) {
     let tasks = folder.join("tasks");
     fs::create_dir_all(tasks.join("suites")).unwrap();
@@ -305,7 +305,7 @@ fn a_suite_stops_at_its_cap_and_goes_on_with_a_higher_one() {
     let (code, whole) = bench(&[]);
     assert_eq!(code, 0, "{whole}");
     assert_eq!(whole["rollouts"]["finished"], 4);
-    // Repeats ask the same words, and each buys its own answer.
+    // Repeats ask the same words, but each buys its own answer.
     let counts = provider.counts();
     assert!(
         counts.values().all(|count| *count == 2),

@@ -1,4 +1,4 @@
-//! Whole rollouts with pictures through a LiteLLM proxy, which stands in front of `fabc serve`, or plays what it is told.
+//! Whole rollouts with pictures through a LiteLLM proxy, in front of `fabc serve` or with scripted answers.
 
 use super::support::{fabc, finish, project};
 use serde_json::Value;
@@ -10,10 +10,10 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A key that the proxy accepts: long, and nobody's.
+/// A key that the proxy accepts: long enough, and not a real one.
 const KEY: &str = "sk-fabc-peer-test-0123456789abcdef";
 
-/// A process that ends with the test.
+/// A process that is ended with the test.
 struct Running(Child);
 
 impl Drop for Running {
@@ -23,7 +23,7 @@ impl Drop for Running {
     }
 }
 
-/// Builds the environment where it is not there yet, and returns its folder.
+/// Builds the environment if it is missing, and returns its folder.
 fn environment() -> PathBuf {
     let python = std::env::var("FABC_PEER_PYTHON").expect(
         "FABC_PEER_PYTHON names no Python 3; `make test-all` sets it, or says what is missing",
@@ -76,7 +76,7 @@ fn serve(folder: &Path) -> (Running, String) {
     (Running(child), line.trim().to_owned())
 }
 
-/// Starts the proxy in front of an address, and returns its own.
+/// Starts the proxy in front of an address, and returns the proxy's own.
 fn proxy(folder: &Path, behind: &str) -> (Running, String) {
     let scripted = |name: &str, reply: &str| {
         format!(
@@ -93,7 +93,7 @@ fn proxy(folder: &Path, behind: &str) -> (Running, String) {
         scripted("chatty", "I would rather talk about the weather."),
     ];
     fs::write(folder.join("proxy.yaml"), config.concat()).unwrap();
-    // A free port; between here and the proxy's start nobody else asks for one.
+    // A free port; nothing else asks for one before the proxy starts.
     let port = TcpListener::bind("127.0.0.1:0")
         .unwrap()
         .local_addr()

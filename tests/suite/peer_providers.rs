@@ -1,4 +1,5 @@
-//! The providers' own Python clients read what fabc would send, and write what it must read; `make test-all` runs it.
+//! The providers' own Python clients parse what fabc would send, and produce what it must parse; `make test-all` runs
+//! it.
 
 use super::support::project;
 use fab_model::{Message, Part, Png, Request, Speaker};
@@ -11,7 +12,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Runs a verb of the script on a folder; returns the number that it prints.
+/// Runs one of the script's commands on a folder; returns the number that it prints.
 fn script(verb: &str, folder: &Path) -> usize {
     let python = std::env::var("FABC_PEER_PYTHON").expect("make test-all sets FABC_PEER_PYTHON");
     let output = Command::new(python)
@@ -37,7 +38,7 @@ fn settings(wire: Wire) -> Settings {
     }
 }
 
-/// Every shape of a request, by name.
+/// Every form of a request, by name.
 fn requests() -> Vec<(&'static str, Request)> {
     let words = Request::new(
         ModelRole::Text,

@@ -1,4 +1,4 @@
-//! Tests against foreign programs; `make test-all` runs them.
+//! Tests against third-party programs; `make test-all` runs them.
 
 use super::support::{fabc, finish, project};
 use fab_agent::record::Record;
@@ -41,7 +41,7 @@ fn peer_python_recomputes_the_printed_error_from_the_journal() {
     );
 }
 
-/// The share of pixels that two silhouettes have in common, and the place of the end among the bundled cloth's.
+/// Checks MuJoCo's final cloth: its silhouette against the subgoal's, and its distance from the bundled cloth.
 #[test]
 #[ignore = "needs Python with mujoco"]
 fn peer_mujoco_folds_double_triangle_as_a_world_in_another_language() {
@@ -67,7 +67,7 @@ fn peer_mujoco_folds_double_triangle_as_a_world_in_another_language() {
         ("sim", [55, 55])
     );
     let distance_mm = report.mean_particle_distance_mm.unwrap();
-    // Past the test's own capture: how near another simulator comes is worth knowing each time.
+    // Written past the test's output capture: how close another simulator comes is always of interest.
     let figures = format!(
         "MuJoCo's cloth ends {distance_mm:.1} mm from the bundled cloth's, overlaps the subgoal by {:.3}, after {seconds:.0} s\n",
         last.overlap

@@ -1,4 +1,4 @@
-//! The protocol on a real table: an operator lays the cloth and judges, and coverage is measured by pictures.
+//! The protocol on a real table: an operator lays the cloth and judges, and coverage is measured from pictures.
 
 use super::bench::project;
 use super::seen_coverage::{Blind, flat};
@@ -46,7 +46,7 @@ n = 4
 source = "a paper"
 "#;
 
-/// Runs the small suite with these lines typed, and returns its document and what was said.
+/// Runs the small suite with these lines typed, and returns its document and its messages.
 fn typed(folder: &Path, lines: &str) -> (Value, String) {
     let said = finish(
         fabc(folder)
@@ -167,7 +167,7 @@ fn suites_for_a_table_are_held_to_what_is_known_there() {
     );
 }
 
-/// An operator who says what was written down before.
+/// An operator with scripted judgements.
 struct Written(Mutex<VecDeque<Judgement>>);
 
 impl Operator for Written {
@@ -177,7 +177,7 @@ impl Operator for Written {
     }
 }
 
-/// The shipped smoothing task of the real table, with a small cloth that lies flat.
+/// The shipped smoothing task of the real table, with a small flat cloth.
 pub(super) fn smoothing() -> Program {
     let compiled = fab_compiler::compile("tasks/real/smoothing.fab", &ProjectFiles).unwrap();
     let mut program = compiled.programs.into_iter().next().unwrap();
@@ -207,7 +207,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
             ),
     )
     .unwrap();
-    // Against the picture of a larger cloth, so that something is missing at first.
+    // Compared with the picture of a larger cloth, so that coverage is incomplete at first.
     let picture = flat(&program, 40);
     let make_world = |program: &Program| -> Result<Box<dyn World>, WorldError> {
         Ok(Box::new(Blind {
@@ -288,7 +288,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
     }
     assert!(!text.contains("NI, source"), "{text}");
 
-    // A distance between particles that nobody knows is judged by nobody but the operator.
+    // If particles are unknown, only the operator can judge a distance between them.
     let mut fold = smoothing();
     fold.goal = support::task("double_triangle").goal;
     fold.task = "fold".to_owned();

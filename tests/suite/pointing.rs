@@ -1,4 +1,4 @@
-//! A model that answers in another frame is asked in it, and does what one does that answers in pixels.
+//! A model that answers in another frame is asked in that frame, and acts like one that answers in pixels.
 
 use super::support::{self, Scripted, Trial, words_of};
 use fab_agent::action::Action;
@@ -18,16 +18,16 @@ use std::sync::Mutex;
 /// Side of the small task's camera picture, pixels.
 const SIDE: f64 = 224.0;
 
-/// In which frame [`Foreign`] answers.
+/// The frame in which [`Foreign`] answers.
 #[derive(Clone, Copy, PartialEq)]
 enum Answers {
     AsAsked,
-    /// In pixels of the camera's picture, whatever it was asked for.
+    /// In pixels of the camera's picture, whatever frame the question asks for.
     InPixels,
 }
 
-/// A model that is asked in its own frame; it puts the prompt into pixels with a few lines of its own, asks
-/// `geometric`, and puts the answer back.
+/// A model that is asked in its own frame. It converts the prompt into pixels with a few lines of its own, asks
+/// `geometric`, and converts the answer back.
 struct Foreign {
     lowering: Lowering,
     answers: Answers,
@@ -43,7 +43,7 @@ impl Foreign {
         }
     }
 
-    /// Returns the pixel of two numbers of a prompt, in the order in which they stand there.
+    /// Returns the pixel for two numbers of a prompt, in their order in the prompt.
     fn pixel(&self, first: f64, second: f64) -> (i64, i64) {
         let (x, y) = match self.lowering.order {
             Order::Xy => (first, second),
@@ -59,7 +59,7 @@ impl Foreign {
         (pixel(x), pixel(y))
     }
 
-    /// Puts a text into pixels; remembers how each point stood there.
+    /// Converts a text into pixels; records the original notation of each point.
     fn in_pixels(&self, text: &str, known: &mut BTreeMap<String, String>) -> String {
         let (open, close) = match self.lowering.order {
             Order::Xy => ('(', ')'),
@@ -136,7 +136,7 @@ impl Model for Foreign {
     }
 }
 
-/// What came of a rollout.
+/// The result of a rollout.
 struct Played {
     outcome: Outcome,
     actions: Vec<Action>,
@@ -178,7 +178,7 @@ fn coordinates(unit: CoordinateUnit, order: Order) -> Lowering {
     }
 }
 
-/// Sent in twice the size.
+/// Sent at twice the size.
 fn doubled(points: Points) -> Lowering {
     Lowering {
         points,
@@ -233,7 +233,7 @@ fn a_model_that_answers_in_pixels_when_asked_for_another_frame_moves_nothing() {
         let names: Vec<&String> = played.refusals.keys().collect();
         assert_eq!(names, ["offered"]);
     }
-    // Round brackets do not say which number is x; a number is no place.
+    // Round brackets do not show which number is x; a mark's number is not a position.
     for lowering in [coordinates(CoordinateUnit::PerMille, Order::Yx), marks()] {
         let played = play(&Foreign::new(lowering, Answers::InPixels));
         assert_eq!(played.outcome, Outcome::MalformedReply, "{lowering:?}");
@@ -262,7 +262,7 @@ fn asked(task: &str, lowering: Lowering) -> Request {
     model.0.asked.into_inner().unwrap().pop().unwrap()
 }
 
-/// A script of a model with a lowering; it ends before the action.
+/// A scripted model with a lowering; its script ends before the action.
 pub struct Silent(pub Scripted, pub Lowering);
 
 impl Model for Silent {
@@ -363,7 +363,7 @@ fn pictures_are_sent_in_the_size_that_coordinates_count() {
     }
 }
 
-/// Returns the points after `The corners are`, as a prompt with numbers lists them.
+/// Returns the points after `The corners are` in a prompt with numbers.
 fn listed(request: &Request) -> Vec<(i64, i64)> {
     let words = words_of(request);
     let (_, listed) = words.split_once("The corners are ").unwrap();

@@ -1,4 +1,4 @@
-//! Demonstrations, the sentence that a prompt lacks, and tasks that cannot be asked so, in other frames than pixels.
+//! Frames other than pixels: demonstrations, the missing sentence of a prompt, and tasks that cannot be asked this way.
 
 use super::pointing::Silent;
 use super::support::{self, Scripted, Trial, words_of};
@@ -73,7 +73,7 @@ fn demonstrations_are_told_in_the_frame_of_the_model() {
     );
 }
 
-/// One text, whatever is asked for.
+/// A loader that returns one text for every path.
 struct OneText(String);
 
 impl Loader for OneText {
@@ -82,7 +82,7 @@ impl Loader for OneText {
     }
 }
 
-/// A task of one stage that does not say how a point is written; it offers `pick`.
+/// A task of one stage that does not say how to write a point; it offers `pick`.
 fn plain(pick: &str) -> Program {
     let text = format!(
         "task plain {{

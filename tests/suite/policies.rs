@@ -1,4 +1,4 @@
-//! Policies that ask no model: what they decide, what is refused, what becomes of a program that misbehaves.
+//! Policies that ask no model: what they decide, what is rejected, and how misbehaving programs are handled.
 #![cfg(unix)]
 
 use super::support::{self, Trial};
@@ -79,7 +79,7 @@ fn a_program_that_misbehaves_is_named_and_ended() {
     assert_eq!(stderr, "the weights are missing\n");
 }
 
-/// Runs the example of the documentation.
+/// Runs the example from the documentation.
 fn example() -> Command {
     let script = support::root().join("docs/examples/fold_policy.py");
     Command::new(&format!("python3 '{}'", script.display()))
@@ -103,7 +103,7 @@ fn the_example_folds_double_triangle() {
     assert!(!ended.sees_particles);
 }
 
-/// Writes down each question that it gets, and folds.
+/// A program that records each question, and folds.
 fn counting(folder: &Path) -> (Command, PathBuf) {
     let [script, asked] = ["policy.py", "asked.txt"].map(|name| folder.join(name));
     let example = support::root().join("docs/examples/fold_policy.py");
@@ -151,7 +151,7 @@ fn answers_are_kept_before_they_are_carried_out_and_never_asked_for_again() {
         );
         assert_eq!(std::fs::read_to_string(&asked).unwrap(), "", "asked again");
     }
-    // Without its second answer the rollout asks for that one alone.
+    // Without its second answer, the rollout asks only for that one.
     let run = folder.path().join("half");
     std::fs::create_dir_all(&run).unwrap();
     let calls = std::fs::read_to_string(whole.join("calls.jsonl")).unwrap();
@@ -262,7 +262,7 @@ fn the_random_policy_writes_no_prompt_and_its_seed_decides() {
     assert!(repeats.iter().any(|other| *other != first));
 }
 
-/// A policy that decides what it is told to, and asks no check.
+/// A policy with scripted decisions that ignores the checks.
 #[derive(Clone)]
 struct Stubborn(Vec<Proposal>);
 

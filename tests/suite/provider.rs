@@ -1,4 +1,4 @@
-//! A provider of the tests' own: the embedded model behind HTTP, which counts what it gets and fails as told.
+//! A provider for tests: the embedded model behind HTTP, which counts its calls and fails on request.
 
 use axum::body::{Body, Bytes, to_bytes};
 use axum::extract::{Request, State};
@@ -14,15 +14,15 @@ use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 
-/// The longest body that a test sends.
+/// The longest request body of a test.
 const MAX_BYTES: usize = 32 << 20;
 
-/// What becomes of a call.
+/// What happens to a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
     /// The embedded model answers.
     Answer,
-    /// Too many calls; nothing to wait for.
+    /// Too many calls; no waiting time is given.
     RateLimited,
     /// No credit.
     Quota,
@@ -36,11 +36,11 @@ pub enum Fate {
     Garbage,
     /// The model declines.
     Refusal,
-    /// A filter takes the answer away.
+    /// A filter removes the answer.
     Filter,
-    /// The answer ends where its longest length was reached.
+    /// The answer is cut at its maximum length.
     Truncated,
-    /// The key is refused, and repeated in the message and a header.
+    /// The key is rejected, and echoed in the message and a header.
     Unauthorised,
 }
 
@@ -60,15 +60,15 @@ impl Fate {
     ];
 }
 
-/// What a provider got and does.
+/// A provider's calls and behaviour.
 pub struct Seen {
     /// Bodies of the calls, oldest first.
     pub got: Vec<Vec<u8>>,
-    /// How many answers were handed over to be sent.
+    /// How many answers were handed over for sending.
     pub answered: usize,
     /// Decides by a call's number, from 0.
     fate: Box<dyn FnMut(usize) -> Fate + Send>,
-    /// What each answer's text is put behind.
+    /// Prefix of each answer's text.
     pub said_before: String,
 }
 
@@ -110,17 +110,17 @@ impl Provider {
         Provider::start(|_| Fate::Answer)
     }
 
-    /// Returns what `--base-url` names.
+    /// Returns the value for `--base-url`.
     pub fn base_url(&self) -> &str {
         &self.address
     }
 
-    /// Returns what it got so far.
+    /// Returns the calls so far.
     pub fn seen(&self) -> MutexGuard<'_, Seen> {
         self.seen.lock().unwrap()
     }
 
-    /// Returns how often each body came.
+    /// Returns how often each body was received.
     pub fn counts(&self) -> BTreeMap<Vec<u8>, usize> {
         let mut counts = BTreeMap::new();
         for body in &self.seen().got {
@@ -170,7 +170,7 @@ async fn meet(State(seen): State<Arc<Mutex<Seen>>>, request: Request, next: Next
         }
         Fate::Cut => {
             let (_, bytes) = whole().await;
-            // More is promised than comes before the stream fails.
+            // The announced length is longer than the stream, which fails.
             let half = bytes.slice(..bytes.len() / 2);
             let pieces = [Ok(half), Err(std::io::Error::other("cut"))];
             let body = Body::from_stream(Pieces(pieces.into_iter()));
@@ -197,7 +197,7 @@ async fn meet(State(seen): State<Arc<Mutex<Seen>>>, request: Request, next: Next
     }
 }
 
-/// Pieces of a body, one of which fails.
+/// Parts of a body, one of which fails.
 struct Pieces<I>(I);
 
 impl<I: Iterator<Item = std::io::Result<Bytes>> + Unpin> futures_core::Stream for Pieces<I> {
@@ -223,7 +223,7 @@ fn changed(bytes: Bytes, change: impl Fn(&mut Value)) -> Response {
     reply.to_string().into_response()
 }
 
-/// Puts words before the answer's.
+/// Prefixes the answer's text.
 fn with(said_before: &str, bytes: &Bytes) -> Vec<u8> {
     if said_before.is_empty() {
         return bytes.to_vec();

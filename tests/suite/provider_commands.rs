@@ -1,4 +1,5 @@
-//! The command with a provider, before anything is sent: estimates, settings, refusals, and prompts as they would be sent.
+//! The command with a provider, before anything is sent: estimates, settings, rejections, and prompts as they would be
+//! sent.
 
 use super::provider::Provider;
 use super::support::{Fabc, fabc, finish, project};
@@ -6,7 +7,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// Facts that give the embedded model behind `compatible` a price, and a temperature that it does not take.
+/// Facts that give the embedded model behind `compatible` a price, and say that it does not support a temperature.
 const FACTS: &str = "\
 [[model]]
 provider = \"compatible\"
@@ -19,7 +20,7 @@ as_of = \"2026-11-21\"
 source = \"a test\"
 ";
 
-/// The command, with files and a cache that are the test's own.
+/// The command, with the test's own files and cache.
 pub fn command(folder: &Path, arguments: &[&str]) -> Fabc {
     let mut command = fabc(folder);
     command
@@ -51,7 +52,7 @@ pub fn run(folder: &Path, provider: &Provider, more: &[&str]) -> (i32, Value, St
     (said.code, report, said.stderr)
 }
 
-/// How many calls a provider got.
+/// Returns how many calls a provider received.
 pub fn calls(provider: &Provider) -> usize {
     provider.seen().got.len()
 }

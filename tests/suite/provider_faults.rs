@@ -1,5 +1,5 @@
 //! Rollouts with a provider of whose calls one in ten fails, in every way: each ends in a named outcome, every call is
-//! accounted for, and what failed is gone on with.
+//! accounted for, and failed rollouts are resumed.
 
 use super::provider::{Fate, Provider};
 use super::support::{self, Trial};
@@ -17,7 +17,7 @@ use std::time::Duration;
 
 const ROLLOUTS: u32 = 16;
 
-/// Numbers that look drawn by chance, and are the same each time (Steele, Lea, Flood 2014: SplitMix64).
+/// Pseudo-random numbers, the same each time (Steele, Lea, Flood 2014: SplitMix64).
 fn drawn(number: usize) -> u64 {
     let mut bits = (number as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -1,4 +1,4 @@
-//! A command in a pseudo-terminal: what it shows, keys that are pressed, how the terminal is left.
+//! A command in a pseudo-terminal: its output, pressed keys, and the terminal's final state.
 
 use nix::pty::{Winsize, openpty};
 use nix::sys::termios::{LocalFlags, tcgetattr};
@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-/// Long enough for a loaded machine; nothing is measured.
+/// Long enough for a loaded machine; no time is measured.
 pub const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A command that waits for keys.
@@ -20,7 +20,7 @@ pub struct Session {
     text: String,
 }
 
-/// Whether keys are read as lines, and shown as they are typed.
+/// Whether the terminal reads lines and echoes keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mode {
     pub is_by_lines: bool,
@@ -28,7 +28,7 @@ pub struct Mode {
 }
 
 impl Session {
-    /// Starts a command in a terminal of so many columns.
+    /// Starts a command in a terminal of this width.
     pub fn start(mut command: Command, columns: u16) -> Session {
         let size = Winsize {
             ws_row: 40,
@@ -45,7 +45,7 @@ impl Session {
             .stderr(end())
             .spawn()
             .unwrap();
-        // The far end of a terminal that nobody holds any more fails to read: so the command's own ends are the only ones.
+        // Reading the far end fails once nobody holds the terminal, so only the command may hold its ends.
         drop((command, pty.slave));
         let keys = File::from(pty.master);
         let mut screen = keys.try_clone().unwrap();
@@ -66,7 +66,7 @@ impl Session {
         }
     }
 
-    /// Starts a command as a shell does in a window of its own: Ctrl-C in that terminal is a signal to it.
+    /// Starts a command like a shell in a new window: Ctrl-C in that terminal sends it a signal.
     #[cfg(target_os = "linux")]
     pub fn in_window(command: &Command) -> Session {
         let mut window = Command::new("setsid");
@@ -84,7 +84,7 @@ impl Session {
         Session::start(window, 120)
     }
 
-    /// Waits for words, and returns all that was shown since the last call.
+    /// Waits for a text, and returns everything shown since the last call.
     pub fn until(&mut self, words: &str) -> String {
         loop {
             if let Some(at) = self.text.find(words) {
@@ -97,7 +97,7 @@ impl Session {
         }
     }
 
-    /// Presses a key when it is waited for; before that, the terminal itself would show it, or obey Ctrl-C.
+    /// Presses a key once the command waits for it; before that, the terminal itself would echo it, or handle Ctrl-C.
     pub fn press(&mut self, key: &str) {
         for _ in 0..PATIENCE.as_millis() {
             if !self.mode().is_by_lines {
@@ -113,7 +113,7 @@ impl Session {
         self.keys.write_all(bytes.as_bytes()).unwrap();
     }
 
-    /// Returns how the terminal takes keys.
+    /// Returns how the terminal handles keys.
     pub fn mode(&self) -> Mode {
         let flags = tcgetattr(&self.keys).unwrap().local_flags;
         Mode {
@@ -122,13 +122,13 @@ impl Session {
         }
     }
 
-    /// Returns the exit code, and what was shown last.
+    /// Returns the exit code and the final output.
     pub fn end(self) -> (Option<i32>, String) {
         let (code, shown, _) = self.ended();
         (code, shown)
     }
 
-    /// Returns the exit code, what was shown last, and how the terminal was left.
+    /// Returns the exit code, the final output, and the terminal's final state.
     pub fn ended(mut self) -> (Option<i32>, String, Mode) {
         loop {
             match self.shown.recv_timeout(PATIENCE) {
@@ -152,7 +152,7 @@ fn plain(bytes: &[u8]) -> String {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        // A test that failed leaves nobody behind who waits for a key; one that went well has waited for the end already.
+        // A failed test must not leave a process waiting for a key; a successful one has already waited for the end.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -1,5 +1,5 @@
-//! Points that a world cannot reach: never offered, told of before anybody is asked, and refused where an answer leads
-//! there all the same.
+//! Points that a world cannot reach: never offered, reported before a model is asked, and rejected if an answer still
+//! leads there.
 
 use super::support::{self, ProjectFiles, words_of};
 use fab_agent::examples::Examples;
@@ -22,7 +22,7 @@ use fab_world::{Around, Executed, Motion, SimulatedWorld, World, WorldError, Wor
 use serde_json::Value;
 use std::sync::Mutex;
 
-/// The simulator's world with an arm that reaches no farther to the right than some x.
+/// The simulator's world with an arm that reaches to the right only up to some x.
 struct Short {
     world: SimulatedWorld,
     most_x_m: f64,
@@ -59,7 +59,7 @@ impl Around for Short {
     }
 }
 
-/// A model whose answer follows from the question, and from how many there were before it.
+/// A model whose answer depends on the question and on the number of earlier ones.
 struct Answering<'a> {
     answer: &'a (dyn Fn(usize, &Request) -> String + Sync),
     asked: Mutex<Vec<Request>>,
@@ -87,7 +87,7 @@ struct Played {
     lines: Vec<Value>,
 }
 
-/// Runs a task's first steps where the arm reaches to `most_x_m`.
+/// Runs a task's first steps with an arm that reaches to `most_x_m`.
 fn play(
     program: &Program,
     most_x_m: f64,
@@ -166,7 +166,7 @@ fn column(point: &str) -> i32 {
     digits.parse().unwrap()
 }
 
-/// Answers a fold: first what the step is, then its first offered points.
+/// Answers for a fold: first the description of the step, then its first offered points.
 fn folds(_: usize, request: &Request) -> String {
     if request.schema.is_none() {
         return "Instructions: fold it.".to_owned();
@@ -338,7 +338,7 @@ fn smoothing(variant: Option<&str>) -> Program {
 #[test]
 fn a_place_that_follows_from_a_distance_is_checked_last_and_costs_an_attempt() {
     let program = smoothing(None);
-    // In this task's picture +X is up: the uppermost corner is the one that a pull upwards takes out of reach.
+    // In this task's picture +X is up, so an upward pull takes the uppermost corner out of reach.
     let answer = |number: usize, request: &Request| {
         let mut picks = offered(request, "pick");
         picks.sort_by_key(|pick| {

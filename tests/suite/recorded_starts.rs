@@ -10,8 +10,8 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Distance to the recorded end below which a fold counts as the recorded one, millimetres; an
-/// untouched cloth is 117 to 147 away.
+/// Distance to the recorded end below which a fold counts as the recorded one, millimetres; an untouched cloth is 117
+/// to 147 away.
 const LIMIT_MM: f64 = 50.0;
 /// The recorded ids: ten sizes, each turned by 0 and 45 degrees.
 const IDS: [u32; 20] = [

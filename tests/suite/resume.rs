@@ -1,4 +1,4 @@
-//! Rollouts that were cut off, stopped by a cap, or changed since, and are gone on with.
+//! Resuming rollouts that were cut off, stopped by a cap, or changed in the meantime.
 
 use super::support::{self, Trial, bring_library, fabc, finish, project};
 use fab_agent::journal::{JournalError, RunFolder};
@@ -18,7 +18,7 @@ use std::sync::Mutex;
 /// What each answer costs.
 const PRICE: Usd = Usd::from_nano(1_000_000);
 
-/// The stand-in as if it were bought: each question is a call.
+/// The stand-in as a paid model: each question is a call.
 #[derive(Default)]
 struct Bought {
     sent: Mutex<Vec<String>>,
@@ -77,7 +77,7 @@ fn play(trial: &Trial<'_>, model: &Bought, run: &Path) -> Ended {
     trial.run(model.both(), run, &mut |_| {})
 }
 
-/// Copies the files at the top of a run folder; all others are written anew.
+/// Copies the top-level files of a run folder; the others are written again.
 fn copy(from: &Path, to: &Path) {
     fs::create_dir_all(to).unwrap();
     for entry in fs::read_dir(from).unwrap() {
@@ -102,7 +102,7 @@ fn a_rollout_cut_off_anywhere_comes_out_the_same_and_asks_nothing_twice() {
     let sent = model.sent();
     let lines = journal(&whole);
     let ends: Vec<usize> = lines.match_indices('\n').map(|(at, _)| at + 1).collect();
-    // Within the header, at each line's end, within each line, and whole.
+    // Within the header, at each line's end, within each line, and complete.
     let mut cuts = vec![0, 30];
     cuts.extend(ends.iter().flat_map(|end| [*end, end + 40]));
     let calls = fs::read_to_string(whole.join(ledger::LEDGER_FILE)).unwrap();
@@ -115,7 +115,7 @@ fn a_rollout_cut_off_anywhere_comes_out_the_same_and_asks_nothing_twice() {
         let run = folder.path().join(format!("cut-{number}"));
         copy(&whole, &run);
         fs::write(run.join(RECORD_FILE), &lines[..cut]).unwrap();
-        // Two answers of each step come before its line; the third call was under way.
+        // Two answers of each step come before its line; the third call was in progress.
         let steps = ends
             .iter()
             .filter(|end| **end <= cut)
@@ -205,7 +205,7 @@ fn a_done_step_whose_answers_are_lost_is_not_bought_again() {
     assert_eq!(journal(&run), journal_before);
     assert_eq!(fs::read_to_string(&asked).unwrap(), "as it was");
 
-    // Other subgoal pictures are noticed by the first line, before anything is asked.
+    // Changed subgoal pictures are noticed in the first line, before anything is asked.
     trial.subgoals.pictures.reverse();
     let error = trial.try_run(model.both(), &run, &mut |_| {}).unwrap_err();
     assert!(error.to_string().contains("`subgoal_pictures`"), "{error}");
@@ -238,7 +238,7 @@ fn the_command_goes_on_with_a_run_and_notices_a_changed_task() {
     let first_two: String = whole.split_inclusive('\n').take(2).collect();
     fs::write(run.join(RECORD_FILE), &first_two).unwrap();
 
-    // From another folder, since paths are those of the place where the run was begun.
+    // Run from another folder, since paths are relative to the folder where the run was started.
     let elsewhere = folder.path().join("elsewhere");
     fs::create_dir(&elsewhere).unwrap();
     let resumed = finish(fabc(&elsewhere).args(["resume", "../run", "--json"]));

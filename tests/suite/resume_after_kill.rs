@@ -1,4 +1,4 @@
-//! `fabc run` with a provider, killed at many points and gone on with: nothing is bought twice and nothing lost.
+//! `fabc run` with a provider, killed at many points and resumed: nothing is bought twice and nothing is lost.
 
 use super::provider::Provider;
 use super::support::{Fabc, bring_library, fabc, finish, project};
@@ -27,7 +27,7 @@ task small extends folding {
 }
 ";
 
-/// The command, with a cache of answers that is the run's own.
+/// The command, with the run's own cache of answers.
 fn command(folder: &Path, arguments: &[&str]) -> Fabc {
     let mut command = fabc(folder);
     command
@@ -68,7 +68,7 @@ fn prepare(folder: &Path) {
     fs::write(folder.join("small.fab"), TASK).unwrap();
 }
 
-/// Waits until `reached` or until the process has ended; returns whether it has.
+/// Waits until `reached` is true or the process has ended; returns whether it has ended.
 fn ended_before(child: &mut Child, reached: impl Fn() -> bool) -> bool {
     let begun = Instant::now();
     while !reached() {
@@ -84,7 +84,7 @@ fn ended_before(child: &mut Child, reached: impl Fn() -> bool) -> bool {
     false
 }
 
-/// The exchanges of a recording, without what a clock decides.
+/// The exchanges of a recording, without values that depend on a clock.
 fn exchanges(path: &Path) -> Vec<Value> {
     let text = fs::read_to_string(path).unwrap();
     let lines = text
@@ -92,7 +92,7 @@ fn exchanges(path: &Path) -> Vec<Value> {
         .map(|line| serde_json::from_str::<Value>(line).unwrap());
     let timeless = lines.map(|mut line| {
         line.as_object_mut().unwrap().remove("took_s");
-        // An answer that was kept, but not yet noted, when the process died costs nothing when it is taken up again.
+        // An answer that was cached but not yet recorded when the process died costs nothing when it is reused.
         if let Some(reply) = line["reply"].as_object_mut() {
             reply.remove("cost");
         }
@@ -115,9 +115,9 @@ fn a_run_killed_at_any_point_loses_nothing_and_buys_nothing_twice() {
     kill_at(every.collect());
 }
 
-/// Kills a run at each moment, goes on with it, and compares it with one that was left alone.
+/// Kills a run at each moment, resumes it, and compares it with an undisturbed one.
 ///
-/// - `moments`: when so many calls have come in, or answers gone out, and so many milliseconds later.
+/// - `moments`: after this many received calls or sent answers, and this many milliseconds later.
 fn kill_at(moments: Vec<(usize, u64)>) {
     let whole = tempfile::tempdir().unwrap();
     prepare(whole.path());
@@ -155,7 +155,7 @@ fn kill_at(moments: Vec<(usize, u64)>) {
         let run = folder.path().join("run");
         let said = match run.join("run.json").exists() {
             true => finish(&mut command(folder.path(), &["resume", "run"])),
-            // It was killed before it wrote down how it was begun, and so before anything was sent.
+            // It was killed before it recorded how it was started, and thus before anything was sent.
             false => {
                 assert_eq!(provider.seen().got.len(), 0, "{what}");
                 let _ = fs::remove_dir_all(&run);
@@ -167,7 +167,7 @@ fn kill_at(moments: Vec<(usize, u64)>) {
         let counts = provider.counts();
         assert_eq!(counts.len(), questions, "{what}");
         let again: usize = counts.values().map(|count| count - 1).sum();
-        // A call that was under way when the process died is the only one that may be sent again.
+        // Only a call that was in progress when the process died may be sent again.
         assert!(
             again as u64 <= spent.possibly_billed,
             "{what}: {again} sent again"
@@ -201,7 +201,7 @@ fn no_artefact_holds_the_key() {
         4 => super::provider::Fate::Unauthorised,
         _ => super::provider::Fate::Answer,
     });
-    // The provider repeats the key in its answers, plainly and escaped.
+    // The provider echoes the key in its answers, plain and escaped.
     let escaped: String = CANARY
         .chars()
         .map(|it| format!("\\u{:04x}", u32::from(it)))

@@ -1,4 +1,4 @@
-//! A step whose result is not like the next subgoal is asked again, a bounded number of times.
+//! A step whose result does not resemble the next subgoal is asked again, a limited number of times.
 
 use super::support::{self, Trial};
 use fab_agent::rollout::Ended;
@@ -11,7 +11,7 @@ use fab_world::Look;
 use serde_json::Value;
 use std::sync::Mutex;
 
-/// The stand-in, but for the first so many actions, which all place on the center.
+/// The stand-in, except that its first actions all place on the center.
 struct Careless {
     wrong: Mutex<u32>,
     asked: Mutex<Vec<Request>>,
@@ -48,7 +48,7 @@ impl Model for Careless {
 struct Played {
     report: Ended,
     asked: Vec<Request>,
-    /// What the journal says of each action's result.
+    /// The result of each action in the journal.
     results: Vec<Value>,
 }
 
@@ -77,7 +77,7 @@ fn play(program: &Program, wrong: u32) -> Played {
     }
 }
 
-/// A small task whose steps are held against their subgoals, the small pack loosely.
+/// A small task whose steps are compared with their subgoals, loosely because of the small pack.
 fn looking() -> Program {
     let mut program = support::small_task();
     program.verify.result = support::task("double_triangle").verify.result;
@@ -85,7 +85,7 @@ fn looking() -> Program {
     program
 }
 
-/// The question itself.
+/// The message with the question.
 fn question(request: &Request) -> &Message {
     let mut users = request.messages.iter();
     users

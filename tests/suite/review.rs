@@ -1,4 +1,4 @@
-//! `fabc review`: what is pending, as JSON and on a terminal, and what becomes of it.
+//! `fabc review`: pending snapshots as JSON and on a terminal, and the effect of decisions.
 
 mod docs;
 mod findings;

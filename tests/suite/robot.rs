@@ -1,4 +1,4 @@
-//! `fabc robot`: what a run left an arm in is said and noted, never changed unsaid; settings that cannot be used are named.
+//! `fabc robot`: reports and records how a run left an arm, and changes nothing silently; names unusable settings.
 
 mod preflight;
 
@@ -28,7 +28,7 @@ fn robot(folder: &Path, arguments: &[&str], typed: &str) -> Said {
     finish(fabc(folder).arg("robot").args(arguments).stdin(typed))
 }
 
-/// A folder with a run that was stopped as the fingers closed.
+/// A folder with a run that was stopped while the fingers closed.
 fn left() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("run")).unwrap();
@@ -122,7 +122,7 @@ fn an_arm_that_is_set_up_is_told_what_it_reaches() {
         .iter()
         .map(|place| place["why_not"].is_null())
         .collect();
-    // The far corners are 0.92 m away, and it reaches 0.70 m.
+    // The far corners are 0.92 m away, and the arm reaches 0.70 m.
     assert_eq!(reached, [true, true, true, true, false, false], "{read}");
     let mut command = fabc(folder.path());
     let said = finish(command.args(["robot", "check", "--robot", "robot.toml"]));

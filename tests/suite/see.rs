@@ -36,14 +36,14 @@ fn fixtures(root: &Path, folder: &str) -> Vec<Value> {
     manifest["fixtures"].as_array().unwrap().clone()
 }
 
-/// Runs `fabc see … --json` in a folder and returns what it prints.
+/// Runs `fabc see … --json` in a folder and returns its document.
 fn seen(folder: &Path, arguments: &[&str]) -> Value {
     let said = finish(fabc(folder).arg("see").args(arguments).arg("--json"));
     assert_eq!(said.code, 0, "{arguments:?}\n{}", said.stderr);
     serde_json::from_str(&said.stdout).unwrap()
 }
 
-/// The place of a recorded action: the middle of the purple ring drawn around it.
+/// The place of a recorded action: the middle of the purple ring around it.
 fn place_shown(drawing: &RgbImage) -> PixelPoint {
     let purple = Mask::from_fn(drawing.width(), drawing.height(), |column, row| {
         drawing.get_pixel(column, row).0 == [128, 0, 128]
@@ -66,7 +66,7 @@ fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations
             continue;
         }
         let name = fixture["name"].as_str().unwrap();
-        // Each series begins anew.
+        // Each series starts again from step 0.
         let is_first = name.ends_with("_step_0");
         last_place = last_place.filter(|_| !is_first);
         let out = tempfile::tempdir().unwrap();
@@ -90,7 +90,7 @@ fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations
             "center": [fixture["center_px"]],
         });
         assert_eq!(said["keypoints"], expected, "{name}");
-        // Where the action before is not recorded, its rings cannot be drawn.
+        // If the previous action is not recorded, its rings cannot be drawn.
         if is_first || last_place.is_some() {
             let recorded = png::load(&folder.join("processed.png")).unwrap();
             let annotated = png::load(&out.path().join("pictures/annotated.png")).unwrap();
@@ -109,7 +109,7 @@ fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations
         n_pictures >= 10 && n_annotated >= 10,
         "{n_pictures}, {n_annotated}"
     );
-    // Two recordings have a ring one pixel beside where it belongs, by the rounding of the place.
+    // In two recordings a ring is one pixel off, because the place was rounded.
     assert!(n_exact + 2 >= n_annotated, "{n_exact} of {n_annotated}");
 }
 
@@ -168,7 +168,7 @@ fn recorded_depth_pictures_show_a_corner_at_each_recorded_pick() {
     let mut n_steps = 0;
     for entry in manifest["entries"].as_array().unwrap() {
         let demonstration = root.join(entry["dir"].as_str().unwrap());
-        // One of every few: another test looks at all of them, without the command.
+        // Only every eighth: another test checks all of them, without the command.
         if !demonstration.exists() || entry["id"].as_u64().unwrap() % 8 != 0 {
             continue;
         }
@@ -252,7 +252,7 @@ fn depth_counts_255_levels_a_metre_in_8_bits_and_millimetres_in_16() {
     RgbImage::new(SIDE_PX, SIDE_PX).save(file("a.png")).unwrap();
     write_depth::<u8>(&file("8.png"), 164, 165);
     write_depth::<u16>(&file("16.png"), 645, 650);
-    // A row off by one level or a millimetre is cloth or table alike.
+    // One level or one millimetre is enough to tell cloth from table.
     write_depth::<u16>(&file("limit.png"), 645, 646);
     let task = project(FOLDING);
     for depth in ["8.png", "16.png", "limit.png"] {

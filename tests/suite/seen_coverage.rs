@@ -1,4 +1,4 @@
-//! Coverage of a cloth whose particles nobody knows: by pictures, against one of the flat cloth.
+//! Coverage of a cloth whose particles are unknown: measured in pictures, relative to one of the flat cloth.
 
 use super::support;
 use fab_agent::examples::Examples;
@@ -20,7 +20,7 @@ use fab_standins::Geometric;
 use fab_world::start::Start;
 use fab_world::{Around, SimulatedWorld, World, WorldError};
 
-/// The simulator's world as one with a camera alone: it does not tell where particles are.
+/// The simulator's world with a camera only: it does not reveal particles.
 pub(super) struct Blind {
     pub world: SimulatedWorld,
     pub flat: Option<Observation>,
@@ -48,7 +48,7 @@ impl Around for Blind {
     }
 }
 
-/// The picture of a flat cloth with that many particles a side.
+/// The picture of a flat cloth with this many particles per side.
 pub(super) fn flat(program: &Program, side: u32) -> Observation {
     let mut program = program.clone();
     (program.cloth.dimx, program.cloth.dimy) = (side, side);
@@ -127,7 +127,7 @@ fn a_picture_measures_nearly_what_the_particles_do() {
     assert_eq!(report.outcome, Outcome::GoalReached);
     assert_eq!(report.goal_reached, Some(true));
     let seen = report.coverage.unwrap();
-    // Half of a square that is folded corner to corner; the fold lies 10 mm nearer to the camera.
+    // Half of a square that is folded corner to corner; the fold is 10 mm nearer to the camera.
     assert!((0.45..0.60).contains(&seen), "{seen}");
     assert_eq!(
         (report.coverage_true, report.normalized_improvement),

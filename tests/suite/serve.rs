@@ -1,4 +1,4 @@
-//! A model behind `fabc serve`: what a client says reaches it whole, and what cannot be honoured is refused by name.
+//! A model behind `fabc serve`: a client's request reaches it complete, and unsupported parts are refused by name.
 
 mod refusals;
 mod server;
@@ -29,7 +29,7 @@ fn data_url(png: &Png) -> String {
 const CHAT: &str = "/v1/chat/completions";
 const RESPONSES: &str = "/v1/responses";
 
-/// A small right question with one field changed.
+/// A small valid request with one field changed.
 fn changed(path: &str, field: &str, value: Value) -> Value {
     let mut body = if path == CHAT {
         json!({ "model": "scripted", "messages": [{ "role": "user", "content": "fold it" }] })
@@ -40,7 +40,7 @@ fn changed(path: &str, field: &str, value: Value) -> Value {
     body
 }
 
-/// A conversation with everything that either form can say.
+/// A conversation with everything that both request forms can express.
 fn asked() -> Request {
     let shown = Message {
         speaker: Speaker::User,
@@ -85,7 +85,7 @@ fn a_chat_completion_carries_every_part_of_the_question_to_the_model() {
     assert_eq!(*model.asked.lock().unwrap(), [asked()]);
     assert_eq!(answer["choices"][0]["message"]["content"], "the answer");
     assert_eq!(answer["choices"][0]["finish_reason"], "stop");
-    // 2 + 2 + 1 + 2 tokens of text by the rule of thumb, and 59 of the picture.
+    // By the rule of thumb, the text has 2 + 2 + 1 + 2 tokens, and the picture 59.
     assert_eq!(answer["usage"]["prompt_tokens"], 66);
     assert_eq!(answer["usage"]["completion_tokens"], 3);
     assert_eq!(
@@ -165,7 +165,7 @@ fn models_are_listed_and_other_paths_and_methods_are_refused() {
     }
 }
 
-/// Panics on its first question and answers the others.
+/// Panics at its first question and answers the others.
 struct Fragile(Scripted);
 
 impl Model for Fragile {
@@ -233,7 +233,7 @@ fn a_client_that_hangs_does_not_keep_the_server_from_ending() {
         drop(server);
         let _ = ended.send(());
     });
-    // Far more than it waits for answers under way, and less than it waits for a body.
+    // Far longer than the server waits for answers in progress, and shorter than it waits for a body.
     let in_time = wait.recv_timeout(Duration::from_secs(40));
     assert!(in_time.is_ok(), "the server waits for the client");
     assert!(

@@ -1,4 +1,4 @@
-//! Tasks that are named without a path: where they are looked for, and what is not written beside them.
+//! Tasks that are named without a path: where they are searched, and what is not written beside them.
 
 use super::support::{Fabc, Said, fabc, finish, root};
 use fab_agent::record::RECORD_FILE;
@@ -51,7 +51,7 @@ impl User {
         folder
     }
 
-    /// Puts a task of one name, with a goal of its own, and the libraries into a folder.
+    /// Writes a task with this name and its own goal, and the libraries, into a folder.
     fn bring_task(&self, folder: &str, goal: &str) {
         let folder = self.path(folder);
         fs::create_dir_all(folder.join("lib")).unwrap();
@@ -117,7 +117,7 @@ fn the_nearest_place_wins() {
     let here = Path::new("double_straight.fab");
     assert_found(&check(Some("own")), "a file of this folder", here);
 
-    // A file of exactly this name needs no search, and a folder is no task.
+    // A file of exactly this name needs no search, and a folder is not a task.
     let task = user.path("work/double_straight");
     fs::create_dir(&task).unwrap();
     assert_found(&check(None), "a file of this folder", here);
@@ -143,7 +143,7 @@ fn a_name_that_is_nowhere_gets_the_list_of_names() {
             );
         }
     }
-    // What has an ending or a folder is a path.
+    // A word with an extension or a folder is a path.
     for word in ["double_straight.fab", "./double_straight"] {
         let said = user.run(&format!("check {word}"));
         assert_eq!(said.code, 2);
@@ -177,7 +177,7 @@ fn a_shipped_task_is_as_shipped_whatever_the_cache_holds() {
     assert_eq!(user.run("check house").code, 0);
     let shipped = fs::read(root().join("tasks/house.fab")).unwrap();
     assert_eq!(fs::read(path).unwrap(), shipped);
-    // A file stands where the cache would be.
+    // A file blocks the path of the cache.
     let mut command = user.command("check house");
     command.env("FABC_CACHE_DIR", user.unpacked().join("house.fab"));
     let said = finish(&mut command);

@@ -1,4 +1,4 @@
-//! Cloths with missing particles through the `sim` verbs: crumpled, described, drawn and exported again.
+//! Cloths with missing particles in the `sim` verbs: crumpled, described, drawn and exported again.
 
 use super::bad_starts::write_npy;
 use super::sim_verbs::told;
@@ -12,13 +12,13 @@ use std::path::Path;
 
 const SPACING_M: f32 = 0.00625;
 
-/// A letter T, 16 by 14 particles: 8 rows of the bar, 6 of the stem.
+/// A letter T, 16 by 14 particles: 8 rows for the bar, 6 for the stem.
 fn letter() -> String {
     let bar = format!("{}\n", "#".repeat(16)).repeat(8);
     bar + &"....########....\n".repeat(6)
 }
 
-/// Crumples two letters into `starts`; returns what was said.
+/// Crumples two letters into `starts`; returns the document.
 fn crumple(here: &Path) -> Value {
     fs::write(here.join("letter.txt"), letter()).unwrap();
     let call = [
@@ -63,7 +63,7 @@ fn outlined_cloths_are_measured_against_their_own_area() {
             .filter(|&index| mask.has(index))
             .map(|index| read.positions[index])
             .collect();
-        // SoftGym's measure over what it gives for the letter laid out flat, whose box is 16 by 14 spacings.
+        // SoftGym's measure, divided by its value for the flat letter, whose box is 16 by 14 spacings.
         let laid: Vec<[f32; 3]> = (0..16 * 14)
             .filter(|&index| mask.has(index))
             .map(|index| {
@@ -75,7 +75,7 @@ fn outlined_cloths_are_measured_against_their_own_area() {
         let covered = start["coverage"].as_f64().unwrap();
         let expected = area(&there) / area(&laid);
         assert!((covered - expected).abs() < 2e-3, "{covered}, {expected}");
-        // In truth: 15 by 7 cells of the bar, 7 by 6 of the stem.
+        // The true area: 15 by 7 cells of the bar, 7 by 6 of the stem.
         let under_m2 = metrics::true_covered_area_m2(&read.positions, &mesh::triangles(&mask));
         let flat_m2 = f64::from(15 * 7 + 7 * 6) * f64::from(SPACING_M).powi(2);
         let truly = start["true_coverage"].as_f64().unwrap();
@@ -84,7 +84,7 @@ fn outlined_cloths_are_measured_against_their_own_area() {
             "{start}"
         );
     }
-    // The same again, from the cache; and another cloth where a particle more is missing.
+    // The same again from the cache; one more missing particle makes another cloth.
     assert_eq!(crumple(here), value);
     fs::write(here.join("letter.txt"), letter().replacen('#', ".", 1)).unwrap();
     let other = told(here, &["crumple", "--outline", "letter.txt"]);
@@ -101,22 +101,22 @@ fn a_start_with_an_outline_is_drawn_and_exported_without_naming_it_again() {
     let here = folder.path();
     crumple(here);
     let file = "starts/crumpled_letter_16x14_0.npy";
-    // Without the outline file: the description holds it.
+    // The outline file is not needed: the description holds the outline.
     fs::remove_file(here.join("letter.txt")).unwrap();
     told(here, &["render", file, "-o", "heap.png"]);
     let value = told(here, &["export", file, "-o", "heap.obj"]);
     assert_eq!(value["particles"], 16 * 8 + 8 * 6);
-    // What is exported and read again is the same cloth.
+    // Exporting and reading again gives the same cloth.
     told(here, &["export", file, "-o", "again.npy"]);
     told(here, &["export", "again.npy", "-o", "again.obj"]);
     let bytes = |name: &str| fs::read(here.join(name)).unwrap();
     assert_eq!(bytes("again.obj"), bytes("heap.obj"));
-    // An outline that says the same is no contradiction.
+    // An identical outline is no contradiction.
     fs::write(here.join("same.txt"), letter()).unwrap();
     let call = ["render", file, "--outline", "same.txt", "-o", "same.png"];
     told(here, &call);
     assert_eq!(bytes("same.png"), bytes("heap.png"));
-    // Where missing particles lie changes nothing, unless nothing says that they are missing.
+    // The positions of missing particles do not matter, unless nothing says that they are missing.
     let start = Start::load(&here.join(file), None).unwrap();
     let mask = Mask::parse(&letter(), SPACING_M).unwrap();
     let moved: Vec<u8> = (0..16 * 14)

@@ -20,7 +20,7 @@ pub(super) fn flat(dimx: usize, dimy: usize) -> Vec<u8> {
         .collect()
 }
 
-/// A recorded data set of one small fold, which ends as it began; a test spoils it.
+/// A recorded data set of one small fold that ends as it began; a test damages it.
 pub(super) fn data_set(folder: &Path) -> Value {
     let entry = folder.join("set/Fold/00");
     fs::create_dir_all(&entry).unwrap();
@@ -59,7 +59,7 @@ fn a_replay_measures_how_far_the_cloth_ends_from_the_recorded_end() {
         json!({ "task": "Fold", "n": 1, "mean_mm": error_mm, "sd_mm": 0.0, "max_mm": error_mm });
     assert_eq!(value["rows"], json!([row]));
 
-    // What was simulated, recorded as the end, leaves no error.
+    // With the simulated result as the recorded end, the error is zero.
     let grid = fab_sim::Grid::new(10, 8, 0.00625).unwrap();
     let start: Vec<[f32; 3]> = (0..80)
         .map(|index| {
@@ -159,7 +159,7 @@ fn an_interrupted_replay_keeps_what_is_finished() {
     let folder = tempfile::tempdir().unwrap();
     let mut manifest = data_set(folder.path());
     let entry = manifest["entries"][0].clone();
-    // Far more than can be done before the signal.
+    // Far more than can be processed before the signal.
     manifest["entries"] = (0..5000).map(|_| entry.clone()).collect();
     write_manifest(folder.path(), &manifest);
     let mut command = fabc(folder.path());

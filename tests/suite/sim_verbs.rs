@@ -1,4 +1,4 @@
-//! The `sim` verbs through the command itself, on small cloths; `sim_replay` has the first of them.
+//! The `sim` verbs through the command itself, on small cloths; `sim_replay` tests `replay`.
 
 use super::bad_starts::write_npy;
 use super::sim_replay::flat;
@@ -31,7 +31,7 @@ pub(super) fn told(folder: &Path, arguments: &[&str]) -> Value {
 fn time_counts_steps_springs_and_memory_and_gives_equal_bits() {
     let folder = tempfile::tempdir().unwrap();
     let value = told(folder.path(), &["time", "--size", "25"]);
-    // 10 up, 43 along a diagonal of 0.212 m, 10 down, 50 of settling.
+    // 10 steps up, 43 along a diagonal of 0.212 m, 10 down, 50 to settle.
     for (field, expected) in [
         ("particles", json!(625)),
         ("steps", json!(113)),
@@ -78,7 +78,7 @@ fn crumpled_cloths_are_starts_and_the_same_again() {
         value["true_coverage"]["min"].as_f64(),
         starts.iter().map(truly).reduce(f64::min)
     );
-    // Read back as any start is, by the description beside it.
+    // Loads like any start, with the description beside it.
     for start in starts {
         let read = Start::load(&here.join(start["file"].as_str().unwrap()), None).unwrap();
         assert_eq!((read.grid.dimx, read.grid.dimy), (12, 10));
@@ -99,7 +99,7 @@ fn crumpled_cloths_are_starts_and_the_same_again() {
         fs::read(here.join("starts/crumpled_12x10_6.npy")).unwrap(),
         bytes
     );
-    // One seed alone, and nothing kept.
+    // A single seed, with nothing written.
     let alone = told(here, &["crumple", "--dims", "12,10", "--seed", "6"]);
     assert_eq!(alone["starts"][0]["digest"], starts[1]["digest"]);
     assert_eq!(alone["starts"][0]["file"], Value::Null);
@@ -120,7 +120,7 @@ fn a_start_of_somebody_else_is_not_replaced() {
     assert_eq!(fs::read(here.join("crumpled_6x6_0.npy")).unwrap(), b"mine");
 }
 
-/// Writes a flat cloth of 40 by 30 particles, its middle at the table's centre, as positions with z up.
+/// Writes a flat cloth of 40 by 30 particles, centred on the table, as positions with z up.
 fn flat_state(folder: &Path) {
     let positions: Vec<u8> = (0..1200)
         .flat_map(|index| {
@@ -159,7 +159,7 @@ fn the_cameras_draw_colour_and_depth() {
     let cloth_px = value["cloth_px"].as_f64().unwrap();
     assert!((cloth_px / (102.2 * 76.0) - 1.0).abs() < 0.02, "{cloth_px}");
 
-    // The smoothing camera has the cloth's long side upright.
+    // In the smoothing camera's picture the cloth's long side is vertical.
     let value = told(
         here,
         &[
@@ -189,7 +189,7 @@ fn the_cameras_draw_colour_and_depth() {
     );
     let picture = fab_picture::png::load(&here.join("d.png")).unwrap();
     assert_eq!(picture.dimensions(), (64, 64));
-    // The whole part of 255 times 0.65 m, and times 0.645 m.
+    // The integer part of 255 times 0.65 m, and times 0.645 m.
     assert_eq!(
         (picture.get_pixel(0, 0).0, picture.get_pixel(32, 32).0),
         ([165; 3], [164; 3])
@@ -217,7 +217,7 @@ fn exported_positions_are_a_start_in_the_world_frame() {
     assert_eq!((read.grid.dimx, read.grid.dimy), (10, 8));
     assert_eq!(read.positions[0], [0.0, 0.0, 0.005]);
     assert_eq!(read.positions[79], [9.0 * 0.00625, -7.0 * 0.00625, 0.005]);
-    // Its own files are replaced, and those of others are not.
+    // Its own files are replaced, but not those of others.
     told(here, &call);
     fs::write(here.join("world.json"), "{}").unwrap();
     let refused = said(here, &call);

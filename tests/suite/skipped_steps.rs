@@ -1,4 +1,4 @@
-//! Steps without an answer that may run: skipped where the task says so, and what the model is shown after a refusal.
+//! Steps without an executable answer: skipped if the task allows it, and what the model is shown after a rejection.
 
 use super::steered::{LEFT, Played, RIGHT, answer, play_with, steered_but};
 use super::support;
@@ -93,7 +93,7 @@ fn what_no_model_did_wrong_is_never_skipped() {
 
 #[test]
 fn the_relaxed_checks_come_before_the_skip() {
-    // The second step's answers pick where the first one ended; without `new_place` they may.
+    // The second step's answers pick where the first one ended; without `new_place` this is allowed.
     let right = answer("(112, 112)", "0 deg", "10 mm");
     let left = answer("(112, 112)", "180 deg", "10 mm");
     let played = play(
@@ -137,7 +137,7 @@ fn a_correction_shows_the_refused_action_on_the_picture_that_the_model_saw() {
     };
     let seen = pictures(last_parts(first));
     let annotated = seen.last().unwrap();
-    // 10 mm are 9 px here: around (66, 66) a green ring, around (75, 66) a purple one.
+    // 10 mm are 9 px here: a green ring around (66, 66), a purple one around (75, 66).
     assert_eq!(shown.get_pixel(66, 61).0, [0, 255, 0]);
     assert_eq!(shown.get_pixel(75, 71).0, [128, 0, 128]);
     let changed = shown.enumerate_pixels().filter(|(u, v, pixel)| {
@@ -146,7 +146,7 @@ fn a_correction_shows_the_refused_action_on_the_picture_that_the_model_saw() {
         is_drawn
     });
     assert!(changed.count() > 50);
-    // An answer that cannot be read has no action to show; what was shown stays in the conversation.
+    // An unreadable answer has no action to show; pictures shown before stay in the conversation.
     assert!(pictures(last_parts(third)).is_empty());
     assert_eq!(third.messages[..second.messages.len()], second.messages[..]);
 }

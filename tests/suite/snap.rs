@@ -1,4 +1,4 @@
-//! `fabc snap`: what is pinned, what a change makes pending, and what is left alone.
+//! `fabc snap`: what it pins, what a change makes pending, and what it leaves alone.
 
 mod edits;
 mod refusals;
@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// A folder with a task that folds a small cloth once, and its base, in which everything is written.
+/// A folder with a task that folds a small cloth once, and the task's base; all files are written there.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     bring_library(folder.path());
@@ -18,7 +18,7 @@ fn folder() -> TempDir {
     folder
 }
 
-/// How many snapshots it has: two stages of the task and its five ablations, the scene, the two pictures.
+/// The number of its snapshots: two stages of the task and its five ablations, the scene, the two pictures.
 const ALL: usize = 15;
 
 const TASK: &str = "\
@@ -38,7 +38,7 @@ fn snapshots(folder: &Path) -> PathBuf {
     folder.join("snapshots")
 }
 
-/// The names of all files in the folder of snapshots that end so, without that ending.
+/// The names of all snapshot files with this ending, without the ending.
 fn named(folder: &Path, ending: &str) -> BTreeSet<String> {
     let Ok(entries) = fs::read_dir(snapshots(folder)) else {
         return BTreeSet::new();

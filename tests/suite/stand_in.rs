@@ -1,4 +1,4 @@
-//! The stand-in in whole rollouts: what it may not depend on, and what stops it.
+//! The stand-in in whole rollouts: what it must not depend on, and what stops it.
 
 use super::support::{self, Trial, task};
 use fab_agent::outcome::Outcome;
@@ -12,7 +12,7 @@ use fab_program::{ActionField, Choices, Program};
 use fab_standins::Geometric;
 use fab_world::Look;
 
-/// What a rollout of the small task came to: its outcome, and where each pick and place was, metres.
+/// The result of a rollout of the small task: its outcome, and where each pick and place was, metres.
 type Played = (Outcome, Vec<[f64; 4]>);
 
 /// Runs a program; `change` may alter the pictures that the stand-in is shown.

@@ -1,6 +1,6 @@
-//! A task by direction and distance under scripted models: what it shows, what it does, how it ends.
+//! A task by direction and distance with scripted models: what it shows, what it does, how it ends.
 //!
-//! In: `tests/fixtures/tasks/steered.fab`. What the shipped folds do not use is used there.
+//! In: `tests/fixtures/tasks/steered.fab`, which uses features that the shipped folds do not.
 
 use super::support::{self, ProjectFiles, Scripted, Trial, words_of};
 use fab_agent::outcome::Outcome;
@@ -29,7 +29,7 @@ fn text() -> String {
     std::fs::read_to_string(support::project(FILE)).unwrap()
 }
 
-/// One text, whatever is asked for.
+/// A loader that returns one text for every path.
 struct Changed(String);
 
 impl Loader for Changed {
@@ -38,7 +38,7 @@ impl Loader for Changed {
     }
 }
 
-/// Returns the task with something else in place of some parts of its text.
+/// Returns the task with some parts of its text replaced.
 pub(super) fn steered_but(changes: &[(&str, &str)]) -> Program {
     let mut text = text();
     for (part, other) in changes {
@@ -62,7 +62,7 @@ pub(super) fn play(program: &Program, replies: &[&str]) -> Played {
     play_with(program, replies, |_| {})
 }
 
-/// Plays a rollout of which a test changes something.
+/// Plays a rollout after a test's changes.
 pub(super) fn play_with(
     program: &Program,
     replies: &[&str],
@@ -140,7 +140,7 @@ fn both_pictures_and_the_example_reach_the_model() {
         "{}",
         words_of(first)
     );
-    // From the second step on there is a last action to speak of and to draw.
+    // From the second step on there is a previous action to mention and to draw.
     let second = &played.asked[1];
     assert!(
         words_of(second).contains("going 0 deg"),
@@ -166,8 +166,8 @@ fn images(request: &Request) -> Vec<&[u8]> {
 
 #[test]
 fn at_last_the_answers_are_judged_without_what_the_task_leaves_out() {
-    // The second step's answers pick where the first one ended, twice; the second is executed all the same.
-    // The first pull takes the cloth's center to the right, so that the fixed point lies to its left.
+    // The second step's answers pick where the first one ended, twice; the second answer is executed anyway. The first
+    // pull takes the cloth's center to the right, so that the fixed point lies to its left.
     let right = answer("(112, 112)", "0 deg", "10 mm");
     let left = answer("(112, 112)", "180 deg", "10 mm");
     let played = play(&steered(None), &[&right, &left, &left]);
@@ -313,7 +313,7 @@ fn certain_slips_are_repaired_and_likely_ones_left() {
     let left = std::fs::read_to_string(&file).unwrap();
     let spaced = left.replace("pick :     one of", "pick:      one of");
     assert_eq!(spaced, right.replace("last_words, \"", "last_wordz, \""));
-    // Nothing certain is left, so nothing changes.
+    // No certain fix is left, so nothing changes.
     support::finish(support::fabc(folder.path()).args(["check", "steered.fab", "--fix"]));
     assert_eq!(std::fs::read_to_string(&file).unwrap(), left);
 }

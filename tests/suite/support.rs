@@ -1,4 +1,4 @@
-//! What the tests share: the command, recorded data, small tasks, scripted models.
+//! Code shared by the tests: the command, recorded data, small tasks, scripted models.
 
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
@@ -35,9 +35,9 @@ pub fn project(path: &str) -> String {
     root().join(path).display().to_string()
 }
 
-/// The command, in a folder of its own and with an expert cache that all tests share.
+/// The command in this working folder, with an expert cache that all tests share.
 ///
-/// It runs in this process; [`Fabc::process`] is for signals, terminals and the real exit.
+/// It runs in this process; [`Fabc::process`] is for tests of signals, terminals and the real exit.
 pub fn fabc(folder: &Path) -> Fabc {
     Fabc {
         folder: folder.to_owned(),
@@ -54,7 +54,7 @@ pub fn fabc(folder: &Path) -> Fabc {
     }
 }
 
-/// A command that is put together as [`Command`] is.
+/// A command that is built like a [`Command`].
 pub struct Fabc {
     folder: PathBuf,
     arguments: Vec<OsString>,
@@ -82,20 +82,20 @@ impl Fabc {
         self
     }
 
-    /// A variable that a process of its own does not inherit.
+    /// Removes a variable from the environment of a separate process.
     pub fn env_remove(&mut self, name: impl AsRef<OsStr>) -> &mut Fabc {
         self.variables.remove(name.as_ref());
         self.removed.push(name.as_ref().to_owned());
         self
     }
 
-    /// What is typed or piped to it.
+    /// Sets the bytes that are typed or piped to it.
     pub fn stdin(&mut self, bytes: impl Into<Vec<u8>>) -> &mut Fabc {
         self.stdin = bytes.into();
         self
     }
 
-    /// What it works in, where it runs in this process.
+    /// Returns its surroundings when it runs in this process.
     pub fn io(&self) -> Io {
         let io = Io::new(&self.folder)
             .with_stdin(self.stdin.clone())
@@ -104,7 +104,7 @@ impl Fabc {
         variables.fold(io, |io, (name, value)| io.with_variable(name, value))
     }
 
-    /// Runs it in these surroundings.
+    /// Runs it in the given surroundings.
     pub fn run(&self, io: &Io) -> Said {
         let program = OsString::from("fabc");
         let words = std::iter::once(&program).chain(&self.arguments);
@@ -117,7 +117,7 @@ impl Fabc {
         }
     }
 
-    /// The same as a process of its own.
+    /// Returns the same command as a separate process.
     pub fn process(&self) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_fabc"));
         command
@@ -131,7 +131,7 @@ impl Fabc {
     }
 }
 
-/// What a finished command said.
+/// The output of a finished command.
 #[derive(Debug)]
 pub struct Said {
     pub code: i32,
@@ -180,7 +180,7 @@ pub fn task(name: &str) -> Program {
     compiled.programs.into_iter().next().unwrap()
 }
 
-/// Puts the shipped libraries beside a test's own task.
+/// Copies the shipped libraries beside a test's own task.
 pub fn bring_library(folder: &Path) {
     std::fs::create_dir_all(folder.join("lib")).unwrap();
     for entry in std::fs::read_dir(root().join("tasks/lib")).unwrap() {
@@ -204,8 +204,8 @@ pub fn bring_robot(folder: &Path, edits: &[(&str, &str)]) {
     }
 }
 
-/// A shipped task on a cloth so small that a rollout takes a moment; scored against nothing, and its results not
-/// looked at, since so small a pack lies differently each time.
+/// A shipped task on a cloth so small that a rollout takes a moment. It has no goal and does not check results, since
+/// so small a pack lies differently each time.
 pub fn small_task() -> Program {
     let mut program = task("double_triangle");
     program.verify.result = None;
@@ -224,7 +224,7 @@ pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
     )?))
 }
 
-/// Everything about a rollout but its models; a test changes the fields that it is about.
+/// Everything about a rollout except its models; a test changes the fields that matter to it.
 pub struct Trial<'p> {
     pub program: &'p Program,
     pub start: Start,
@@ -274,12 +274,12 @@ impl<'p> Trial<'p> {
         self.run(models, run, &mut |_| {})
     }
 
-    /// Runs it into the new folder `run`, or goes on with what that holds.
+    /// Runs it into the new folder `run`, or resumes the rollout in that folder.
     pub fn run(&self, models: Models<'_>, run: &Path, watch: &mut dyn FnMut(Event<'_>)) -> Ended {
         self.try_run(models, run, watch).unwrap()
     }
 
-    /// Does the same; fails where it cannot be carried out or kept.
+    /// Does the same; returns an error if it cannot be executed or recorded.
     pub fn try_run(
         &self,
         models: Models<'_>,
@@ -289,7 +289,7 @@ impl<'p> Trial<'p> {
         self.decided(&Prompted { models }, run, watch)
     }
 
-    /// Does the same with another policy than one that asks models.
+    /// Does the same with a policy that does not ask models.
     pub fn decided(
         &self,
         make_policy: &dyn MakePolicy,
@@ -325,7 +325,7 @@ impl<'p> Trial<'p> {
     }
 }
 
-/// A model that says what it was told to say, and keeps what it was asked.
+/// A model that gives scripted answers and records its questions.
 pub struct Scripted {
     replies: Mutex<VecDeque<String>>,
     pub asked: Mutex<Vec<Request>>,
@@ -361,7 +361,7 @@ impl Model for Scripted {
     }
 }
 
-/// All text of a request, its pieces on lines of their own.
+/// All text of a request, each part on its own lines.
 pub fn words_of(request: &Request) -> String {
     let parts = request.messages.iter().flat_map(|message| &message.parts);
     let texts = parts.filter_map(|part| match part {

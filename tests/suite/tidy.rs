@@ -1,8 +1,9 @@
-//! Holds the shape of the tree: who may depend on whom, who may name what, what a package takes along, how a file begins.
+//! Checks the structure of the tree: which packages may depend on each other, where reserved names may occur, what a
+//! package may include, how a file begins.
 //!
-//! In: every text file under the package's root, as it lies on disk. Out: one test per rule;
-//! a failure lists `file:line: what is wrong` for every violation. The rules read text, not
-//! types: they leave to clippy and the compiler whatever those can see.
+//! In: every text file below the package's root on disk. Out: one test per rule; a failure lists
+//! `file:line: what is wrong` for every violation. The rules read text, not types: everything that clippy and the
+//! compiler can check is left to them.
 
 #[path = "tidy/reading.rs"]
 mod reading;
@@ -11,12 +12,12 @@ use reading::{
     Dependency, Name, Purpose, TextFile, code_only, dependencies, names, numbered, reached, tree,
 };
 
-/// One package of the workspace and the packages of ours that it may depend on.
+/// One package of the workspace, and our packages that it may depend on.
 struct Member {
     folder: &'static str,
     package: &'static str,
     needs: &'static [&'static str],
-    /// What its tests and benchmarks may use beside that.
+    /// Further packages that its tests and benchmarks may use.
     tests_need: &'static [&'static str],
 }
 
@@ -129,10 +130,10 @@ const MEMBERS: [Member; 18] = [
     member("tests/features", FEATURES, &[], &[]),
 ];
 
-/// The package that builds third-party crates alike; every member's tests use it, and nothing else does.
+/// The package that makes all packages build third-party crates with equal features; only tests depend on it.
 const FEATURES: &str = "fab-features";
 
-/// Packages that read `.fab` text; who embeds a compiled task needs none of them.
+/// Packages that parse `.fab` text; embedding a compiled task needs none of them.
 const PARSERS: [&str; 5] = [
     "fab-grammar",
     "fab-compiler",
@@ -141,7 +142,7 @@ const PARSERS: [&str; 5] = [
     "annotate-snippets",
 ];
 
-/// Packages that find, bind or build a system library; so does each whose name ends in `-sys`.
+/// Packages that find, bind or build a system library, besides all whose names end in `-sys`.
 const SYSTEM: [&str; 8] = [
     "opencv",
     "bindgen",
@@ -153,7 +154,7 @@ const SYSTEM: [&str; 8] = [
     "psm",
 ];
 
-/// Names that belong to one place: what is named, where that counts, the only place for it.
+/// Names reserved for one place: the name, where the rule applies, the only place where it may occur.
 const RESERVED: [(Name, &str, &str); 9] = [
     (Name::Word("opencv"), "", "runtime/vision/src/"),
     (
@@ -178,7 +179,7 @@ const RESERVED: [(Name, &str, &str); 9] = [
     (Name::Word("roslibrust"), "", "runtime/arm-ros/"),
 ];
 
-/// Folders of one machine, in halves so that this file does not name them itself.
+/// Folders of one machine, split so that this file does not contain the names.
 const MACHINE_FOLDERS: [&str; 4] = [
     concat!("/wo", "rk/"),
     concat!("/ro", "ot/"),
@@ -186,7 +187,7 @@ const MACHINE_FOLDERS: [&str; 4] = [
     concat!("/Us", "ers/"),
 ];
 
-/// The folder beside the checkout, which only the continuous-integration script may know.
+/// The folder beside the checkout, which only the continuous-integration script may name.
 const NEIGHBOUR_FOLDERS: [&str; 3] = [
     concat!("../sha", "red"),
     concat!("sha", "red/data"),
@@ -239,7 +240,7 @@ fn tests_that_lack_recorded_data_count_as_skipped() {
     report(&skip_faults(&tree()));
 }
 
-/// Checks the checks: each text breaks exactly one rule, on a known line, or none.
+/// Tests the rules themselves: each text breaks exactly one rule, on a known line, or none.
 #[test]
 fn each_rule_finds_what_it_forbids_and_nothing_else() {
     let rules = [
@@ -478,7 +479,7 @@ fn edge_faults(files: &[TextFile]) -> Vec<String> {
                 let (owner, other) = (member.package, dependency.package());
                 let for_tests = dependency.purpose == Purpose::Tests;
                 if for_tests && !dependency.by_path_alone {
-                    // Only such a one is left out when the package is published.
+                    // Only a dependency with nothing but a path is left out when the package is published.
                     let rule = format!("`{other}` is for tests: `{other} = {{ path = \"…\" }}`");
                     faults.push(fault(file, dependency.line, &rule));
                 }
@@ -497,7 +498,7 @@ fn edge_faults(files: &[TextFile]) -> Vec<String> {
     faults
 }
 
-/// `fab-program` is what a robot's own program links, so what it reaches is held too.
+/// `fab-program` is linked into a robot's own program, so all packages that it depends on are checked.
 fn reach_faults(files: &[TextFile]) -> Vec<String> {
     let mut faults = Vec::new();
     let is_forbidden =
@@ -506,7 +507,7 @@ fn reach_faults(files: &[TextFile]) -> Vec<String> {
         match file.path.as_str() {
             "compiler/program/Cargo.toml" => {
                 let found = dependencies(&file.text);
-                // Our own are the business of `edge_faults`.
+                // `edge_faults` checks our own packages.
                 for it in found
                     .iter()
                     .filter(|it| !is_ours(it) && is_forbidden(it.package()))
@@ -529,7 +530,7 @@ fn reach_faults(files: &[TextFile]) -> Vec<String> {
     faults
 }
 
-/// A package is built from its own folder alone; what only tests include is not packaged.
+/// A package is built from its own folder only; files that only tests include are not packaged.
 fn include_faults(files: &[TextFile]) -> Vec<String> {
     const OPENINGS: [&str; 4] = [
         "include_str!(\"",
@@ -564,7 +565,7 @@ fn include_faults(files: &[TextFile]) -> Vec<String> {
     faults
 }
 
-/// The folder of the package that a path belongs to; empty for the root's own.
+/// Returns the folder of the package that holds a path; empty for the root package.
 fn package_of(path: &str) -> &'static str {
     let holds = |folder: &str| {
         path.strip_prefix(folder)
@@ -575,7 +576,7 @@ fn package_of(path: &str) -> &'static str {
     inner.max_by_key(|folder| folder.len()).unwrap_or("")
 }
 
-/// A path that is named in a file, from the root.
+/// Resolves a path named in a file, relative to the root.
 fn resolved(file: &str, target: &str) -> String {
     let mut parts: Vec<&str> = file.split('/').collect();
     parts.pop();
@@ -588,7 +589,7 @@ fn resolved(file: &str, target: &str) -> String {
     parts.join("/")
 }
 
-/// Our own crates need no reason: the edges between them are drawn above.
+/// Our own crates need no reason: `MEMBERS` lists the edges between them.
 fn reason_faults(files: &[TextFile]) -> Vec<String> {
     let mut faults = Vec::new();
     for file in files
@@ -640,8 +641,8 @@ fn form_faults(files: &[TextFile]) -> Vec<String> {
     faults
 }
 
-/// What `make test` leaves out says why: it is long, or needs a program by others. `scripts/test-long.sh` knows the latter
-/// by their names.
+/// A test that `make test` leaves out gives the reason: it is long, or needs a third-party program.
+/// `scripts/test-long.sh` recognizes the latter by name.
 fn ignore_faults(files: &[TextFile]) -> Vec<String> {
     let mut faults = Vec::new();
     for file in files.iter().filter(|file| file.path.ends_with(".rs")) {
@@ -676,7 +677,7 @@ fn place_faults(files: &[TextFile]) -> Vec<String> {
     for file in files {
         for (line, content) in numbered(&file.text) {
             for folder in MACHINE_FOLDERS {
-                // A letter or a variable before it makes it a part of some other path.
+                // After a letter or a variable it is part of some other path.
                 let absolute = content.match_indices(folder).any(|(at, _)| {
                     let before = content[..at].chars().next_back().unwrap_or(' ');
                     !before.is_alphanumeric() && !"._-~}$)*".contains(before)
@@ -702,7 +703,7 @@ fn place_faults(files: &[TextFile]) -> Vec<String> {
     faults
 }
 
-/// What looks for recorded data has to be able to say that a test lacked it.
+/// Code that looks for recorded data must be able to report that a test lacked it.
 fn skip_faults(files: &[TextFile]) -> Vec<String> {
     let calls = ["var_os", "env::var"].map(|call| format!("{call}(\"FABC_REFERENCE_DATA\")"));
     let looks = |file: &&TextFile| calls.iter().any(|call| file.text.contains(call));

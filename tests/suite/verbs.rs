@@ -153,7 +153,7 @@ fn subgoals_draws_and_pins_one_picture_more_than_there_are_steps() {
     );
     let sheet = fab_picture::png::load(&folder.path().join("sheet.png")).unwrap();
     assert_eq!(sheet.dimensions(), (224 * 2 + 8, 224));
-    // Pinned pictures are used without a word; after a change of the fold they are not.
+    // Pinned pictures are used silently; after a change of the fold they are not used.
     let said = finish(fabc(folder.path()).args(["run", "small.fab"]));
     assert!(!said.stderr.contains("pin"), "{}", said.stderr);
     let changed = std::fs::read_to_string(folder.path().join("small.fab"))

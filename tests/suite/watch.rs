@@ -9,10 +9,10 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// How long a test waits for what must come; only a failure takes as long.
+/// How long a test waits for expected output; only a failing test takes that long.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A watching command and what it has said so far.
+/// A watching command and its output so far.
 struct Watching {
     child: Child,
     said: Arc<Mutex<String>>,
@@ -46,7 +46,7 @@ impl Watching {
         Watching { child, said }
     }
 
-    /// Waits until it has said some words a number of times.
+    /// Waits until the output contains a text a number of times.
     fn until(&self, words: &str, times: usize) {
         let begun = Instant::now();
         while self.said.lock().unwrap().matches(words).count() < times {
@@ -104,7 +104,7 @@ fn check_runs_again_after_each_change_of_the_task_and_of_what_it_uses() {
     watching.until("error[F0203]", 1);
     watching.until("Ctrl-C ends", 2);
 
-    // As editors do it: another file takes the place.
+    // Editors do this: a new file replaces the old one.
     let other = folder.path().join("house.fab~");
     fs::write(&other, &text).unwrap();
     fs::rename(&other, &task).unwrap();

@@ -1,5 +1,5 @@
-//! The person beside the arm, in a terminal and by signals: asked before motion, heard while it lasts, told what is verified.
-//! Likewise where the program itself breaks.
+//! The person beside the arm, in a terminal and by signals: asked before motion, obeyed during motion, told only what
+//! is verified. The same holds if the program itself panics.
 
 #![cfg(target_os = "linux")]
 
@@ -31,13 +31,13 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// The mode of a terminal in which nothing waits for keys.
+/// The normal mode of a terminal, without waiting for keys.
 const USUAL: Mode = Mode {
     is_by_lines: true,
     is_echoed: true,
 };
 
-/// A fold by the simulated arm, into the folder `run`.
+/// A fold by the simulated arm, recorded in the folder `run`.
 fn fold(folder: &Path, more: &[&str]) -> Fabc {
     let project = |path: &str| root().join(path);
     let mut command = fabc(folder);
@@ -55,7 +55,7 @@ fn watched(folder: &Path, more: &[&str]) -> Session {
     Session::in_window(&fold(folder, more).process())
 }
 
-/// The report in the run folder, as the last line of the journal holds it.
+/// The report in the run folder, from the last line of the journal.
 fn report(folder: &Path) -> Value {
     let text = fs::read_to_string(folder.join("run/rollout.jsonl")).unwrap();
     let end: Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
@@ -63,7 +63,7 @@ fn report(folder: &Path) -> Value {
     end["report"].clone()
 }
 
-/// How many lines of a kind the arm's journal holds.
+/// Returns how many lines of a kind the arm's journal has.
 fn n_lines(folder: &Path, kind: &str) -> usize {
     let text = fs::read_to_string(folder.join("run").join(ARM_FILE)).unwrap_or_default();
     text.matches(&format!("\"type\":\"{kind}\"")).count()
@@ -83,7 +83,7 @@ fn until_begun(folder: &Path, n: usize) {
 fn each_pick_and_place_is_asked_for_and_a_no_ends_the_rollout() {
     let folder = tempfile::tempdir().unwrap();
     let mut session = watched(folder.path(), &["--confirm", "each"]);
-    // Leave is given to what was asked, and not in advance.
+    // Confirmation applies only to the question that was asked, not in advance.
     session.send("y\ny\n");
     let shown = session.until("Move? y or n:");
     assert!(shown.contains("action 1: pick at "), "{shown}");
@@ -161,7 +161,7 @@ fn the_arm_moves_while_the_key_is_held_and_ctrl_c_ends_it() {
     std::thread::sleep(Duration::from_millis(700));
     assert_eq!(n_lines(folder.path(), "begin"), 0, "it moved by itself");
     session.press(" ");
-    // Let go in the middle of a motion it pauses; a fast machine is at the next action by then.
+    // Releasing the key during a motion pauses it; a fast machine has reached the next action by then.
     session.until("hold the space bar to ");
     let moved = n_lines(folder.path(), "begin");
     assert!(moved > 0);
@@ -209,7 +209,7 @@ fn ctrl_c_while_the_key_is_waited_for_leaves_the_terminal_as_it_was() {
     assert_eq!(n_lines(folder.path(), "begin"), 0);
 }
 
-/// Sends a signal to a fold that is under way, in its `n`th motion.
+/// Sends a signal to a running fold during its `n`th motion.
 fn signalled(folder: &Path, signal: &str, n: usize) -> Said {
     let child = fold(folder, &["--json"])
         .process()
@@ -253,7 +253,7 @@ fn a_signal_stops_the_arm_and_what_is_verified_is_told() {
         let note = "see to it, and say so with `fabc robot recover run`\n";
         assert!(said.stderr.contains(note), "{}", said.stderr);
         assert_eq!(report(folder.path())["stopped"], words);
-        // Which motion is told as the last verified one is that of the journal.
+        // The motion reported as last verified is that of the journal.
         let done = n_lines(folder.path(), "done");
         assert_eq!(n_lines(folder.path(), "begin"), done + 1);
         assert_eq!(n_lines(folder.path(), "halted"), 1);
@@ -273,7 +273,7 @@ fn a_signal_stops_the_arm_and_what_is_verified_is_told() {
     }
 }
 
-/// A program with a mistake in it, which shows when the arm was looked at so often.
+/// A program with a bug that appears at this reading of the arm.
 struct Mistaken(u32);
 
 impl Supervisor for Mistaken {

@@ -1,6 +1,6 @@
-//! What programs can say beyond the shipped folds: layers, examples, directions, goals judged on the way.
+//! What programs can express beyond the shipped folds: layers, examples, directions, goals judged during the rollout.
 //!
-//! Each test changes one thing of a small shipped task and plays it with scripted models.
+//! Each test changes one thing in a small shipped task and plays it with scripted models.
 
 use super::support::{self, Scripted, Trial};
 use fab_agent::examples::Examples;
@@ -23,7 +23,7 @@ use fab_world::{Look, Motion};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// What a rollout under scripted replies came to.
+/// The result of a rollout with scripted replies.
 struct Played {
     report: Ended,
     said: Vec<Request>,
@@ -59,16 +59,16 @@ fn play(program: &Program, folder: &Path, replies: &[&str]) -> Played {
     }
 }
 
-/// The small task without its question about pictures, so that one answer makes a step.
+/// The small task without its stage about pictures, so that one answer makes a step.
 fn planning() -> Program {
     let mut program = support::small_task();
     program.stages.remove(0);
-    // Its question tells what the removed stage read.
+    // Its question mentions what the removed stage read.
     program.stages[0].say.clear();
     program
 }
 
-/// What the camera finds on a program's flat cloth.
+/// The scene of a program's flat cloth.
 fn flat_scene(program: &Program) -> Result<Scene, SceneError> {
     let mut world = support::world(program).unwrap();
     world.reset(&Start::flat(&program.cloth)).unwrap();
@@ -162,7 +162,7 @@ fn examples_are_told_as_turns_with_their_pictures() {
     assert!(missing.to_string().contains("shown.png"), "{missing}");
 }
 
-/// Dots on the corners, and a ring round the place before.
+/// Dots on the corners, and a ring around the last place.
 fn layers() -> Vec<Layer> {
     let layer = |name: &str, rgb, mark| Layer {
         name: name.to_owned(),
@@ -216,7 +216,7 @@ fn layers_are_drawn_and_those_of_the_last_action_only_after_one() {
     }
 }
 
-/// Lets a program's answers state a direction, a distance and a word in the place point's stead.
+/// Makes a program's answers state a direction, a distance and a word instead of the place point.
 fn steer(program: &mut Program) {
     let mut field = |name: &str, choices| {
         program.actions.push(ActionField {
@@ -259,7 +259,7 @@ fn steer(program: &mut Program) {
     program.horizon = 1;
 }
 
-/// Answers with a pick point, one of the directions, and the first choice of all other fields.
+/// An answer with a pick point, one of the directions, and the first choice of every other field.
 fn steered(program: &Program, pick: PixelPoint, direction: usize) -> String {
     let mut lines = vec![format!("Pick Point = {pick}")];
     for field in &program.actions[1..] {

@@ -1,4 +1,4 @@
-//! `fabc render --why` and `--reply`: each line of a prompt is led back to its file, and what is shown is what is sent.
+//! `fabc render --why` and `--reply`: each prompt line is traced to its file, and what is shown is what is sent.
 
 use super::support::{bring_library, fabc, finish, project, root};
 use serde_json::Value;
@@ -60,7 +60,7 @@ fn every_stretch_of_a_prompt_stands_in_the_line_that_is_named() {
                 }
                 let source = fs::read_to_string(file).unwrap();
                 let line = source.lines().nth(at("line") - 1).unwrap();
-                // A placeholder of what never changes is filled when the task is compiled.
+                // A placeholder with a constant value is filled when the task is compiled.
                 let is_there = line.contains(words.trim()) || line.contains("{{");
                 assert!(is_there, "{task} {variant:?}: `{words}` is not in `{line}`");
                 looked_at += 1;
@@ -175,7 +175,7 @@ fn an_answer_is_followed_by_the_correction_that_a_rollout_would_send() {
         shown["stages"][0]["why"]["estimated_tokens"]["all"]["at_least"].clone()
     };
     assert_eq!(weighed(&arguments), weighed(&arguments[..3]));
-    // A fourth answer is to no question.
+    // A fourth answer has no question.
     arguments.extend(["--reply", accepted]);
     let said = finish(fabc(folder.path()).arg("render").args(&arguments));
     assert_eq!(said.code, 64, "{}", said.stderr);

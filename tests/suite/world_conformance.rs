@@ -1,4 +1,4 @@
-//! Every [`World`] keeps the promises of `fab_world::conformance`; a new world adds one line at the end.
+//! Every [`World`] keeps the promises of `fab_world::conformance`; add a line at the end for each new world.
 
 use super::support;
 use fab_agent::arm_sight::SIGHT;

@@ -1,11 +1,11 @@
-//! What is read and written: insta's format, and what is not.
+//! Reading and writing snapshots in insta's format, and rejecting invalid files.
 
 use super::super::format::{self, MAX_TEXT_BYTES};
 use super::super::{Contents, Folder, Name, Operation, SnapshotError};
 use super::{name, picture, text};
 use std::fs;
 
-/// Texts that a careless writer of YAML or of lines would change.
+/// Texts that a careless writer of YAML or lines would change.
 const TEXTS: [&str; 6] = [
     "Fold the cloth.\n\nAnswer with:\n---\npick: [u, v]",
     "",

@@ -1,4 +1,4 @@
-//! What snapshot files look like, and what is left of a change that is stopped anywhere.
+//! The format of snapshot files, and what remains of a change that is stopped at any point.
 #![allow(clippy::unwrap_used)]
 
 mod files;
@@ -38,7 +38,7 @@ fn picture(bytes: &[u8]) -> Snapshot {
     let mut snapshot = text("");
     let info = snapshot.metadata.info.as_mut().unwrap();
     info.picture = Some("subgoal 1 with arrow".to_owned());
-    // Digits and one `e` are a number to YAML where they are not quoted.
+    // YAML reads digits with one `e` as a number unless they are quoted.
     info.drawn_from = Some("12345e67".to_owned());
     snapshot.contents = Contents::Picture(bytes.to_vec());
     snapshot

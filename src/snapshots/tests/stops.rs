@@ -1,4 +1,4 @@
-//! A change that is stopped after any of its file operations, and folders that two want to change.
+//! A change that is stopped after any of its file operations, and concurrent changes of one folder.
 
 use super::super::disk::{Disk, System};
 use super::super::journal::{self, Lock};
@@ -10,7 +10,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-/// A disk that does some operations, half of the next, and nothing after that: as if the process had been killed.
+/// A disk that completes some operations, half of the next, and then nothing: as if the process had been killed.
 struct Stopping {
     left: Cell<u32>,
 }
@@ -69,7 +69,7 @@ impl Disk for Stopping {
     }
 }
 
-/// A folder with something of each kind, and a change of everything in it.
+/// A folder with a snapshot of each kind, and a change of everything in it.
 fn prepared(folder: &Path) -> Vec<Operation> {
     let mut opened = Folder::open(folder).unwrap();
     let accepted = [
@@ -165,7 +165,7 @@ fn a_change_that_is_stopped_anywhere_is_whole_or_did_not_happen() {
         if outcome.is_ok() {
             break;
         }
-        // Ending it may be stopped as well, any number of times.
+        // Recovery may be stopped as well, any number of times.
         for again in 1..8 {
             let _ = journal::recover(&Stopping::after(again), folder.path());
         }
@@ -218,7 +218,7 @@ fn two_cannot_change_a_folder_at_once() {
     let lock = Lock::take(folder.path()).unwrap();
     let refused = opened.apply(&change).unwrap_err();
     assert!(matches!(refused, SnapshotError::InUse { .. }), "{refused}");
-    // Who only reads does not wait.
+    // Reading does not wait for the lock.
     Folder::open(folder.path()).unwrap();
     assert_eq!(files(folder.path()), before);
     drop(lock);

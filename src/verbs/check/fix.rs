@@ -1,4 +1,4 @@
-//! Makes the changes that diagnostics are certain of.
+//! Applies the fixes that diagnostics are certain of.
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// The most rounds: a repair may bring another fault to light.
+/// The most rounds: a fix may reveal another fault.
 const MAX_ROUNDS: usize = 20;
 
-/// Repairs a file and what it uses, until nothing certain is left; returns what is still wrong.
+/// Fixes a file and the files it uses until no certain fix remains; returns the last compilation.
 pub fn run(file: &str, io: &Io) -> Result<Compiled, Failure> {
     let mut compiled = sources::compile(file)?;
     let mut n_changes: BTreeMap<String, usize> = BTreeMap::new();
@@ -50,7 +50,7 @@ fn repaired(compiled: &Compiled) -> BTreeMap<String, (String, usize)> {
             edits.extend(own);
         }
     }
-    // From the end, so that the places before stay where they are.
+    // From the end, so that earlier positions stay valid.
     edits.sort_by_key(|edit| std::cmp::Reverse((edit.span.file, edit.span.start)));
     let mut texts: BTreeMap<String, (String, usize)> = BTreeMap::new();
     for edit in edits {
@@ -69,12 +69,12 @@ fn is_certain(diagnostic: &Diagnostic) -> bool {
     !diagnostic.edits.is_empty() && diagnostic.edits.iter().all(certain)
 }
 
-/// Returns whether two changes touch the same place.
+/// Returns whether two changes overlap or touch.
 fn meet(a: Span, b: Span) -> bool {
     a.file == b.file && a.start <= b.end && b.start <= a.end
 }
 
-/// Writes a file whole or not at all; a link stays a link, and who may read it stays as it was.
+/// Writes a file atomically; keeps links and permissions.
 fn write(path: &Path, text: &str) -> std::io::Result<()> {
     let path = fs::canonicalize(path)?;
     let permissions = fs::metadata(&path)?.permissions();

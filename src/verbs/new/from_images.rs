@@ -1,6 +1,6 @@
-//! A fold that is drafted from the user's pictures, as a task's text.
+//! Drafts a fold from the user's pictures, as a task's text.
 //!
-//! In: files, and what `fab_agent::draft` finds in them. Out: a [`Draft`]; its text and its guesses are written by `page`.
+//! In: files, and what `fab_agent::draft` finds in them. Out: a [`Draft`]; `page` writes its text and its guesses.
 
 use super::page::Page;
 use super::pictures;
@@ -73,9 +73,9 @@ fn look(pictures: &[Named], stated: &Stated, io: &Io) -> Result<draft::Draft, Fa
     })
 }
 
-/// Returns what the task calls each picture, and those that are to be brought beside it.
+/// Returns the path under which the task names each picture, and the pictures to copy beside it.
 ///
-/// One that lies there already is named where it is.
+/// A picture that is already there is named in its place.
 fn places(
     arguments: &NewFoldArguments,
     pictures: &[Named],
@@ -98,7 +98,7 @@ fn places(
     (places.collect(), brought)
 }
 
-/// Returns a picture's path from the task's folder, where it lies in it under a name that a task can state.
+/// Returns a picture's path relative to the task's folder, if it lies inside under a name that a task can state.
 fn beside(folder: &Path, path: &Path) -> Option<String> {
     let real = sources::inside(folder, path).ok()?;
     let folder = match folder.as_os_str().is_empty() {

@@ -1,11 +1,11 @@
-//! What a new task may be called.
+//! Checks the name of a new task.
 
 use crate::exit::Failure;
 
-/// The longest name, letters; a file's name with its endings has at most 255.
+/// The longest name, letters; a file name with its extensions has at most 255.
 const LONGEST: usize = 100;
 
-/// Refuses what is no name of the language, and says what would be one.
+/// Rejects an invalid name, and suggests a valid one.
 pub fn check(name: &str) -> Result<(), Failure> {
     if name.len() > LONGEST {
         return Err(Failure::usage(format!(
@@ -36,7 +36,7 @@ fn is_part(letter: char) -> bool {
     letter.is_ascii_alphanumeric() || letter == '_'
 }
 
-/// Makes a name of what was written.
+/// Makes a valid name from the given text.
 fn repaired(name: &str) -> String {
     let name = name.strip_suffix(".fab").unwrap_or(name);
     let parts: Vec<&str> = name

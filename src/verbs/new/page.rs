@@ -1,7 +1,7 @@
-//! The text of a drafted task, and all that had to be guessed for it.
+//! Writes the text of a drafted task, and lists everything that had to be guessed.
 //!
 //! In: what `fab_agent::draft` found in pictures, and what the user stated. Out: text that compiles, with a comment at
-//! each guess, and the same guesses one by one.
+//! each guess, and a list of the same guesses.
 
 use super::points::{fold_text, point_text};
 use fab_agent::draft;
@@ -15,37 +15,37 @@ const BASE_PX: u32 = 224;
 /// Its field of view, degrees.
 const BASE_FOV_DEG: f64 = 45.0;
 
-/// Least overlap that the base task asks of a step's result.
+/// Least overlap that the base task requires of a step's result.
 const BASE_ALIKE: f64 = 0.7;
 
-/// How far below its own overlap a step's result may stay when a model does it.
+/// How far below the picture's own overlap a model's result may stay.
 const MARGIN: f64 = 0.1;
 
-/// How far above the table cloth begins, millimetres; a flat cloth lies 5 mm above it.
+/// Height above the table from which pixels count as cloth, millimetres; a flat cloth lies at 5 mm.
 const CLOTH_MM: f64 = 4.0;
 
-/// A cloth that covers less of its rectangle is doubted to be one.
+/// A cloth that covers a smaller share of its rectangle may not be rectangular, so the draft says that it is not sure.
 const RECTANGULAR: f64 = 0.93;
 
-/// A turn that is worth a word, degrees.
+/// Rotation from which on a note is written, degrees.
 const TURNED_DEG: f64 = 3.0;
 
-/// All that the text is written from.
+/// The inputs of the text.
 pub struct Page<'p> {
     /// The task's name.
     pub name: &'p str,
-    /// What the user knows.
+    /// What the user stated.
     pub stated: &'p Stated,
-    /// The pictures, under the names that the user gave them.
+    /// The pictures, under the user's names.
     pub pictures: &'p [Named],
-    /// What the task calls them.
+    /// What the task calls the pictures.
     pub places: &'p [String],
-    /// What they show.
+    /// What the pictures show.
     pub found: &'p draft::Draft,
 }
 
 impl Page<'_> {
-    /// Returns the folds, where every step has one that explains its pictures.
+    /// Returns the folds, if every step has one that explains its pictures.
     fn folds(&self) -> Option<Vec<Fold>> {
         let fold = |step: &DraftStep| step.found().cloned();
         self.found.steps.iter().map(fold).collect()
@@ -66,7 +66,7 @@ impl Page<'_> {
         (self.found.camera.fov_rad.to_degrees() * 10.0).round() / 10.0
     }
 
-    /// Says what was taken for granted of camera and cloth, and what follows from it.
+    /// States the assumptions about camera and cloth, and their consequences.
     fn measures(&self) -> String {
         let (height_mm, fov_deg, cloth) = (self.height_mm(), self.fov_deg(), self.cloth());
         match (self.stated.height_m, self.stated.longer_m) {
@@ -142,7 +142,7 @@ impl Page<'_> {
         guesses
     }
 
-    /// Returns what the author may write where no arrow can be proposed.
+    /// Describes what the author may write where no arrow can be proposed.
     fn by_hand(&self, place: &str) -> String {
         let across = |share: f64| (share * f64::from(self.found.camera.image_px)).floor();
         let (near, middle) = (across(0.2), across(0.5));
@@ -182,7 +182,7 @@ impl Page<'_> {
         format!("{doubt}{fold}{arrow} (overlap {:.2}{next})", step.overlap)
     }
 
-    /// Returns the least overlap to ask of the steps' results, where the base task asks for too much.
+    /// Returns the least overlap to require of the steps' results, if the base task requires too much.
     fn alike(&self) -> Option<f64> {
         let overlaps = self.found.steps.iter().map(|step| step.overlap);
         let least = overlaps.fold(1.0, f64::min) - MARGIN;
@@ -264,7 +264,7 @@ impl Page<'_> {
         text.trim_end().to_owned() + "\n"
     }
 
-    /// Writes the camera where it is not the base task's.
+    /// Writes the camera if it differs from the base task's.
     fn camera(&self) -> String {
         let (height_mm, fov_deg) = (self.height_mm(), self.fov_deg());
         let side_px = self.found.camera.image_px;
@@ -325,10 +325,10 @@ impl Page<'_> {
         lines
     }
 
-    /// Writes a pixel of the picture; a point beside it is moved onto it.
+    /// Writes a pixel of the picture; a point outside the picture is clamped to it.
     fn written(&self, at: [f64; 2]) -> String {
         let last = f64::from(self.found.camera.image_px - 1);
-        // A hair short of the middle is the middle.
+        // A point just short of the picture's middle counts as the middle.
         let [u, v] = at.map(|at| (at + 0.001).floor().clamp(0.0, last));
         format!("({u}px, {v}px)")
     }
@@ -347,18 +347,18 @@ impl Page<'_> {
     }
 }
 
-/// Side points as the cloth lies now: a fold that ends elsewhere than on a corner or a side's middle may end on a crease.
+/// Side points as the cloth lies now: a fold that ends neither on a corner nor on a side's middle may end on a crease.
 const SIDES_NOW: &str = "        # One fold ends elsewhere than on a corner or a side's middle, so these sides are those of the cloth now.
         outline     = contour(cloth, tolerance: 4px)
         side_points = edge_middles(outline)
 ";
 
-/// Returns whether nothing is known of a step but a guess that does not explain it.
+/// Returns whether all that is known of a step is a guess that does not explain it.
 fn is_lost(step: &DraftStep) -> bool {
     step.origin == ArrowOrigin::Proposed && step.found().is_none()
 }
 
-/// Breaks a sentence into lines of a comment; the first follows `# guessed: `.
+/// Wraps a sentence into comment lines; the first follows `# guessed: `.
 fn wrapped(text: &str) -> String {
     const WIDTH: usize = 100;
     let (mut lines, mut width) = (String::new(), 0);

@@ -1,4 +1,4 @@
-//! Pictures of the user's: read, or refused with what makes them right.
+//! Loads the user's pictures, or rejects them and says how to convert them.
 
 use crate::exit::Failure;
 use crate::verbs::new::shown;
@@ -10,7 +10,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// The first bytes of a file, by which its format is known.
+/// How many bytes of a file are read to recognize its format.
 const HEAD_BYTES: u64 = 32;
 
 /// Reads a PNG picture.
@@ -47,7 +47,7 @@ pub fn conversion(name: &str) -> String {
     )
 }
 
-/// Names the format of a file that is no PNG; `empty` where it holds nothing.
+/// Names the format of a file that is not PNG; `empty` if it has no bytes.
 fn other_format(path: &Path) -> Option<&'static str> {
     let mut head = Vec::new();
     let file = File::open(path).ok()?;
@@ -55,7 +55,7 @@ fn other_format(path: &Path) -> Option<&'static str> {
     if head.is_empty() {
         return Some("empty");
     }
-    // Telephones write it.
+    // Phones write this format.
     if head.get(4..8) == Some(b"ftyp") && matches!(head.get(8..11), Some(b"hei" | b"mif")) {
         return Some("HEIC");
     }

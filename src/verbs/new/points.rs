@@ -1,13 +1,13 @@
-//! Folds and points of the cloth, written as the language does.
+//! Writes folds and points of the cloth in the language's syntax.
 
 use fab_program::{ClothPoint, Fold};
 
-/// Writes a whole fold, whatever its fraction.
+/// Writes a fold as a whole, ignoring its fraction.
 pub fn fold_text(fold: &Fold) -> String {
     format!("{} -> {}", point_text(&fold.pick), point_text(&fold.place))
 }
 
-/// Writes a point of the cloth as the language does.
+/// Writes a point of the cloth in the language's syntax.
 pub fn point_text(point: &ClothPoint) -> String {
     let ClothPoint::Particle { right, front } = *point else {
         return "center".to_owned();

@@ -1,25 +1,25 @@
-//! Files that appear in a folder together, or not at all.
+//! Writes several files into a folder together, or none.
 //!
-//! In: their bytes, piece by piece. Out: the files in their places. They are written beside their places first;
-//! what exists is never replaced.
+//! In: their bytes, piece by piece. Out: the files in their final places. They are first written to a staging folder;
+//! existing files are never replaced.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Files on their way into a folder; dropped before [`Staging::commit`], it leaves nothing behind.
+/// Files staged for a folder; dropping it before [`Staging::commit`] leaves nothing behind.
 pub struct Staging {
     folder: PathBuf,
-    /// Folders that were made for it, outermost first.
+    /// Folders created for it, outermost first.
     made: Vec<PathBuf>,
     aside: PathBuf,
     units: Vec<PathBuf>,
 }
 
 impl Staging {
-    /// Makes a folder beside the places in `folder`, which is made too where it is missing.
+    /// Creates a staging folder in `folder`, which is created too if it is missing.
     ///
-    /// - `name`: a file's name that tells it from others of this process.
+    /// - `name`: a file name that distinguishes it from others of this process.
     pub fn begin(folder: &Path, name: &str) -> io::Result<Staging> {
         let mut staging = Staging {
             folder: folder.to_owned(),
@@ -32,20 +32,20 @@ impl Staging {
         Ok(staging)
     }
 
-    /// Returns the folder in which files are written before they take their places.
+    /// Returns the folder in which files are staged.
     #[cfg_attr(not(feature = "runtime"), expect(dead_code))]
     pub fn aside(&self) -> &Path {
         &self.aside
     }
 
-    /// Says that a file or a whole folder, relative to both folders, is to take its place with the others.
+    /// Registers a file or a whole folder, relative to both folders, for [`Staging::commit`].
     ///
-    /// What is named last takes its place last.
+    /// Units are moved in the order in which they were added.
     pub fn include(&mut self, unit: impl Into<PathBuf>) {
         self.units.push(unit.into());
     }
 
-    /// Writes a file that is to take its place with the others.
+    /// Stages a file.
     pub fn write(&mut self, unit: &Path, bytes: &[u8]) -> io::Result<()> {
         let path = self.aside.join(unit);
         if let Some(folder) = path.parent() {
@@ -56,7 +56,7 @@ impl Staging {
         Ok(())
     }
 
-    /// Moves all of them to their places; where that fails, none of them is left there.
+    /// Moves all units into place; if one move fails, undoes the others.
     pub fn commit(mut self) -> io::Result<()> {
         let mut placed = Vec::new();
         let moved = self.units.clone().iter().try_for_each(|unit| {
@@ -75,7 +75,7 @@ impl Staging {
         if moved.is_ok() {
             self.made.clear();
         } else {
-            // What cannot be taken away again is reported by the failure that led here.
+            // If a file cannot be removed again, the error that led here is still reported.
             for place in placed.iter().rev() {
                 let _ = match place.is_dir() {
                     true => fs::remove_dir_all(place),
@@ -89,7 +89,7 @@ impl Staging {
 
 impl Drop for Staging {
     fn drop(&mut self) {
-        // Of no use to anybody; a folder that holds others' files by now stays.
+        // Leftovers do no harm; a created folder that now holds other files stays.
         let _ = fs::remove_dir_all(&self.aside);
         for folder in self.made.iter().rev() {
             let _ = fs::remove_dir(folder);
@@ -97,7 +97,7 @@ impl Drop for Staging {
     }
 }
 
-/// Makes a folder and those above it, and adds those that were missing to `made`.
+/// Creates a folder and its missing parents, and adds those that it created to `made`.
 fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> io::Result<()> {
     if folder.as_os_str().is_empty() || folder.is_dir() {
         return Ok(());

@@ -1,4 +1,4 @@
-//! The subgoal pictures of a new task, drawn before anything is written and pinned with the rest.
+//! The subgoal pictures of a new task: drawn before anything is written, pinned together with the rest.
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -9,11 +9,11 @@ use fab_program::{Program, Subgoals};
 use fab_world::WorldError;
 use std::path::{Path, PathBuf};
 
-/// What `demonstrate` looks like, and by which parameters of the world it was drawn.
+/// The pictures of `demonstrate`, and the world parameters with which they were drawn.
 pub struct Drawn(Option<(SubgoalSet, String)>);
 
 impl Drawn {
-    /// Executes a task's demonstration; nothing where it has none.
+    /// Executes a task's demonstration, if it has one.
     pub fn of(program: &Program, io: &Io) -> Result<Drawn, Failure> {
         if !matches!(program.subgoals, Some(Subgoals::Demonstrate { .. })) {
             return Ok(Drawn(None));
@@ -34,7 +34,7 @@ impl Drawn {
         }
     }
 
-    /// Writes the pictures where they wait for the rest; returns their places beside the task.
+    /// Stages the pictures; returns their paths relative to the task.
     pub fn stage(&self, program: &Program, staging: &mut Staging) -> Result<Vec<PathBuf>, Failure> {
         let Some((set, parameters)) = &self.0 else {
             return Ok(Vec::new());

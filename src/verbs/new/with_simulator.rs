@@ -1,4 +1,4 @@
-//! What `fabc new` does with the simulator: drafts a fold from pictures, and draws subgoal pictures.
+//! The part of `fabc new` that needs the simulator: drafts a fold from pictures, and draws subgoal pictures.
 
 mod from_images;
 mod page;
@@ -15,7 +15,7 @@ use crate::io::Io;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
 
-/// The verbs to go on with.
+/// The verbs to suggest next.
 pub const NEXT: [&str; 3] = ["render", "test", "run"];
 
 /// Pictures to draft a fold from.
@@ -34,17 +34,17 @@ pub struct PictureArguments {
     pub height: Option<f64>,
 }
 
-/// Reads a cloth's side, metres.
+/// Parses a cloth's side, metres.
 fn cloth(text: &str) -> Result<f64, String> {
     length(text, [20.0, 1200.0])
 }
 
-/// Reads a camera's height, metres.
+/// Parses a camera's height, metres.
 fn height(text: &str) -> Result<f64, String> {
     length(text, [100.0, 5000.0])
 }
 
-/// Reads a length with its unit, metres; both ends of what it may be are in millimetres.
+/// Parses a length with its unit, metres; the allowed range is in millimetres.
 fn length(text: &str, [least_mm, most_mm]: [f64; 2]) -> Result<f64, String> {
     let units = [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)];
     let read = |(unit, mm): (&str, f64)| {
@@ -55,13 +55,13 @@ fn length(text: &str, [least_mm, most_mm]: [f64; 2]) -> Result<f64, String> {
         return Err("write a number with its unit, such as `340mm`, `34cm` or `0.34m`".to_owned());
     };
     match (least_mm..=most_mm).contains(&found_mm) {
-        // Whole tenths of a millimetre, as the file states them.
+        // Whole tenths of a millimetre, as the file states lengths.
         true => Ok((found_mm * 10.0).round() / 10_000.0),
         false => Err(format!("right is from {least_mm}mm to {most_mm}mm")),
     }
 }
 
-/// Drafts a fold from the user's pictures, where there are any.
+/// Drafts a fold from the user's pictures, if there are any.
 pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Option<Draft>, Failure> {
     match arguments.pictures.from_images.is_empty() {
         true => Ok(None),

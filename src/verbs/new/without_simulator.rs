@@ -1,4 +1,4 @@
-//! What `fabc new` does in a build without the simulator: nothing is drafted or drawn.
+//! `fabc new` in a build without the simulator: drafts and draws nothing.
 
 use super::staging::Staging;
 use super::{Draft, NewFoldArguments};
@@ -8,7 +8,7 @@ use clap::Args;
 use fab_program::{Program, Subgoals};
 use std::path::PathBuf;
 
-/// The verbs to go on with.
+/// The verbs to suggest next.
 pub const NEXT: [&str; 3] = ["check", "render", "test"];
 
 /// Nothing: pictures need the simulator.
@@ -20,11 +20,11 @@ pub fn draft(_arguments: &NewFoldArguments, _io: &Io) -> Result<Option<Draft>, F
     Ok(None)
 }
 
-/// Subgoal pictures that are not drawn.
+/// Stands for subgoal pictures that are not drawn.
 pub struct Drawn;
 
 impl Drawn {
-    /// Says that a demonstration is not drawn.
+    /// Reports that a demonstration is not drawn.
     pub fn of(program: &Program, io: &Io) -> Result<Drawn, Failure> {
         if let Some(Subgoals::Demonstrate { .. }) = program.subgoals {
             io.talk(

@@ -1,57 +1,57 @@
-//! What a stage says, as lines that know where they come from.
+//! The text of a stage, as lines with their origins.
 //!
-//! In: a stage's messages, whose texts know their stretches. Out: the lines that `fabc render` prints and `fabc snap`
+//! In: a stage's messages, whose texts record their origins. Out: the lines that `fabc render` prints and `fabc snap`
 //! pins, the same for both.
 
 use fab_program::render::{Origin, PromptText};
 
-/// One message as it is shown.
+/// One message for display.
 pub struct Shown {
     /// Who speaks.
     pub role: &'static str,
-    /// Its pieces, in order.
+    /// Its parts, in order.
     pub parts: Vec<ShownPart>,
 }
 
-/// A piece of a shown message.
+/// A part of a displayed message.
 pub enum ShownPart {
-    /// Words.
+    /// Text.
     Text(PromptText),
     /// A picture.
     Picture {
-        /// What the picture shows.
+        /// The picture's description.
         title: String,
-        /// The file's bytes, where they are wanted and this build can draw it.
+        /// The PNG bytes, if requested and if this build can draw it.
         png: Option<Vec<u8>>,
     },
 }
 
-/// A stage as it is shown.
+/// A stage for display.
 pub struct ShownStage {
     /// Its name.
     pub name: String,
-    /// What is said, in order.
+    /// Its messages, in order.
     pub messages: Vec<Shown>,
-    /// How many of them make up the first question.
+    /// How many of the messages make up the first question.
     pub n_asked_first: usize,
-    /// What a model would be told where a check refuses its answer, by the check's name.
+    /// What a model would be told after each check's rejection, by the check's name.
     pub corrections: Vec<(String, PromptText)>,
-    /// What came of the answers that were given, in words.
+    /// The findings about the given answers, in words.
     pub findings: Vec<String>,
 }
 
 /// A line of a page.
 pub struct Line {
-    /// The line.
+    /// The line's text.
     pub text: String,
-    /// Where its words come from; none for headings, blank lines between texts, and pictures.
+    /// Where its text comes from; `None` for headings, blank lines between texts, and pictures.
     pub origin: Option<Origin>,
-    /// Values in it: from which to which character, from 0, and the variable.
+    /// Values in it: the range of characters, from 0 and without its end, and the variable.
     pub values: Vec<(usize, usize, String)>,
 }
 
 impl ShownStage {
-    /// Returns all that the stage says, with a heading above each message.
+    /// Returns the lines of all messages, with a heading above each.
     pub fn lines(&self) -> Vec<Line> {
         let mut lines = Vec::new();
         for message in &self.messages {
@@ -72,7 +72,7 @@ impl ShownStage {
         lines
     }
 
-    /// Returns the pieces of the first question.
+    /// Returns the parts of the first question.
     pub fn first_question(&self) -> impl Iterator<Item = &ShownPart> {
         let asked = self.messages.iter().take(self.n_asked_first);
         asked.flat_map(|message| &message.parts)
@@ -103,7 +103,7 @@ impl Line {
     }
 }
 
-/// Splits a text into its lines.
+/// Splits a text into lines.
 fn of_text(said: &PromptText) -> Vec<Line> {
     let mut lines = Vec::new();
     let mut start = 0;
@@ -111,7 +111,7 @@ fn of_text(said: &PromptText) -> Vec<Line> {
     for text in said.text.split('\n') {
         let end = start + text.len();
         let mut line = Line::bare(text.to_owned());
-        // Stretches are in order; one that goes on in the next line is looked at again there.
+        // Stretches are in order; one that continues in the next line is visited again there.
         while let Some(stretch) = said.stretches.get(next) {
             let bytes = &stretch.bytes;
             if bytes.start > end {
@@ -155,7 +155,7 @@ mod tests {
         }
     }
 
-    /// A text of stretches that follow each other.
+    /// A text of consecutive stretches.
     fn said(pieces: &[(&str, u32, Option<&str>)]) -> PromptText {
         let mut said = PromptText::default();
         for (text, line, value) in pieces {

@@ -7,7 +7,7 @@ use fab_program::{KeypointShape, PixelPoint, Program};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A scene whose points come from a file; its masks and boxes are not known.
+/// A scene with points from a file; its masks and boxes are unknown.
 pub struct SceneFile {
     points: BTreeMap<String, Vec<PixelPoint>>,
 }

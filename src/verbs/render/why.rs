@@ -1,7 +1,7 @@
-//! `--why`: each line of a prompt with the file and line that it comes from, and what each component weighs.
+//! `--why`: shows the source file and line of each prompt line, and the tokens of each component.
 //!
-//! In: a stage as it is shown. Out: the page with line numbers at its left, a table of estimated tokens, and the same
-//! as JSON. What pictures weigh and what tokens cost is known for a named model alone.
+//! In: a stage for display. Out: the page with line numbers, a table of estimated tokens, and the same as JSON. Picture
+//! tokens and prices are known only if a model is named.
 
 use super::page::{Line, ShownPart, ShownStage};
 use fab_program::render::Origin;
@@ -10,30 +10,30 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What a model's provider counts and charges, as far as it is known.
+/// A provider's token counts and prices for a model, where known.
 pub trait Rates {
     /// Returns the model's name.
     fn model(&self) -> String;
 
-    /// Returns how many tokens a picture has, the fewest and the most.
+    /// Returns the fewest and the most tokens that a picture may have.
     fn picture_tokens(&self, png: &[u8]) -> Option<(u64, u64)>;
 
-    /// Returns what so many tokens of a question cost, billionths of a US dollar.
+    /// Returns the price of `tokens` input tokens, billionths of a US dollar.
     fn cost_nano_usd(&self, tokens: u64) -> Option<u64>;
 }
 
-/// What one component of a stage weighs.
+/// The size of one component of a stage.
 struct Weight {
     said_by: String,
-    /// The file that declares it, as the user would name it.
+    /// The file that declares it, in the user's spelling.
     file: Option<String>,
     at_least: u64,
     at_most: u64,
 }
 
-/// Returns the page with the lines' numbers at its left, and a table of what each component weighs.
+/// Returns the page with line numbers, and a table of the tokens of each component.
 ///
-/// - `folder`: the one that holds the task's file; shown before the names of files.
+/// - `folder`: the folder of the task's file; prefixed to file names.
 pub fn text(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> String {
     let mut text = format!("=== stage {}\n", stage.name);
     let mut before: Option<(String, Option<String>)> = None;
@@ -66,7 +66,7 @@ fn heading(head: &Option<(String, Option<String>)>) -> String {
     }
 }
 
-/// Writes a line behind its number, and below it which of its words are values.
+/// Writes a numbered line, and marks below it which words are values.
 fn numbered(line: &Line) -> String {
     let place = line.origin.as_ref().and_then(|it| it.place.as_ref());
     let number = place.map_or(String::new(), |place| place.line.to_string());
@@ -94,7 +94,7 @@ fn named(folder: &Path, file: &str) -> String {
     folder.join(file).display().to_string()
 }
 
-/// Returns what each component and picture of the question weighs, in the order in which they come.
+/// Returns the tokens of each component and picture of the question, in order of appearance.
 fn weights(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> Vec<Weight> {
     let mut letters: Vec<(String, Option<String>, String)> = Vec::new();
     let mut weights = Vec::new();
@@ -140,7 +140,7 @@ fn weights(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> Vec<
     weights
 }
 
-/// Returns the name under which a stretch is counted: demonstrations are counted together.
+/// Returns the name under which a stretch is counted: demonstrations share one.
 fn group(origin: &Origin) -> String {
     match origin.source.split_once(' ') {
         Some(("demonstration", _)) => "demonstrations".to_owned(),
@@ -184,7 +184,7 @@ fn table(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> String
     text
 }
 
-/// Returns how many pictures of the first question have no known weight.
+/// Returns how many pictures of the first question have an unknown token count.
 fn not_counted(stage: &ShownStage, rates: Option<&dyn Rates>) -> usize {
     let is_unknown = |part: &&ShownPart| match (part, rates) {
         (ShownPart::Text(_), _) => false,
@@ -212,7 +212,7 @@ fn bounds(at_least: u64, at_most: u64) -> String {
     }
 }
 
-/// Writes billionths of a dollar, to a millionth.
+/// Formats billionths of a dollar, rounded to a millionth.
 fn dollars(nano: u64) -> String {
     let micro = nano.div_ceil(1000);
     format!("${}.{:06}", micro / 1_000_000, micro % 1_000_000)

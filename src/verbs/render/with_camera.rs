@@ -1,4 +1,4 @@
-//! Prompts on a scene that the world's camera sees, with the pictures that a model gets.
+//! Renders prompts of a scene from the world's camera, with the pictures that a model gets.
 
 use super::page::{Shown, ShownPart, ShownStage};
 use super::scene_file::SceneFile;
@@ -67,7 +67,7 @@ pub struct ShownArguments {
     pub facts: FactsArguments,
 }
 
-/// Returns the task for the cloth of the start file that is named, where one is; else the task as it is.
+/// Returns the task for the cloth of the named start file, if there is one; otherwise the task unchanged.
 pub fn fitted(
     declared: &Program,
     arguments: &RenderArguments,
@@ -95,7 +95,7 @@ pub fn fitted(
     setting::fitted(&arguments.task, declared, &start, io)
 }
 
-/// A scene and what can be shown of it.
+/// A scene and everything that can be displayed of it.
 pub struct View {
     seen: Seen,
     pictures: Pictures,
@@ -105,10 +105,10 @@ pub struct View {
 }
 
 impl View {
-    /// Lays the cloth, executes the demonstrated folds before the step, and looks.
+    /// Lays the cloth, executes the demonstrated folds before the step, and takes a picture.
     ///
-    /// - `program`: the task for the cloth that lies there; `declared`: the same as it is written, whose subgoals
-    ///   are shown.
+    /// - `program`: the task for the cloth that lies there.
+    /// - `declared`: the task as written; its subgoals are shown.
     pub fn at(
         program: &Program,
         declared: &Program,
@@ -166,12 +166,12 @@ impl View {
         })
     }
 
-    /// Returns what is known of the model to which the messages are shown, where one is named.
+    /// Returns the rates of the model to which the messages are shown, if one is named.
     pub fn rates(&self) -> Option<&dyn Rates> {
         self.rates.as_ref().map(|rates| rates as &dyn Rates)
     }
 
-    /// Goes through stages as a rollout does, by the functions that a rollout uses.
+    /// Goes through the stages with the same functions as a rollout.
     pub fn stages(
         &self,
         program: &Program,
@@ -269,7 +269,7 @@ impl View {
     }
 }
 
-/// Says what came of an answer.
+/// Describes the finding about an answer.
 fn in_words(finding: &Finding) -> String {
     match finding {
         Finding::Text { name, value, .. } => format!("`{name}` is \"{value}\""),
@@ -286,7 +286,7 @@ fn in_words(finding: &Finding) -> String {
     }
 }
 
-/// Returns messages as they are shown where their pictures are not wanted.
+/// Returns messages for display without their pictures.
 pub fn shown_without_drawing(spoken: &[Spoken], step: u32) -> Vec<Shown> {
     spoken
         .iter()
@@ -294,7 +294,7 @@ pub fn shown_without_drawing(spoken: &[Spoken], step: u32) -> Vec<Shown> {
         .collect()
 }
 
-/// Puts what is said and what is sent together.
+/// Combines a conversation's messages with the request that is sent.
 fn shown(conversation: &Conversation, step: u32) -> Vec<Shown> {
     let both = conversation.spoken.iter().zip(&conversation.messages);
     both.map(|(spoken, message)| one(spoken, Some(message), step))
@@ -325,7 +325,7 @@ fn one(spoken: &Spoken, sent: Option<&Message>, step: u32) -> Shown {
     }
 }
 
-/// What a model's provider takes on a day.
+/// A model's prices on a given day.
 struct RatesOn {
     profile: Profile,
     day: Date,

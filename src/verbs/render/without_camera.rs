@@ -1,4 +1,4 @@
-//! Prompts in a build without simulator and vision: points are typed placeholders, or from `--scene`.
+//! Renders prompts in a build without simulator and vision: points are typed placeholders, or come from `--scene`.
 
 use super::page::{Shown, ShownPart, ShownStage};
 use super::scene_file::SceneFile;
@@ -20,13 +20,13 @@ use std::path::PathBuf;
 pub struct CameraArguments {}
 
 impl CameraArguments {
-    /// Names no files.
+    /// Returns no files.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
         std::iter::empty()
     }
 }
 
-/// Returns the task as it is: no start is laid.
+/// Returns the task unchanged: this build lays no cloth.
 pub fn fitted(
     declared: &Program,
     _arguments: &RenderArguments,
@@ -35,13 +35,13 @@ pub fn fitted(
     Ok(declared.clone())
 }
 
-/// Stands where a scene would be.
+/// Takes the place of a scene.
 pub struct View {
     step: u32,
 }
 
 impl View {
-    /// Says that this build has no camera, where points are needed.
+    /// Fails if points are needed, since this build has no camera.
     pub fn at(
         _program: &Program,
         _declared: &Program,
@@ -58,7 +58,7 @@ impl View {
         })
     }
 
-    /// Returns nothing: this build knows no models.
+    /// Returns `None`: this build knows no models.
     pub fn rates(&self) -> Option<&dyn Rates> {
         None
     }
@@ -101,7 +101,7 @@ impl View {
     }
 }
 
-/// Returns messages as they are shown by a build that cannot draw.
+/// Returns messages for display in a build that cannot draw.
 pub fn shown_without_drawing(messages: Vec<PromptMessage>, step: u32) -> Vec<Shown> {
     let messages = messages.into_iter();
     messages.map(|message| shown(message, step)).collect()

@@ -1,17 +1,17 @@
-//! What the change of a group comes to, in estimated tokens and in money.
+//! The change of a group in estimated tokens and in money.
 
 use super::groups::Tokens;
 use serde_json::{Value, json};
 
-/// What a model takes for a question.
+/// A model's price of a question.
 pub struct Pricing {
     /// The model, as `PROVIDER:NAME`.
     pub model: String,
-    /// What so many tokens of questions cost today, US dollars.
+    /// Today's price of so many input tokens, US dollars.
     pub usd: Box<dyn Fn(u64) -> f64>,
 }
 
-/// Returns what `--json` says of cost: each question of the group asked once, its text alone; null without a model.
+/// Returns the cost in `--json`: the text of each question of the group, sent once; null without a model.
 pub fn to_json(tokens: &Tokens, pricing: Option<&Pricing>) -> Value {
     match (tokens.sums(), pricing) {
         (Some([before, after]), Some(pricing)) => json!({
@@ -23,7 +23,7 @@ pub fn to_json(tokens: &Tokens, pricing: Option<&Pricing>) -> Value {
     }
 }
 
-/// Says the change in tokens and cost in one or two lines; none where no question is in the group.
+/// Describes the change in tokens and cost in one or two lines; `None` if the group has no question.
 pub fn in_words(tokens: &Tokens, pricing: Option<&Pricing>) -> Option<String> {
     let [before, after] = tokens.sums()?;
     let [least, most] = tokens.range()?;

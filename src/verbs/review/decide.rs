@@ -1,8 +1,8 @@
-//! Does what was decided: accepts and rejects snapshots.
+//! Applies decisions: accepts and rejects snapshots.
 //!
-//! In: what was decided of groups. Out: what becomes of which snapshot, and changed folders. A snapshot is accepted when
-//! every edit in it was, and rejected when one was. The snapshots of one folder change all together or not at all; before
-//! the first of several folders changes, all are looked at.
+//! In: decisions about groups. Out: the decision for each snapshot, and changed folders. A snapshot is accepted when
+//! all of its edits were accepted, and rejected when one was rejected. The snapshots of one folder change together or
+//! not at all; with several folders, all are checked before the first one changes.
 
 use super::find::{Found, Pending};
 use super::groups::Group;
@@ -12,25 +12,25 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 
-/// What becomes of a pending snapshot.
+/// The decision about a pending snapshot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
-    /// It is the accepted one from now on.
+    /// It becomes the accepted one.
     Accept,
-    /// It goes; what was accepted stays.
+    /// It is removed; the accepted one stays.
     Reject,
 }
 
-/// What is left to be decided of each pending snapshot.
+/// The decisions that are still open for each pending snapshot.
 pub struct Ballot {
-    /// How many groups of each snapshot were not accepted yet; none once it is settled.
+    /// How many groups of each snapshot are not accepted yet; `None` once the snapshot is settled.
     open: Vec<Option<usize>>,
-    /// Those of which some group was accepted.
+    /// Snapshots with a decision about at least one of their groups.
     begun: BTreeSet<usize>,
 }
 
 impl Ballot {
-    /// Begins with nothing decided.
+    /// Starts with all decisions open.
     pub fn of(n_pending: usize, groups: &[Group]) -> Ballot {
         let mut open = vec![Some(0); n_pending];
         for member in groups.iter().flat_map(|group| &group.members) {
@@ -44,7 +44,7 @@ impl Ballot {
         }
     }
 
-    /// Counts what was decided of a group, once, and returns what that settles.
+    /// Records the decision about a group once, and returns the snapshots that it settles.
     pub fn decide(&mut self, group: &Group, decision: Decision) -> Vec<(usize, Decision)> {
         let mut settled = Vec::new();
         for member in &group.members {
@@ -60,12 +60,12 @@ impl Ballot {
         settled
     }
 
-    /// Decides a snapshot whatever was decided of its edits; nothing where it is settled already.
+    /// Settles a snapshot regardless of its edits; returns `None` if it is already settled.
     pub fn settle(&mut self, member: usize, decision: Decision) -> Option<(usize, Decision)> {
         self.open[member].take().map(|_| (member, decision))
     }
 
-    /// Returns the snapshots of which some edits were accepted and others not decided, by their numbers.
+    /// Returns the numbers of the snapshots with some edits accepted and others undecided.
     pub fn waiting(&self) -> Vec<usize> {
         let begun = self.begun.iter().copied();
         begun.filter(|member| !self.is_settled(*member)).collect()
@@ -77,7 +77,7 @@ impl Ballot {
     }
 }
 
-/// Does what was decided of some pending snapshots, by their numbers.
+/// Applies decisions about pending snapshots, by their numbers.
 pub fn apply(found: &mut Found, decided: &[(usize, Decision)]) -> Result<(), Failure> {
     for (number, decision) in decided {
         let one = &found.pending[*number];
@@ -105,7 +105,7 @@ pub fn apply(found: &mut Found, decided: &[(usize, Decision)]) -> Result<(), Fai
     Ok(())
 }
 
-/// What an id names, by its number.
+/// The target of an id, by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Named {
     /// A group.
@@ -114,7 +114,7 @@ pub enum Named {
     Snapshot(usize),
 }
 
-/// Returns what an id names; fails where it names nothing, or several snapshots by one name.
+/// Returns the target of an id; fails if there is none, or if several snapshots have this name.
 pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Named, Failure> {
     if let Some(group) = groups.iter().position(|group| group.id == id) {
         return Ok(Named::Group(group));
@@ -146,7 +146,8 @@ pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Named, F
     }
 }
 
-/// Returns the path of the pending snapshot that a path means: its own, the accepted one's, or that of either's picture.
+/// Returns the path of the pending snapshot that a path refers to: its own, the accepted one's, or that of either
+/// picture.
 fn pending_path(id: &str) -> PathBuf {
     let file = id.strip_suffix(".png").unwrap_or(id);
     match file.ends_with(".snap") {
@@ -155,14 +156,15 @@ fn pending_path(id: &str) -> PathBuf {
     }
 }
 
-/// Returns whether an id fits a pattern: has it in it, or fits it as a whole where it has `*` (any letters) or `?` (one).
+/// Returns whether an id matches a pattern: contains it, or matches as a whole if it has `*` (any characters) or `?`
+/// (one).
 pub fn fits(pattern: &str, id: &str) -> bool {
     if !pattern.contains(['*', '?']) {
         return id.contains(pattern);
     }
     let pattern: Vec<char> = pattern.chars().collect();
     let id: Vec<char> = id.chars().collect();
-    // The last `*` seen, and where in the id what it stands for ends for now.
+    // The last `*` seen, and where in the id its match currently ends.
     let (mut at, mut star, mut next) = (0, None, 0);
     while next < id.len() {
         match pattern.get(at) {

@@ -1,7 +1,7 @@
-//! Says how one text became another: edits, each of one component, with what caused it.
+//! Describes how one text became another: edits of one component each, with their causes.
 //!
-//! In: two texts, and where their lines come from. Out: [`Edit`]s in order. Lines that change side by side and come
-//! from two components are two edits, so that an edit of one component is the same in every text that it is said in.
+//! In: two texts, and the origins of their lines. Out: [`Edit`]s in order. Adjacent changed lines from two components
+//! are two edits, so that an edit of one component is the same in every text that contains the component.
 
 use super::find::Pending;
 use crate::snapshots::{Metadata, Origin};
@@ -10,24 +10,24 @@ use similar::{Algorithm, DiffOp, DiffTag, capture_diff_slices};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Unchanged lines that are shown before and after an edit.
+/// Unchanged lines shown before and after an edit.
 const CONTEXT: usize = 2;
-/// The longest texts that are compared line by line; the time for it grows with the square. Longer ones are one edit.
+/// The longest texts that are compared line by line, since the time grows with the square. Longer texts are one edit.
 const MAX_COMPARED_LINES: usize = 10_000;
 
-/// What caused a change.
+/// The cause of a change.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Cause {
-    /// The component, or what changed in words.
+    /// The component, or a description of what changed.
     pub component: String,
-    /// The file, where it is known.
+    /// The file, if known.
     pub file: Option<String>,
     /// The line in it, from 1.
     pub line: Option<u32>,
 }
 
 impl Cause {
-    /// Says what changed where no component did.
+    /// Makes a cause that is no component.
     pub fn in_words(words: String) -> Cause {
         Cause {
             component: words,
@@ -37,24 +37,22 @@ impl Cause {
     }
 }
 
-/// Lines of one component that became others, and blank lines between texts beside them.
+/// Changed lines of one component, with the blank lines between texts beside them.
 #[derive(Clone, Debug, Default)]
 pub struct Edit {
-    /// What is the same for one edit, wherever it is made; blank lines between texts are no part of it.
+    /// Identical for the same edit in different texts; ignores blank lines between texts.
     pub key: String,
-    /// Where the lines come from; of lines that were added, where they are now, else where they were.
+    /// Where the lines come from: the new place of added lines, otherwise the old place.
     pub causes: Vec<Cause>,
-    /// The lines that go.
     pub removed: Vec<String>,
-    /// The lines that come.
     pub added: Vec<String>,
-    /// Lines of the new text before them, of one snapshot.
+    /// Lines of one snapshot's new text before them.
     pub before: Vec<String>,
     /// Lines of the new text after them.
     pub after: Vec<String>,
 }
 
-/// A line that changed, and where it comes from.
+/// A changed line and its origin.
 struct Line<'a> {
     text: &'a str,
     /// Its number in its text, from 1.
@@ -63,7 +61,7 @@ struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// Returns whether it only keeps two texts apart.
+    /// Returns whether it only separates two texts.
     fn is_spacing(&self) -> bool {
         self.origin.is_none() && self.text.trim().is_empty()
     }
@@ -72,7 +70,7 @@ impl<'a> Line<'a> {
         self.origin.map(|origin| origin.component.as_str())
     }
 
-    /// Returns where this very line stands, where it comes from a component.
+    /// Returns the origin of this very line, if it comes from a component.
     fn cause(&self) -> Option<Cause> {
         let origin = self.origin?;
         let (file, first) = origin.place.clone().unzip();
@@ -123,7 +121,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Returns the edits of a snapshot whose text changed.
+/// Returns the edits of a snapshot with a changed text.
 pub fn edits(pending: &Pending) -> Vec<Edit> {
     let (Some((before, after)), Some(accepted)) = (pending.texts(), &pending.accepted) else {
         return Vec::new();
@@ -158,14 +156,14 @@ pub fn edits(pending: &Pending) -> Vec<Edit> {
     edits
 }
 
-/// Returns an edit for each component that lines go from or come from, in the order of the new text.
+/// Returns one edit for each component with added or removed lines, in the order of the new text.
 ///
-/// The new place of a component says its cause where there is one: what was removed may have moved since. A blank line
-/// between two texts goes with the line before it, else with the one after it.
+/// The cause is the component's new place if it has one, since removed lines may have moved. A blank line between two
+/// texts belongs to the line before it, or else to the one after it.
 fn by_component(removed: &[Line<'_>], added: &[Line<'_>]) -> Vec<Edit> {
     let mut edits: Vec<Edit> = Vec::new();
     let mut known: BTreeMap<Option<&str>, usize> = BTreeMap::new();
-    // Not edited by anything else where nothing else changed beside it.
+    // Blank lines are an edit of their own only if nothing else changed beside them.
     let is_only_spacing = removed.iter().chain(added).all(Line::is_spacing);
     let is_own = |line: &Line<'_>| is_only_spacing || !line.is_spacing();
     for line in added.iter().chain(removed).filter(|line| is_own(line)) {

@@ -1,8 +1,9 @@
-//! Finds what is pending: below folders, or of files.
+//! Finds pending snapshots, below folders or of files.
 //!
-//! In: what the command line names. Out: the snapshot folders, and each pending snapshot beside the accepted one.
-//! Snapshots that others wrote into such folders are counted and left alone. Of ours, a pending one that cannot be read
-//! is an error, and an accepted one counts as absent: what is pending was made without it.
+//! In: the places named on the command line. Out: the snapshot folders, and each pending snapshot with the accepted
+//! one. Snapshots that other tools wrote into such folders are counted and left alone. For our own, an unreadable
+//! pending snapshot is an error; an unreadable accepted one counts as absent, since the pending one was made without
+//! it.
 
 use crate::exit::Failure;
 use crate::snapshots::{Contents, FOLDER, Folder, Info, Name, Snapshot, SnapshotError};
@@ -11,45 +12,44 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Folders that hold what was made or fetched.
+/// Folders with generated or downloaded files.
 const SKIPPED: [&str; 3] = ["target", "node_modules", "runs"];
-/// How far below a named folder is looked, and the most folders that are.
+/// How many levels below a named folder are searched, and the most folders that are.
 const MAX_DEPTH: usize = 24;
 const MAX_FOLDERS: usize = 100_000;
-/// What stands before the scene in each name that `fabc` gives.
+/// Precedes the scene in every name that `fabc` gives.
 const SCENE: char = '@';
-/// How much of a file that cannot be read is looked through for a merge conflict, bytes.
+/// How much of an unreadable file is searched for a merge conflict, bytes.
 const MAX_LOOKED_THROUGH_BYTES: u64 = 4 << 20;
 
-/// All that is to be reviewed.
+/// Everything to review.
 pub struct Found {
-    /// The snapshot folders that hold any of it.
+    /// The snapshot folders with anything to review.
     pub folders: Vec<Folder>,
-    /// What is pending, by folder and name.
+    /// The pending snapshots, by folder and name.
     pub pending: Vec<Pending>,
-    /// How many pending snapshots are not of `fabc`.
+    /// How many pending snapshots were not written by `fabc`.
     pub n_foreign: usize,
 }
 
 /// A pending snapshot.
 pub struct Pending {
-    /// Which of the folders it is in.
+    /// The index of its folder.
     pub folder: usize,
-    /// Its name, which is its id too.
+    /// Its name, which is also its id.
     pub name: Name,
     /// The file.
     pub path: PathBuf,
-    /// What was accepted; none for a new one.
+    /// The accepted snapshot; `None` if this one is new.
     pub accepted: Option<Snapshot>,
-    /// Why what was accepted cannot be read, where there is any.
+    /// Why the accepted snapshot cannot be read, if it exists and cannot.
     pub unreadable: Option<String>,
-    /// What is proposed.
     pub proposed: Snapshot,
-    /// What `fabc` says of what is proposed.
+    /// Details that `fabc` wrote about the proposed snapshot.
     pub info: Info,
 }
 
-/// Finds what is pending in the named places, or below the current folder.
+/// Finds the pending snapshots in the named places, or below the current folder.
 pub fn find(places: &[PathBuf]) -> Result<Found, Failure> {
     let here = [PathBuf::from(".")];
     let places = if places.is_empty() { &here } else { places };
@@ -83,7 +83,7 @@ pub fn find(places: &[PathBuf]) -> Result<Found, Failure> {
     Ok(found)
 }
 
-/// Adds the snapshot folders in and below a folder; of links, only a snapshot folder itself is followed.
+/// Adds the snapshot folders in and below a folder; follows only links that are snapshot folders themselves.
 fn walk(
     folder: &Path,
     depth: usize,
@@ -104,7 +104,7 @@ fn walk(
     };
     let entries = match fs::read_dir(folder) {
         Ok(entries) => entries,
-        // One that was named has to be readable; of those below it, none can be hidden by this.
+        // A named folder must be readable; an unreadable one below it is skipped.
         Err(error) if depth == 0 => return Err(unreadable(error)),
         Err(_) => return Ok(()),
     };
@@ -116,7 +116,7 @@ fn walk(
             .to_str()
             .is_some_and(|name| name.starts_with('.') || SKIPPED.contains(&name));
         let is_wanted = entry.file_type().is_ok_and(|kind| match name == FOLDER {
-            // Nothing below it is walked through, so that no link leads round in a circle.
+            // The walk does not go below it, so a link cannot cause a cycle.
             true => kind.is_dir() || (kind.is_symlink() && entry.path().is_dir()),
             false => kind.is_dir(),
         });
@@ -167,7 +167,7 @@ fn read(
         }
         let (accepted, unreadable) = match folder.accepted(name) {
             Ok(accepted) => (accepted, None),
-            // A picture that is kept out of version control is absent, and is proposed anew.
+            // A picture that is kept out of version control is missing here, and is proposed again.
             Err(SnapshotError::PictureMissing { .. }) => (None, None),
             Err(error) => (None, Some(error.to_string())),
         };
@@ -185,7 +185,7 @@ fn read(
     Ok(())
 }
 
-/// Says why a pending snapshot cannot be read, where a merge left it undecided, and what to do.
+/// Reports why a pending snapshot cannot be read, such as an unresolved merge conflict, and what to do.
 fn unreadable(path: &Path, error: &SnapshotError) -> Failure {
     let mut message = error.to_string();
     if let Some(line) = conflict(path) {
@@ -196,7 +196,7 @@ fn unreadable(path: &Path, error: &SnapshotError) -> Failure {
     ))
 }
 
-/// Returns the first line of a file, from 1, that begins a merge conflict.
+/// Returns the line, from 1, at which the first merge conflict of a file begins.
 fn conflict(path: &Path) -> Option<usize> {
     let is_file = fs::symlink_metadata(path).is_ok_and(|found| found.is_file());
     let file = fs::File::open(path).ok().filter(|_| is_file)?;
@@ -211,7 +211,7 @@ fn conflict(path: &Path) -> Option<usize> {
 }
 
 impl Pending {
-    /// Returns the file of the picture that is proposed, where it is one.
+    /// Returns the file of the proposed picture, if it is one.
     pub fn picture_file(&self) -> Option<PathBuf> {
         match self.proposed.contents {
             Contents::Picture(_) => Some(self.path.with_added_extension("png")),
@@ -219,7 +219,7 @@ impl Pending {
         }
     }
 
-    /// Returns both texts, where it is a text that changes.
+    /// Returns both texts, if a text changed.
     pub fn texts(&self) -> Option<(&str, &str)> {
         match (&self.accepted.as_ref()?.contents, &self.proposed.contents) {
             (Contents::Text(before), Contents::Text(after)) => Some((before, after)),
@@ -227,7 +227,7 @@ impl Pending {
         }
     }
 
-    /// Returns both pictures, where it is a picture that changes.
+    /// Returns both pictures, if a picture changed.
     pub fn pictures(&self) -> Option<(&[u8], &[u8])> {
         match (&self.accepted.as_ref()?.contents, &self.proposed.contents) {
             (Contents::Picture(before), Contents::Picture(after)) => Some((before, after)),

@@ -1,7 +1,7 @@
-//! Puts what is pending into groups: an edit that changes forty snapshots is one thing to look at.
+//! Groups pending snapshots: an edit that changes forty snapshots is one thing to look at.
 //!
-//! In: what is pending. Out: groups, whose ids are the same from run to run. Each edit is one group, so that it is looked
-//! at once; a text that several edits change is in a group of each. What becomes of it then is up to [`super::decide`].
+//! In: pending snapshots. Out: groups, whose ids are stable from run to run. Each edit is one group, so it is reviewed
+//! once; a text with several edits is in the group of each. [`super::decide`] applies the decisions.
 
 use super::edits::{self, Cause, Edit};
 use super::find::Pending;
@@ -12,32 +12,32 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What kind of change a group is.
+/// The kind of change of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
-    /// Prompt texts that change.
+    /// Changed prompt texts.
     Edit,
-    /// Scenes that change.
+    /// Changed scenes.
     Scene,
-    /// Pictures that change, or become texts.
+    /// Pictures that changed or became texts.
     Picture,
-    /// Snapshots that were not there.
+    /// New snapshots.
     New,
 }
 
-/// Pending snapshots that change alike.
+/// Pending snapshots with the same change.
 #[derive(Debug)]
 pub struct Group {
-    /// Eight letters of the hash of what makes it a group.
+    /// The first eight characters of a hash of what defines the group.
     pub id: String,
-    /// What kind of change it is.
+    /// The kind of change.
     pub kind: Kind,
-    /// What caused it, in order, each once.
+    /// The causes, in order and without duplicates.
     pub causes: Vec<Cause>,
-    /// The edits: one of texts, all of a scene, none of pictures and new snapshots.
+    /// The edits: one for texts, all of a scene, none for pictures and new snapshots.
     pub edits: Vec<Edit>,
-    /// Which of the pending ones it holds.
+    /// The indices of its pending snapshots.
     pub members: Vec<usize>,
     /// Estimated tokens of its prompt texts.
     pub tokens: Tokens,
@@ -46,12 +46,12 @@ pub struct Group {
 /// Estimated tokens of the prompt texts of a group, where they are known.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tokens {
-    /// Before and after, of each question.
+    /// Before and after, for each question.
     pub questions: Vec<[u64; 2]>,
 }
 
 impl Tokens {
-    /// Returns the sums before and after; none where no question is in the group.
+    /// Returns the sums before and after; `None` if the group has no question.
     pub fn sums(&self) -> Option<[u64; 2]> {
         let sum = |side: usize| {
             let questions = self.questions.iter().map(|question| question[side]);
@@ -64,14 +64,14 @@ impl Tokens {
     pub fn range(&self) -> Option<[i64; 2]> {
         let changes = self.questions.iter().map(|[before, after]| {
             let change = i128::from(*after) - i128::from(*before);
-            // Held to what an i64 holds, so the cast keeps the value.
+            // Clamped to the range of an i64, so the cast keeps the value.
             change.clamp(i64::MIN.into(), i64::MAX.into()) as i64
         });
         Some([changes.clone().min()?, changes.max()?])
     }
 }
 
-/// Groups what is pending: edits first, then scenes, pictures and new ones.
+/// Groups pending snapshots: edits first, then scenes, pictures and new snapshots.
 pub fn group(pending: &[Pending]) -> Vec<Group> {
     let mut groups: BTreeMap<(Kind, String), Group> = BTreeMap::new();
     let mut order = Vec::new();
@@ -128,7 +128,7 @@ fn question(one: &Pending) -> Option<[u64; 2]> {
     Some([before, after])
 }
 
-/// Returns by how many tokens some of a text's edits make it longer, each as often as it is made.
+/// Returns how many tokens a part of a text's edits adds, counting each edit as often as it occurs.
 fn weight(found: &[Edit], part: &[Edit]) -> i64 {
     let of = |lines: &[String]| tokens::of_text(&lines.join("\n")) as i64;
     let is_part = |edit: &&Edit| part.iter().any(|one| one.key == edit.key);
@@ -144,7 +144,7 @@ fn add(causes: &mut Vec<Cause>, more: impl IntoIterator<Item = Cause>) {
     }
 }
 
-/// Returns each edit once, at its first place.
+/// Returns each edit once, where it first occurs.
 fn once(edits: &[Edit]) -> Vec<Edit> {
     let mut keys = BTreeSet::new();
     let first = edits.iter().filter(|edit| keys.insert(&edit.key));
@@ -162,7 +162,7 @@ fn kind(one: &Pending) -> Kind {
     }
 }
 
-/// Returns what is equal for snapshots that change alike.
+/// Returns a key that is equal for snapshots with the same change.
 fn key(one: &Pending, kind: Kind, edits: &[Edit]) -> String {
     let parts: Vec<String> = match (kind, one.pictures()) {
         (Kind::New, _) => vec![
@@ -170,7 +170,7 @@ fn key(one: &Pending, kind: Kind, edits: &[Edit]) -> String {
             one.proposed.metadata.source.clone().unwrap_or_default(),
         ],
         (_, Some((before, after))) => vec![hash(before), hash(after)],
-        // A text in place of a picture, or the other way round, is like no other.
+        // A change between text and picture is a group of its own.
         (Kind::Picture, None) => vec![one.name.to_string()],
         _ => {
             let keys: BTreeSet<&String> = edits.iter().map(|edit| &edit.key).collect();

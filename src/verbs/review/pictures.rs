@@ -1,34 +1,34 @@
-//! Lays a picture before, after, and their difference side by side.
+//! Shows a picture before, after, and the difference side by side.
 //!
-//! In: two PNG files. Out: one picture of three panels, how many pixels differ, and where. What differs is drawn on a
-//! pale grey copy of the picture after; pictures of two sizes are laid at the top left of the larger one. In place of
-//! a file that is no picture there is an empty panel.
+//! In: two PNG files. Out: one picture of three panels, how many pixels differ, and where. Differences are drawn on a
+//! pale grey copy of the new picture; pictures of different sizes are aligned at the top left. A file that is not a
+//! picture gets an empty panel.
 
 use fab_picture::png;
 use image::{Rgb, RgbImage, imageops};
 use std::path::Path;
 
-/// Between panels, pixels.
+/// Gap between panels, pixels.
 const GAP_PX: u32 = 8;
 const GAP: Rgb<u8> = Rgb([40, 40, 40]);
-/// Where a smaller picture has nothing.
+/// Background where a smaller picture has no pixels.
 const NOTHING: Rgb<u8> = Rgb([160, 160, 160]);
-/// A pixel that differs; no cloth of a task and no layer has this colour.
+/// Colour of pixels that differ; no task's cloth and no layer has it.
 const CHANGED: Rgb<u8> = Rgb([255, 0, 160]);
 
-/// What differs between two pictures.
+/// The difference between two pictures.
 pub struct Compared {
-    /// The three panels; none where neither file is a picture.
+    /// The three panels; `None` if neither file is a picture.
     pub sheet: Option<RgbImage>,
-    /// How many pixels differ; none where there are no two pictures to compare.
+    /// How many pixels differ; `None` unless both files are pictures.
     pub n_changed: Option<u64>,
     /// Leftmost column, top row, rightmost column and bottom row of those, pixels.
     pub bounds: Option<[u32; 4]>,
-    /// What differs, in words.
+    /// The difference in words.
     pub words: String,
 }
 
-/// Compares two PNG files, before and after; their paths name them in words.
+/// Compares two PNG files, before and after; the message names them by their paths.
 pub fn compare(files: [&[u8]; 2], paths: [&Path; 2]) -> Compared {
     let decoded = [0, 1].map(|side| png::decode(files[side], paths[side]));
     match decoded {
@@ -86,11 +86,11 @@ fn both(before: RgbImage, after: RgbImage) -> Compared {
     }
 }
 
-/// Lays pictures beside each other in panels of one size, pixels; where there is none, the panel is empty.
+/// Places pictures beside each other in panels of one size, pixels; a missing picture leaves its panel empty.
 fn side_by_side(shown: &[Option<RgbImage>; 3], (width, height): (u32, u32)) -> RgbImage {
     let mut sheet = RgbImage::from_pixel(3 * width + 2 * GAP_PX, height, GAP);
     for (panel, shown) in shown.iter().enumerate() {
-        // Three panels of at most some thousand pixels each.
+        // Three panels of at most a few thousand pixels each.
         let left = i64::from(width + GAP_PX) * panel as i64;
         let mut whole = RgbImage::from_pixel(width, height, NOTHING);
         if let Some(shown) = shown {
@@ -118,7 +118,7 @@ fn in_words(n_changed: u64, bounds: Option<[u32; 4]>, sizes: [(u32, u32); 2]) ->
     words
 }
 
-/// Returns a grey that is light enough for a colour to stand out.
+/// Returns a grey so light that a colour stands out.
 fn pale(pixel: &Rgb<u8>) -> Rgb<u8> {
     let [red, green, blue] = pixel.0.map(u32::from);
     let grey = (299 * red + 587 * green + 114 * blue) / 1000;

@@ -1,7 +1,7 @@
-//! The review on a terminal: one group after the other, one key each.
+//! The review on a terminal: one group at a time, one key each.
 //!
-//! In: what is pending, and keys. Out: changed folders, and what was decided. What settles a snapshot is done at
-//! once, so that one who stops keeps it; what was accepted of a snapshot that still waits is forgotten then.
+//! In: pending snapshots, and keys. Out: changed folders, and the decisions. A settled snapshot is written at once, so
+//! quitting keeps it; partial acceptances are discarded on quit.
 
 use super::cost::Pricing;
 use super::decide::{self, Ballot, Decision};
@@ -25,14 +25,14 @@ q  quit, as Ctrl-C and Ctrl-D do; what was settled is kept
 ?  these keys";
 const PROMPT: &str =
     "[a]ccept [r]eject [s]kip [d] side by side [f]ull [A]ccept all left [q]uit [?] ";
-/// Below this, a prompt that would be broken is shortened.
+/// A prompt that would wrap is shortened to this.
 const SHORT_PROMPT: &str = "a r s d f A q, ? says what they do: ";
-/// What Ctrl-D sends.
+/// The character that Ctrl-D sends.
 const END_OF_INPUT: char = '\u{4}';
-/// The narrowest that is laid out for; a terminal that does not know its width says 0.
+/// The narrowest supported layout; a terminal of unknown width reports 0.
 const MIN_COLUMNS: usize = 20;
 
-/// How many snapshots were decided which way.
+/// How many snapshots were accepted, rejected, skipped and left.
 #[derive(Debug, Default)]
 struct Count {
     accepted: usize,
@@ -48,9 +48,9 @@ enum End {
     Interrupted,
 }
 
-/// Shows group after group and does what is decided of each.
+/// Shows each group in turn and applies the decisions.
 ///
-/// Fails where there is no terminal, and where a folder cannot be changed.
+/// Fails if there is no terminal, or if a folder cannot be changed.
 pub fn run(
     found: &mut Found,
     groups: &[Group],
@@ -78,7 +78,7 @@ pub fn run(
         found,
         ..
     } = &mut session;
-    // What a later edit settled was not skipped after all.
+    // A snapshot that a later edit settled was not skipped after all.
     count.skipped.retain(|member| !ballot.is_settled(*member));
     let decided = count.accepted + count.rejected + count.skipped.len();
     count.left = found.pending.len() - decided;
@@ -114,7 +114,7 @@ impl Session<'_> {
         for number in 0..self.groups.len() {
             let mut members = self.groups[number].members.iter();
             if members.all(|member| self.ballot.is_settled(*member)) {
-                // Another edit of all these was rejected.
+                // Another edit of all these snapshots was rejected.
                 continue;
             }
             self.show(number, io)?;
@@ -186,7 +186,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Asks for a key, in a line of its own.
+    /// Asks for a key, on a line of its own.
     fn key(&mut self) -> Result<Key, Failure> {
         let columns = usize::from(self.term.size().1);
         let prompt = match PROMPT.len() < columns {
@@ -238,7 +238,7 @@ impl Session<'_> {
     }
 }
 
-/// Says that accepted edits are not all that changed.
+/// Reports snapshots of which only some edits are accepted.
 pub fn waiting(count: usize) -> String {
     match count {
         1 => "1 snapshot waits until its other edits are decided".to_owned(),

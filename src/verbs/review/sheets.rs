@@ -1,6 +1,6 @@
-//! Writes what pictures were, are, and how they differ, for people to look at.
+//! Writes comparisons of pictures, before, after and difference, as files for people.
 //!
-//! In: a pending picture. Out: a PNG file in the folder that was named, or in a temporary one whose path is told.
+//! In: a pending picture. Out: a PNG file in the named folder, or in a temporary one whose path is reported.
 
 use super::find::Pending;
 use super::models;
@@ -8,38 +8,38 @@ use crate::exit::Failure;
 use fab_base::files;
 use std::path::PathBuf;
 
-/// Where such files go.
+/// The place for such files.
 pub struct Sheets {
-    /// The folder; none where it is to be made at the first picture.
+    /// The folder; `None` if it is to be created for the first picture.
     folder: Option<PathBuf>,
 }
 
-/// What differs between two pictures.
+/// The difference between two pictures.
 pub struct Compared {
-    /// Before, after and difference side by side, as a PNG file; none where nothing can be drawn.
+    /// Before, after and difference side by side, as a PNG file; `None` if nothing can be drawn.
     pub png: Option<Vec<u8>>,
-    /// What differs.
+    /// The difference in words.
     pub words: String,
-    /// How many pixels differ, where that is known.
+    /// How many pixels differ, if known.
     pub n_changed: Option<u64>,
     /// Leftmost column, top row, rightmost column and bottom row of those, pixels.
     pub bounds: Option<[u32; 4]>,
 }
 
-/// A comparison that was written.
+/// A comparison that was written to a file.
 pub struct Sheet {
-    /// The file; none where this build cannot draw, or nothing is there to be drawn.
+    /// The file; `None` if this build cannot draw, or there is nothing to draw.
     pub path: Option<PathBuf>,
-    /// What differs.
+    /// The difference in words.
     pub words: String,
-    /// How many pixels differ, where that is known.
+    /// How many pixels differ, if known.
     pub n_changed: Option<u64>,
     /// Leftmost column, top row, rightmost column and bottom row of those, pixels.
     pub bounds: Option<[u32; 4]>,
 }
 
 impl Sheet {
-    /// Says what differs, and which file shows it.
+    /// Describes the difference, and names the file that shows it.
     pub fn in_words(&self) -> String {
         match &self.path {
             Some(path) => format!(
@@ -53,7 +53,7 @@ impl Sheet {
 }
 
 impl Sheets {
-    /// Takes the folder that was named, if one was.
+    /// Uses the named folder, if there is one.
     pub fn new(folder: Option<PathBuf>) -> Sheets {
         Sheets { folder }
     }
@@ -63,7 +63,7 @@ impl Sheets {
         self.folder.is_some()
     }
 
-    /// Draws the pictures of a pending snapshot under a name; fails where the file cannot be written.
+    /// Draws the pictures of a pending snapshot under a name; fails if the file cannot be written.
     pub fn draw(&mut self, name: &str, pending: &Pending) -> Result<Sheet, Failure> {
         let compared = models::compare(pending);
         let path = match &compared.png {
@@ -101,7 +101,7 @@ impl Sheets {
                     self.folder = Some(folder.clone());
                     return Ok(folder);
                 }
-                // Somebody else's, or one of an earlier process of this number.
+                // Somebody else's folder, or one of an earlier process with the same id.
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => number += 1,
                 Err(error) => return Err(unwritable(&folder, error)),
             }

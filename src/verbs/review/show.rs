@@ -1,6 +1,6 @@
-//! What the terminal shows of a group.
+//! Formats a group for the terminal.
 //!
-//! In: a group and how it is to be shown. Out: lines. Every line that goes begins with `-`, every one that comes with `+`.
+//! In: a group and how to show it. Out: lines. Every removed line begins with `-`, every added one with `+`.
 
 use super::cost::{self, Pricing};
 use super::edits::{Cause, Edit};
@@ -12,17 +12,17 @@ use fab_compiler::diag::Color;
 use similar::{ChangeTag, TextDiff};
 use std::path::PathBuf;
 
-/// Where removed and added lines stand.
+/// The arrangement of removed and added lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// Below each other.
+    /// One below the other.
     Unified,
-    /// Beside each other.
+    /// Side by side.
     SideBySide,
 }
 
 impl Layout {
-    /// Returns the other one.
+    /// Returns the other layout.
     pub fn other(self) -> Layout {
         match self {
             Layout::Unified => Layout::SideBySide,
@@ -31,37 +31,37 @@ impl Layout {
     }
 }
 
-/// How much of long lists is shown.
+/// How much of a long list is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// The first of them.
+    /// Only its beginning.
     Folded,
-    /// All.
+    /// Everything.
     Full,
 }
 
 /// How groups are shown.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
-    /// Columns of the terminal.
+    /// Width of the terminal, columns.
     pub columns: usize,
     /// Whether colours are wanted.
     pub color: Color,
-    /// Where removed and added lines stand.
+    /// The arrangement of removed and added lines.
     pub layout: Layout,
-    /// How much of long lists is shown.
+    /// How much of a long list is shown.
     pub extent: Extent,
 }
 
-/// How much of lists is shown while they are folded: snapshots, causes, lines of a new text.
+/// Items shown of a folded list: snapshots, causes, lines of a new text.
 const FOLDED_SNAPSHOTS: usize = 8;
 const FOLDED_CAUSES: usize = 4;
 const FOLDED_LINES: usize = 12;
-/// By how much the rows of a long line are set in, so that it can be told from several.
+/// Indent of a long line's continuation rows, so that they are not taken for separate lines.
 const SET_IN: usize = 2;
-/// Below this likeness of two lines, marking the words that differ would mark nearly all.
+/// Below this similarity of two lines, marking the different words would mark nearly all.
 const LIKE: f32 = 0.4;
-/// The longest lines whose words are compared, bytes; the time for it grows with their square.
+/// The longest lines whose words are compared, bytes; the time grows with the square.
 const MAX_COMPARED_BYTES: usize = 10_000;
 
 /// Returns a group as lines for the terminal.
@@ -121,7 +121,7 @@ fn head(group: &Group, pending: &[Pending]) -> String {
     format!("{} {what}", group.id)
 }
 
-/// Returns a cause as it is written: component, file and line.
+/// Formats a cause: component, file and line.
 pub fn place(cause: &Cause) -> String {
     match (&cause.file, cause.line) {
         (Some(file), Some(line)) => format!("{} {file}:{line}", cause.component),
@@ -131,13 +131,13 @@ pub fn place(cause: &Cause) -> String {
 
 fn limited(count: usize, folded: usize, extent: Extent) -> usize {
     match extent {
-        // Folding a single line away would save none.
+        // Folding a single line would save nothing.
         Extent::Folded if count > folded + 1 => folded,
         _ => count,
     }
 }
 
-/// Lines that are being laid out.
+/// Lines under construction.
 struct Page<'a> {
     view: &'a View,
     lines: Vec<String>,
@@ -255,7 +255,7 @@ impl Page<'_> {
     }
 }
 
-/// Returns the lines that go and those that come, with the words marked that differ between two that stand for each other.
+/// Returns the removed and the added lines; where two lines correspond, the words that differ are marked.
 fn marked(removed: &[String], added: &[String]) -> (Vec<Line>, Vec<Line>) {
     let whole = |lines: &[String], style| lines.iter().map(|line| Line::of(line, style)).collect();
     let mut old: Vec<Line> = whole(removed, Style::Removed);

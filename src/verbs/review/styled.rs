@@ -1,8 +1,8 @@
-//! Text with a meaning per part, wrapped to a width and painted where colours are wanted.
+//! Text whose parts have meanings, wrapped to a width and coloured if wanted.
 
 use console::measure_text_width;
 
-/// What a part of a line means; the signs before the line say it too.
+/// The meaning of a part of a line; the signs before the line convey it too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
     Plain,
@@ -14,22 +14,22 @@ pub enum Style {
     AddedWord,
 }
 
-/// A letter and what it means.
+/// A character and its meaning.
 type Cell = (char, Style);
 
-/// A line, as the letters that are shown.
+/// A line, as the characters to show.
 #[derive(Clone, Debug, Default)]
 pub struct Line(Vec<Cell>);
 
 impl Line {
-    /// Makes a line of one meaning.
+    /// Makes a line with one meaning.
     pub fn of(text: &str, style: Style) -> Line {
         let mut line = Line::default();
         line.push(text, style);
         line
     }
 
-    /// Adds a part; what a terminal would obey instead of showing is replaced by a sign for it.
+    /// Adds a part; control characters are replaced by visible signs.
     pub fn push(&mut self, text: &str, style: Style) {
         for letter in text.chars() {
             match letter {
@@ -38,7 +38,7 @@ impl Line {
                     let sign = char::from_u32(0x2400 + u32::from(letter));
                     self.0.push((sign.unwrap_or('\u{fffd}'), style));
                 }
-                // Further control letters, and those that turn the order of what follows.
+                // Further control characters, and those that change the direction of text.
                 '\u{7f}'..='\u{9f}'
                 | '\u{200e}'..='\u{200f}'
                 | '\u{202a}'..='\u{202e}'
@@ -48,9 +48,9 @@ impl Line {
         }
     }
 
-    /// Returns its rows, none wider than so many columns, broken at blanks behind its first word where there are any.
+    /// Returns rows of at most `columns`, broken at blanks after the first word if possible.
     ///
-    /// Rows after the first are set in by as many blanks as the first and `more`, at most half of the columns.
+    /// Later rows are indented like the first plus `more`, at most half of the columns.
     pub fn wrapped(&self, columns: usize, more: usize) -> Vec<Line> {
         let indent = (leading(&self.0) + more).min(columns / 2);
         let mut rows = Vec::new();
@@ -68,12 +68,12 @@ impl Line {
         }
     }
 
-    /// Returns how many columns it takes.
+    /// Returns its width, columns.
     pub fn width(&self) -> usize {
         self.0.iter().map(|cell| width_of(cell.0)).sum()
     }
 
-    /// Adds blanks up to a width.
+    /// Pads it with blanks to a width.
     pub fn padded(mut self, columns: usize) -> Line {
         let missing = columns.saturating_sub(self.width());
         self.0
@@ -81,13 +81,13 @@ impl Line {
         self
     }
 
-    /// Adds another line's letters.
+    /// Appends another line.
     pub fn followed_by(mut self, other: &Line) -> Line {
         self.0.extend(&other.0);
         self
     }
 
-    /// Returns it as a terminal shows it, without the blanks at its end.
+    /// Returns it for the terminal, without trailing blanks.
     pub fn painted(&self, color: fab_compiler::diag::Color) -> String {
         let mut text = String::new();
         let mut now = Style::Plain;
@@ -107,7 +107,7 @@ impl Line {
     }
 }
 
-/// Returns how many of some letters go into a row.
+/// Returns how many of these characters fit into a row.
 fn end_of_row(cells: &[Cell], columns: usize) -> usize {
     let mut width = 0;
     let fits = cells
@@ -124,12 +124,12 @@ fn end_of_row(cells: &[Cell], columns: usize) -> usize {
     let blank = cells[..fits].iter().rposition(|cell| cell.0 == ' ');
     match blank.filter(|blank| *blank > first) {
         Some(blank) => blank + 1,
-        // A letter wider than the column is shown all the same.
+        // A character wider than the column is shown anyway.
         None => fits.max(1),
     }
 }
 
-/// Returns how many blanks letters begin with.
+/// Returns the number of leading blanks.
 fn leading(cells: &[Cell]) -> usize {
     cells.iter().take_while(|cell| cell.0 == ' ').count()
 }

@@ -1,4 +1,4 @@
-//! What is one edit, what a group looks like in a terminal, and which ids fit a pattern.
+//! What counts as one edit, how a terminal shows a group, and which ids match a pattern.
 #![allow(clippy::unwrap_used)]
 
 use super::cost;
@@ -45,8 +45,7 @@ fn pending(before: &str, after: &str) -> Pending {
     }
 }
 
-/// A text put together from components: their names, the lines that they begin at, and what they say; a blank line
-/// between each two.
+/// A text composed of components: their names, first lines and contents, with a blank line between each two.
 fn composed(parts: &[(&str, u32, &str)]) -> Snapshot {
     let texts: Vec<&str> = parts.iter().map(|(_, _, text)| *text).collect();
     let mut one = snapshot(&texts.join("\n\n"));
@@ -76,7 +75,7 @@ fn changed(before: Snapshot, after: Snapshot) -> Pending {
     }
 }
 
-/// Components and file lines that a group names.
+/// The components and file lines that a group names.
 fn lines(group: &Group) -> Vec<(&str, u32)> {
     let causes = group.causes.iter();
     causes
@@ -115,13 +114,13 @@ fn a_component_dropped_anywhere_is_one_edit() {
     assert_eq!(lines(&groups[0]), [("arrow", 31)]);
     let removed = &groups[0].edits[0].removed;
     assert_eq!(removed.iter().filter(|line| line.is_empty()).count(), 1);
-    // Dropped beside one that changed, it is still that edit.
+    // If it is dropped beside one that changed, it is still part of that edit.
     let other = ("center", 36, "The middle.");
     let both = changed(composed(&[one, two, three]), composed(&[one, other]));
     let groups = groups::group(&[both, changed(composed(&[one, two]), composed(&[one]))]);
     let members: Vec<_> = groups.iter().map(|group| group.members.len()).collect();
     assert_eq!(members, [1, 2], "{groups:#?}");
-    // A blank line alone is an edit, of nothing that is known.
+    // A blank line alone is an edit without a known cause.
     let mut spaced = composed(&[one, three]);
     spaced.contents = Contents::Text("Frame.\n\n\nThe center.".to_owned());
     let groups = groups::group(&[changed(composed(&[one, three]), spaced)]);

@@ -1,4 +1,4 @@
-//! What `fabc review` shows in a build with models and pictures: what a change costs, and pictures side by side.
+//! The part of `fabc review` that needs models and pictures: the cost of a change, and pictures side by side.
 
 mod pictures;
 
@@ -27,13 +27,13 @@ pub struct ShownArguments {
 }
 
 impl ShownArguments {
-    /// Returns the folder for pictures, where one is named.
+    /// Returns the named folder for pictures, if there is one.
     pub fn folder(&self) -> Option<PathBuf> {
         self.out.clone()
     }
 }
 
-/// Returns what the named model takes today, where one is named.
+/// Returns today's prices of the named model, if there is one.
 pub fn pricing(arguments: &ShownArguments, io: &Io) -> Result<Option<Pricing>, Failure> {
     let Some(model) = &arguments.model else {
         return Ok(None);
@@ -57,7 +57,7 @@ pub fn pricing(arguments: &ShownArguments, io: &Io) -> Result<Option<Pricing>, F
     }))
 }
 
-/// Lays the pictures of a pending snapshot side by side.
+/// Compares the pictures of a pending snapshot side by side.
 pub fn compare(pending: &Pending) -> Compared {
     let Some((before, after)) = pending.pictures() else {
         return Compared {

@@ -1,4 +1,4 @@
-//! What `fabc review` shows in a build without models and pictures: neither costs nor drawings.
+//! `fabc review` in a build without models and pictures: no costs and no drawings.
 
 use super::cost::Pricing;
 use super::find::Pending;
@@ -13,18 +13,18 @@ use std::path::PathBuf;
 pub struct ShownArguments {}
 
 impl ShownArguments {
-    /// Names no folder.
+    /// Returns no folder.
     pub fn folder(&self) -> Option<PathBuf> {
         None
     }
 }
 
-/// Returns nothing: this build knows no prices.
+/// Returns `None`: this build knows no prices.
 pub fn pricing(_arguments: &ShownArguments, _io: &Io) -> Result<Option<Pricing>, Failure> {
     Ok(None)
 }
 
-/// Says that this build cannot draw.
+/// Reports that this build cannot draw.
 pub fn compare(_pending: &Pending) -> Compared {
     Compared {
         png: None,

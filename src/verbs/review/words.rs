@@ -1,4 +1,4 @@
-//! Says in words what changed where no line of a component did: in a scene, and in what a picture is drawn from.
+//! Describes changes that belong to no component's line: of a scene, and of a picture's inputs.
 //!
 //! In: a pending scene or picture, and the accepted one. Out: causes without a place.
 
@@ -6,7 +6,7 @@ use super::edits::Cause;
 use super::find::Pending;
 use serde_json::{Map, Value};
 
-/// Says what changed in a scene: of each keypoint its points, of each mask its pixels, and what it was seen of.
+/// Describes what changed in a scene: each keypoint's points, each mask's pixel count, and what it was seen of.
 pub fn scene_causes(pending: &Pending) -> Vec<Cause> {
     let parse = |text: &str| serde_json::from_str::<Map<String, Value>>(text).ok();
     let maps = pending
@@ -32,7 +32,7 @@ pub fn scene_causes(pending: &Pending) -> Vec<Cause> {
     words.into_iter().map(Cause::in_words).collect()
 }
 
-/// Says whether what a picture was drawn from changed.
+/// Reports whether a picture's inputs changed.
 pub fn drawn_from(pending: &Pending) -> Option<Cause> {
     let before = pending.accepted.as_ref()?.metadata.info.as_ref()?;
     let differs = before.drawn_from != pending.info.drawn_from;
@@ -40,7 +40,7 @@ pub fn drawn_from(pending: &Pending) -> Option<Cause> {
     differs.then(|| Cause::in_words(words.to_owned()))
 }
 
-/// Returns the keys whose values differ, in the order of the new map, and both values.
+/// Returns the keys with different values, in the order of the new map, and both values.
 fn changes<'m>(
     old: &'m Map<String, Value>,
     new: &'m Map<String, Value>,
@@ -52,7 +52,7 @@ fn changes<'m>(
         .collect()
 }
 
-/// Says of each key whose value differs what differs.
+/// Describes the difference of each key's values.
 fn each(
     old: &Map<String, Value>,
     new: &Map<String, Value>,

@@ -1,7 +1,7 @@
 //! `fabc bench`: a suite of many rollouts, and its table.
 //!
-//! What a suite is, how it is carried out and what is said of it is `fab_bench`; here files are found, tasks
-//! compiled, and tables printed and written.
+//! `fab_bench` defines suites, runs them and computes their figures. This module finds files, compiles tasks, and
+//! prints and writes tables.
 
 mod on_arm;
 mod prepare;
@@ -40,7 +40,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Instant;
 
-/// The most rollouts side by side.
+/// The most rollouts in parallel.
 const MAX_JOBS: i64 = 256;
 
 /// Arguments of `bench`.
@@ -92,16 +92,16 @@ pub struct BenchArguments {
     pub json: bool,
 }
 
-/// A part of the starts.
+/// One part of the starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which one, from 1.
+    /// The number of this part, from 1.
     pub part: u32,
-    /// Of how many.
+    /// The number of parts.
     pub of: u32,
 }
 
-/// Reads `--shard`.
+/// Parses `--shard`.
 fn shard(text: &str) -> Result<Shard, String> {
     let parts = text.split_once('/');
     let parts = parts.and_then(|(part, of)| Some((part.parse().ok()?, of.parse().ok()?)));
@@ -111,7 +111,7 @@ fn shard(text: &str) -> Result<Shard, String> {
     }
 }
 
-/// Carries out a suite and reports it.
+/// Runs a suite and reports it.
 pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let begun = Instant::now();
     let found = suites::find(&arguments.suite)?;
@@ -249,8 +249,8 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(exit_of(&results))
 }
 
-/// Returns how many rollouts run side by side by default: one per core, and more where most of the time is a
-/// provider's.
+/// Returns the default number of parallel rollouts: one per core, or more if most of the time is spent waiting for a
+/// provider.
 fn usual_jobs(deciding: &DecidingBy) -> usize {
     const WITH_PROVIDERS: usize = 8;
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
@@ -265,12 +265,12 @@ fn asks_a_provider(deciding: &DecidingBy) -> bool {
     answering.any(Answering::asks_a_provider)
 }
 
-/// Returns the models of an entry's policy, where it asks any.
+/// Returns the models of an entry's policy, if it asks any.
 fn answering_of<'d>(deciding: &'d DecidingBy, entry: &Entry<'_>) -> Option<&'d Answering> {
     deciding.get(&named_by(entry.method))?.answering()
 }
 
-/// Says what the suite would ask and cost.
+/// Reports what the suite would ask and cost.
 fn foresee(
     bench: &Bench<'_>,
     questions: &[Vec<FirstQuestion>],
@@ -306,7 +306,7 @@ fn failure(error: BenchError) -> Failure {
     Failure::environment(error)
 }
 
-/// Makes the folder of a suite's runs.
+/// Creates the folder of a suite's runs.
 fn out_folder(named: Option<&Path>, suite: &str) -> Result<PathBuf, Failure> {
     let cannot = |path: &Path, error: std::io::Error| {
         Failure::environment(format!(
@@ -334,7 +334,7 @@ fn out_folder(named: Option<&Path>, suite: &str) -> Result<PathBuf, Failure> {
     )))
 }
 
-/// Opens the user's cache, else one beside the runs: without any, every rollout would simulate its own experts.
+/// Opens the user's cache, or one beside the runs: without a cache, every rollout would simulate its own experts.
 fn cache(out: &Path, io: &Io) -> Cache {
     match setting::cache(io) {
         cache if cache.is_kept() => cache,
@@ -356,8 +356,8 @@ fn show(phase: Phase, done: usize, of: usize, budget: &Budget, io: &Io) {
     io.progress(&format!("{done} of {of} {what}{spent}"));
 }
 
-/// A suite is done when its rollouts have ended, however they did; only where none could even be played has
-/// the environment failed.
+/// A suite succeeds when its rollouts have ended, whatever their outcomes; the environment failed only if no rollout
+/// could be played.
 fn exit_of(results: &Results) -> Exit {
     let failed = |outcome: Outcome| {
         matches!(
@@ -368,7 +368,7 @@ fn exit_of(results: &Results) -> Exit {
     match results.stopped {
         Some(Stop::Interrupted) => return Exit::Interrupted,
         Some(Stop::Capped) => return Exit::Unreached,
-        // As that of the rollout that ended so.
+        // The same exit code as for the rollout that ended like this.
         Some(Stop::ArmLeft) => return Exit::Environment,
         None if !results.cut_off.is_empty() => return Exit::Unreached,
         None => {}

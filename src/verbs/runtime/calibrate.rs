@@ -1,7 +1,8 @@
-//! `fabc calibrate`: from points that the arm touched to a file that says where the camera's pixels lie for it.
+//! `fabc calibrate`: from points that the arm touched to a file that maps the camera's pixels to the arm's frame.
 //!
-//! In: the arm's settings, points from a file, typed, or touched by an arm that is guided, the camera's picture. Out: the calibration's file, its picture,
-//! a drawing of the errors, and what they come to. Nothing that was there is lost: it is kept under another name.
+//! In: the arm's settings; points from a file, typed, or touched by an arm that a person guides; the camera's picture.
+//! Out: the calibration file, its picture, a drawing of the errors, and their summary. Nothing is lost: an existing
+//! file is kept under another name.
 
 mod backup;
 mod report;
@@ -27,7 +28,7 @@ use fab_picture::png;
 use image::RgbImage;
 use std::path::{Path, PathBuf};
 
-/// How points are given.
+/// How to state points.
 const POINTS: &str = "\
 Points are lines `u,v,x,y,z` or `u,v,x,y,z,depth`: a pixel of the camera's own picture, then the tool's position in \
 metres in the arm's base frame when the fingertips touch what the pixel shows. Without --pairs they are typed, one a \
@@ -96,7 +97,7 @@ impl From<MethodArgument> for Method {
     }
 }
 
-/// Reads `4x4`, columns and rows.
+/// Parses `4x4`, columns and rows.
 fn columns_and_rows(text: &str) -> Result<[u32; 2], String> {
     let read = || {
         let (columns, rows) = text.split_once('x')?;
@@ -109,7 +110,7 @@ fn columns_and_rows(text: &str) -> Result<[u32; 2], String> {
     read().ok_or_else(|| "write columns and rows, such as `4x4`; each 2 to 20".to_owned())
 }
 
-/// Calibrates from points of a file, typed ones, or such to which a person brings the arm.
+/// Calibrates from points of a file, typed points, or points to which a person guides the arm.
 pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     match arguments.jog {
         true => jogged(arguments, io),
@@ -117,7 +118,8 @@ pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     }
 }
 
-/// Calibrates by an arm that a person guides, by hand or by the vendor's joystick; it is looked at and not moved.
+/// Calibrates with an arm that a person guides by hand or with the vendor's joystick; fabc reads its position and never
+/// moves it.
 fn jogged(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     if arguments.pairs.is_some() && !arguments.more {
         return Err(Failure::usage(
@@ -132,7 +134,7 @@ fn jogged(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     run_with(arguments, Some(Box::new(tool)), io)
 }
 
-/// Calibrates; with `tool`, only pixels are typed, and the tool's place is read from the arm at each.
+/// Calibrates; with `tool`, only pixels are typed, and the tool's position is read from the arm at each.
 fn run_with(
     arguments: &CalibrateArguments,
     tool: Option<Box<ToolReader<'_>>>,
@@ -147,7 +149,7 @@ fn run_with(
     let method = Method::from(arguments.method);
     let limit_mm = arguments.limit.unwrap_or_else(|| method.limit_mm());
     let mut terms = Terms::of(&settings, method, size_px, limit_mm);
-    // What the settings state was chosen by somebody; else the camera knows itself best.
+    // Intrinsics in the settings were chosen by the user, so they override the camera's own.
     terms.intrinsics = terms.intrinsics.or(told);
     let path = match &arguments.out {
         Some(path) => path.clone(),
@@ -201,7 +203,7 @@ fn refused(refusal: &Refusal, drawn: Option<&Path>) -> Failure {
     ))
 }
 
-/// Returns the points of the file, and those that are typed.
+/// Returns the points of the file and the typed ones.
 fn pairs(
     arguments: &CalibrateArguments,
     terms: &Terms,
@@ -232,13 +234,13 @@ fn read(file: &Path) -> Result<Vec<Pair>, Failure> {
     })
 }
 
-/// A picture of the table, and how its camera projects where it says so itself.
+/// A picture of the table, and the camera's intrinsics if it reports them.
 struct Seen {
     rgb: RgbImage,
     intrinsics: Option<Intrinsics>,
 }
 
-/// Returns the camera's own picture: the one that is given or taken now, the newest of the camera's folder, or that of a
+/// Returns the camera's own picture: the one given or taken now, the newest of the camera's folder, or that of a
 /// simulated table.
 fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<Seen>, Failure> {
     let plain = |rgb| Seen {
@@ -295,12 +297,12 @@ fn size_px(settings: &Settings, seen: Option<&RgbImage>) -> Result<[u32; 2], Fai
     })
 }
 
-/// Returns a path that a settings file names, relative to it.
+/// Resolves a path that a settings file names, relative to it.
 fn beside(robot: &Path, named: &Path) -> PathBuf {
     robot.parent().unwrap_or(Path::new("")).join(named)
 }
 
-/// Writes a file whole.
+/// Writes a whole file.
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     files::write_whole(path, bytes).map_err(|error| {
         Failure::environment(format!("cannot write `{}`: {error}", path.display()))

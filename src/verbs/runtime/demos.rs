@@ -1,4 +1,4 @@
-//! `fabc demos`: makes in-context examples of a task by the scripted expert.
+//! `fabc demos`: makes in-context examples of a task with the scripted expert.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -96,7 +96,7 @@ pub fn run(arguments: &DemosArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Writes the header and each demonstration on a line of its own.
+/// Formats the header and each demonstration, one per line.
 fn lines(header: &Header, made: &[Demo]) -> String {
     let mut text = line(header);
     made.iter().for_each(|demo| text.push_str(&line(demo)));

@@ -1,7 +1,7 @@
-//! `fabc doctor`: what is set up, what is missing, and the line that sets it up.
+//! `fabc doctor`: reports what is set up, what is missing, and the command that sets it up.
 //!
-//! Nothing is sent to any provider; servers on this machine are only connected to. Keys are looked for by name, and
-//! none is held or shown.
+//! Nothing is sent to any provider; servers on this machine are only connected to. Keys are looked up by name;
+//! their values are neither stored nor shown.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -27,18 +27,18 @@ pub struct DoctorArguments {
     pub json: bool,
 }
 
-/// How long a server on this machine may take to take a connection.
+/// Time limit for connecting to a server on this machine.
 const CONNECT_TIME: Duration = Duration::from_millis(300);
 
-/// One thing that was looked at.
+/// One item that was checked.
 #[derive(Serialize)]
 struct Finding {
-    /// What kind of thing it is.
+    /// Its category.
     about: About,
     /// Its name.
     name: String,
     state: State,
-    /// What was found, in words.
+    /// The result in words.
     found: String,
     /// The line that sets it up or repairs it.
     help: Option<String>,
@@ -56,11 +56,11 @@ enum About {
 #[derive(Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum State {
-    /// It can be used.
+    /// It is usable.
     Ready,
-    /// It is not set up, and need not be.
+    /// It is not set up, which is allowed.
     Missing,
-    /// It is set up, and cannot be used.
+    /// It is set up but unusable.
     Broken,
 }
 
@@ -96,7 +96,7 @@ impl Finding {
     }
 }
 
-/// Looks at everything and lists it.
+/// Checks everything and lists it.
 pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
     let mut findings = versions();
     let (catalogue, facts) = facts(arguments.facts.models.as_deref(), io);
@@ -137,7 +137,7 @@ fn versions() -> Vec<Finding> {
     ]
 }
 
-/// Returns what is known of models; where the user's file cannot be used, what is known without it.
+/// Returns the model catalogue; without the user's file if that is unusable.
 fn facts(flag: Option<&Path>, io: &Io) -> (Catalogue, Finding) {
     const NAME: &str = "facts about models";
     let absent = |path: String| {
@@ -168,7 +168,7 @@ fn facts(flag: Option<&Path>, io: &Io) -> (Catalogue, Finding) {
     }
 }
 
-/// A file of keys: where it is, and the names in it.
+/// A file of keys: its path, and the names in it.
 struct Keys {
     path: Option<String>,
     names: Vec<String>,
@@ -225,7 +225,7 @@ fn cache(io: &Io) -> Finding {
         );
     };
     let shown = folder.display();
-    // A name of this process's own, so that two doctors do not meet.
+    // A name of this process's own, so that two doctors running at once do not collide.
     let trial = folder.join(format!("doctor-{}", std::process::id()));
     let written = std::fs::create_dir_all(&folder)
         .and_then(|()| std::fs::write(&trial, "written by fabc doctor"))
@@ -245,7 +245,7 @@ fn cache(io: &Io) -> Finding {
 
 fn providers(catalogue: &Catalogue, keys: &Keys, io: &Io) -> Vec<Finding> {
     let providers = catalogue.providers();
-    // Side by side, so that ten servers that are not there cost no more time than one.
+    // In parallel, so that ten missing servers take no longer than one.
     std::thread::scope(|scope| {
         let looks: Vec<_> = providers
             .iter()
@@ -309,7 +309,7 @@ fn look(provider: &Provider, keys: &Keys, io: &Io) -> Finding {
     }
 }
 
-/// Returns from where a provider's key would be taken.
+/// Returns the source from which a provider's key would be taken.
 fn key(provider: &Provider, keys: &Keys, io: &Io) -> Option<String> {
     let is_set = |name: &&String| remote::environment(name, io).is_some();
     let variable = provider.key_env.iter().find(is_set);

@@ -1,4 +1,4 @@
-//! `--estimate`: what a run or a suite would ask and cost, while nothing is sent.
+//! `--estimate`: what a run or a suite would ask and cost, without sending anything.
 
 use crate::io::Io;
 use crate::verbs::runtime::setting::catalogue;
@@ -7,21 +7,21 @@ use fab_agent::rollout::FirstQuestion;
 use fab_program::Program;
 use fab_providers::estimate::{Correction, Estimate, Plan, Question};
 
-/// Rollouts that ask alike.
+/// Rollouts that ask the same questions.
 pub struct Asking<'a> {
     /// The task.
     pub program: &'a Program,
-    /// What its stages are sent at first.
+    /// The first request of each stage.
     pub questions: &'a [FirstQuestion],
-    /// Who answers.
+    /// The models that answer.
     pub answering: &'a Answering,
-    /// Steps of a rollout.
+    /// The most steps of a rollout.
     pub horizon: u32,
-    /// How many rollouts.
+    /// The number of rollouts.
     pub rollouts: u64,
 }
 
-/// Bounds what rollouts ask and cost; what an embedded model is asked is no call.
+/// Computes upper bounds for calls and cost; questions to an embedded model are not calls.
 pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
     let program = asking.program;
     let sent = asking

@@ -1,7 +1,7 @@
-//! Brings the cloth to a step of a task, and looks at it.
+//! Brings the cloth to a step of a task, and takes a picture.
 //!
-//! In: a program, a start, the number of a step. Out: what the camera sees then, and the action before. The steps before
-//! are done as the task demonstrates them; where it demonstrates none, the embedded stand-in decides them.
+//! In: a program, a start, a step's number. Out: what the camera sees then, and the previous action. Earlier steps are
+//! executed as demonstrated; without a demonstration, the embedded stand-in decides them.
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -23,19 +23,19 @@ use fab_world::expert;
 use fab_world::start::Start;
 use fab_world::{Motion, World};
 
-/// What the camera sees at a step, and the action before it.
+/// What the camera sees at a step, and the previous action.
 pub struct Seen {
     /// The keypoints.
     pub scene: Scene,
-    /// The picture that they were found in.
+    /// The picture in which they were found.
     pub observation: Observation,
-    /// The action before.
+    /// The previous action.
     pub last: Option<ExecutedAction>,
 }
 
-/// Lays the cloth, does the steps before `step`, which is counted from 1, and looks.
+/// Lays the cloth, executes the steps before `step`, which is counted from 1, and takes a picture.
 ///
-/// Fails where the cloth cannot be laid, nothing is found in the picture, or the stand-in gives no answer.
+/// Fails if the cloth cannot be laid, nothing is found in the picture, or the stand-in gives no answer.
 pub fn at(
     program: &Program,
     start: &Start,
@@ -86,7 +86,7 @@ fn observe(
     })
 }
 
-/// Returns the motion of a demonstrated fold, and the action that it stands for, where its ends are in the picture.
+/// Returns a demonstrated fold's motion and, if its ends are in the picture, the corresponding action.
 fn demonstrated(
     fold: &Fold,
     start: &Start,

@@ -1,4 +1,4 @@
-//! `fabc models`: what is known of models, with the day and the source of it.
+//! `fabc models`: the known facts about models, with their dates and sources.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -11,7 +11,7 @@ use fab_providers::catalogue::{
 use fab_providers::probe::SIDES_PX;
 use serde_json::{Value, json};
 
-/// How a file of facts is written.
+/// How to write a file of facts.
 const FORM: &str = "\
 A file of facts has the form of the embedded one. The fields that an entry gives replace those there were, the others stay:
 
@@ -71,7 +71,7 @@ pub fn run(arguments: &ModelsArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// A family: the words of its ids, its provider, its facts, where they are from.
+/// A family: the text its ids match, its provider, its facts, their sources.
 type Family<'c> = (&'c str, Option<&'c str>, &'c Facts, &'c [Source]);
 
 fn of_provider(catalogue: &Catalogue, provider: &Provider) -> Result<Vec<Profile>, Failure> {
@@ -132,7 +132,7 @@ fn as_json(
     })
 }
 
-/// Returns what is to be known of a listed model; that a listed name has no id stands in its own column.
+/// Returns the notices about a listed model, except that it has no id, which has a column of its own.
 fn shown_notices(
     profile: &Profile,
     today: Date,
@@ -239,7 +239,7 @@ fn price(price: Option<Price>) -> String {
     })
 }
 
-/// Returns the numbers of sources, and lists those that are new.
+/// Returns the numbers of sources, and adds new ones to the list.
 fn footnotes(of: &[Source], sources: &mut Vec<Source>) -> String {
     let numbers = of.iter().map(|source| {
         let known = sources.iter().position(|known| known == source);

@@ -1,7 +1,7 @@
-//! Asks the person beside the arm, on the terminal, what came of a rollout.
+//! Asks the person beside the arm, on the terminal, how a rollout ended.
 //!
-//! In: a report, and lines of stdin; a request to end is none. Out: a [`Judgement`]. Questions go to stderr, so that stdout stays data; where stdin ends,
-//! nobody has answered.
+//! In: a report, and lines from stdin; an interrupt does not count as an answer. Out: a [`Judgement`]. Questions go to
+//! stderr, so that stdout stays data; end of input means no answer.
 
 use crate::io::Io;
 use crate::verbs::runtime::robot::terminal;
@@ -10,7 +10,7 @@ use fab_agent::operator::Operator;
 use fab_agent::record::Report;
 use std::path::Path;
 
-/// How often a question is put again where the answer is none of the offered ones.
+/// How often a question is repeated after an unknown answer.
 const TRIES: u32 = 10;
 
 /// Asks on the terminal.
@@ -20,7 +20,7 @@ impl Operator for Terminal<'_> {
     fn judge(&self, report: &Report, folder: &Path) -> Option<Judgement> {
         let io = self.0;
         io.progress("");
-        // Whoever held a key while the arm moved may hold it still, and answers in lines from here on.
+        // A person who held a key while the arm moved may still hold it; from here on answers are lines.
         terminal::restore();
         io.talk(&format!(
             "{} has ended: {} after {} actions{}, in `{}`",
@@ -41,7 +41,7 @@ impl Operator for Terminal<'_> {
     }
 }
 
-/// Puts the questions; none where the lines end, or none of many answers is an offered one.
+/// Asks the questions; `None` if the input ends or every attempt is an unknown answer.
 fn asked(
     lines: &mut dyn FnMut() -> Option<String>,
     say: &mut dyn FnMut(&str),
@@ -91,7 +91,7 @@ fn choice<T>(
     None
 }
 
-/// Returns what was typed, without what surrounds it; none at the end.
+/// Returns the typed line, trimmed; `None` at end of input.
 fn line(lines: &mut dyn FnMut() -> Option<String>) -> Option<String> {
     lines().map(|line| line.trim().to_owned())
 }

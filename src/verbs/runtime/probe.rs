@@ -1,4 +1,4 @@
-//! `fabc probe`: how a model says where something is, found out with a picture of dots.
+//! `fabc probe`: finds out with a picture of dots how a model states positions.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -36,7 +36,7 @@ pub struct ProbeArguments {
     pub json: bool,
 }
 
-/// Asks, and says in which frame the answers fit.
+/// Asks, and reports the frame in which the answers fit.
 pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     if arguments.reach.marks {
         return Err(Failure::usage(

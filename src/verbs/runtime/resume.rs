@@ -1,8 +1,8 @@
-//! `fabc resume`: goes on with a rollout that was cut off or stopped.
+//! `fabc resume`: continues a rollout that was cut off or stopped.
 //!
-//! The rollout is done again from its start, with the answers that its folder holds, and must come out the same; from
-//! the first step that is not there yet it is asked for and carried out anew. So nothing is asked twice, and a task or a
-//! simulator that changed since is noticed.
+//! The rollout is replayed from its start with the recorded answers and must give the same result; from the first
+//! unrecorded step on, it asks and executes as usual. So no question is asked twice, and a change of the task or the
+//! simulator is noticed.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -37,7 +37,7 @@ pub struct ResumeArguments {
     pub json: bool,
 }
 
-/// Goes on with a rollout and reports it.
+/// Resumes a rollout and reports it.
 pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
     let folder = fs::canonicalize(&arguments.run).map_err(|error| {
         Failure::environment(format!(
@@ -62,14 +62,14 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
     wanted.json = arguments.json;
     wanted.spend.max_cost = arguments.max_cost.or(wanted.spend.max_cost);
     wanted.spend.max_calls = arguments.max_calls.or(wanted.spend.max_calls);
-    // Paths of the command line are relative to where it was given.
+    // Paths on the command line are relative to the folder where it was run.
     let io = io.within(&directory);
     shipped::restore(&wanted.task.file, &io)?;
     io.in_folder(|| run::play(&wanted, Into::Again(&folder), &io))
         .map_err(|failure| failure.saying("the run was begun there"))?
 }
 
-/// Reads how the run was begun.
+/// Reads how the run was started.
 fn begun(folder: &Path, named: &Path) -> Result<Begun, Failure> {
     let path: PathBuf = folder.join(RUN_FILE);
     let wrong = |why: String| {
@@ -84,7 +84,7 @@ fn begun(folder: &Path, named: &Path) -> Result<Begun, Failure> {
     begun.map_err(|error| wrong(format!("its {RUN_FILE} is damaged ({error})")))
 }
 
-/// Returns the record of a rollout that ended for good: not by the user, a cap, or a model that could not be had.
+/// Returns the report of a rollout that ended for good; one ended by the user, a cap or an unavailable model did not.
 fn ended(folder: &Path) -> Option<(Report, Option<Took>)> {
     let record = Record::read(folder).ok()?;
     let report = record.end?.report;
@@ -97,7 +97,7 @@ fn ended(folder: &Path) -> Option<(Report, Option<Took>)> {
     }
 }
 
-/// Says how the rollout had ended; the exit code is that of the run.
+/// Reports how the rollout had ended; the exit code is the run's.
 fn said(report: Report, took: Option<Took>, arguments: &ResumeArguments, io: &Io) -> Exit {
     io.talk(&format!(
         "the rollout in `{}` has ended ({}); there is nothing to go on with",

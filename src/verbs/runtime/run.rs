@@ -77,19 +77,18 @@ pub struct RunArguments {
     pub json: bool,
 }
 
-/// Name of the file in a run folder that says how the run was begun.
+/// Name of the file in a run folder that records how the run was started.
 pub const RUN_FILE: &str = "run.json";
 
-/// How a run was begun, so that it can be gone on with.
+/// How a run was started, so that it can be resumed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Begun {
-    /// The folder in which the command was given.
+    /// The folder in which the command was run.
     pub directory: PathBuf,
-    /// What it said.
     pub arguments: RunArguments,
 }
 
-/// Where a rollout is written.
+/// The folder for a rollout's record.
 pub enum Into<'a> {
     /// A new folder.
     New,
@@ -102,7 +101,7 @@ pub fn run(arguments: &RunArguments, io: &Io) -> Result<Exit, Failure> {
     play(arguments, Into::New, io)
 }
 
-/// Runs one rollout, from its beginning or from where it was cut off, and reports it.
+/// Runs one rollout, from its start or from where it was cut off, and reports it.
 pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
     let beside = sources::folder_of(&arguments.task.file);
@@ -144,7 +143,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
             io,
         )?,
     };
-    // A program's world is started anew for the rollout: a robot is there once.
+    // A world that is a program is started again for the rollout, since a robot exists only once.
     drop(first);
     if let Some(number) = examples.demonstrates(&start) {
         return Err(Failure::environment(format!(
@@ -152,12 +151,12 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
             start.name
         )));
     }
-    // Lengths in `edge` and the flat area are those of the cloth that lies there; subgoals show the task's own.
+    // Lengths in `edge` and the flat area follow the actual cloth; subgoals show the task's own.
     let shown = program;
     let program = setting::fitted(&arguments.task, &shown, &start, io)?;
     let make_expert_world = || setting::world(&program);
     let subgoals = prepare(&shown, &start, &beside, &make_expert_world, &interrupt)?;
-    // Where the arm's journal is to lie; nothing moves before it is known.
+    // The path of the arm's journal; nothing moves before it is known.
     let journal = OnceLock::new();
     let make_world = || match &arguments.world {
         WorldChoice::Sim => setting::world(&program),
@@ -222,7 +221,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
     if let Some(answering) = deciding.answering() {
         let asks = answering.asks_a_provider() || arguments.spend.estimate;
         let questions = match asks {
-            // Nobody lays a cloth, and nothing is connected, for the sake of an estimate.
+            // An estimate neither lays a cloth nor connects to anything.
             true => {
                 let look = Job {
                     make_world: &make_look,
@@ -256,7 +255,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
     };
     let folder = folder.map_err(Failure::environment)?;
     let _ = journal.set(folder.path().to_owned());
-    // Nobody else writes into the folder from here on.
+    // From here on, only this process writes into the folder.
     let spent = ledger::read(folder.path())
         .map_err(Failure::environment)?
         .spent;
@@ -271,7 +270,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
         preflight::report_run_state(run, io);
     }
     let report = done.map_err(|error| match error {
-        // Nobody lays a cloth for a program that is asked to end.
+        // An interrupt also ends the wait for a cloth, so that a failed start then counts as interrupted.
         RunError::World(WorldError::Start { .. } | WorldError::Interrupted)
             if interrupt.is_raised() =>
         {
@@ -292,7 +291,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
     Ok(exit_of(report.outcome, report.goal_reached, judged))
 }
 
-/// Writes down how the run was begun.
+/// Records how the run was started.
 fn keep_beginning(
     folder: &RunFolder,
     arguments: &RunArguments,
@@ -310,7 +309,7 @@ fn keep_beginning(
     kept.map(drop).map_err(Failure::environment)
 }
 
-/// Says what a run that is gone on with has already.
+/// Reports what a resumed run already has.
 fn again(steps: u32, spent: &Spent) -> String {
     let mut text = format!("going on after step {steps}");
     if spent.calls > 0 {
@@ -323,7 +322,7 @@ fn again(steps: u32, spent: &Spent) -> String {
     text
 }
 
-/// Tries the start and gets the pictures; `None` where the user stopped it.
+/// Tries the start and gets the pictures; `None` if the user interrupted it.
 fn prepare(
     program: &Program,
     start: &Start,
@@ -339,7 +338,7 @@ fn prepare(
     }
 }
 
-/// Says where subgoal pictures come from, where that is not what one expects.
+/// Reports the origin of subgoal pictures if it is unusual.
 pub fn say_origin(origin: Origin, file: &str, io: &Io) {
     match origin {
         Origin::Author | Origin::Pinned | Origin::Absent => {}
@@ -355,11 +354,11 @@ pub fn say_origin(origin: Origin, file: &str, io: &Io) {
     }
 }
 
-/// Returns the exit code of a rollout that ended so; `goal_reached` is null without a goal, `judged` without an operator's
-/// word.
+/// Returns the exit code for an outcome; `goal_reached` is `None` without a goal, `judged` without an operator's
+/// answer.
 pub fn exit_of(outcome: Outcome, goal_reached: Option<bool>, judged: Option<bool>) -> Exit {
     match outcome {
-        // Whoever saw the cloth knows better than a measure does.
+        // A person who saw the cloth overrides the measure.
         Outcome::GoalReached | Outcome::HorizonReached if judged == Some(false) => Exit::Unreached,
         Outcome::GoalReached | Outcome::Planned => Exit::Done,
         Outcome::HorizonReached if goal_reached.is_none() => Exit::Done,

@@ -1,4 +1,4 @@
-//! `fabc see`: what a task finds and draws on a picture of the user's, without a model.
+//! `fabc see`: shows what a task finds and draws on the user's picture, without a model.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -40,7 +40,7 @@ pub struct SeeArguments {
     pub json: bool,
 }
 
-/// Looks, writes the pictures where `--out` says, and lists the keypoints.
+/// Analyses the picture, writes pictures if `--out` is given, and lists the keypoints.
 pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
     let rgb = png::load(&arguments.image).map_err(Failure::environment)?;
@@ -69,7 +69,7 @@ pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Reads `U,V`, a pixel.
+/// Parses `U,V`, a pixel.
 pub fn pixel(text: &str) -> Result<PixelPoint, String> {
     text.split_once(',')
         .and_then(|(u, v)| {
@@ -81,7 +81,7 @@ pub fn pixel(text: &str) -> Result<PixelPoint, String> {
         .ok_or_else(|| "write column and row of a pixel, such as `120,64`".to_owned())
 }
 
-/// Names the option that is missing; all else is the picture's fault.
+/// Names a missing option; every other error is due to the picture.
 fn failure(error: SeeError) -> Failure {
     match error {
         SeeError::NeedsDepth { .. } => Failure::usage(format!("{error}; `--depth PNG` brings it")),

@@ -1,4 +1,4 @@
-//! `fabc serve`: an embedded model or a recording as an OpenAI-compatible endpoint on this machine, until it is interrupted.
+//! `fabc serve`: an embedded model or a recording as an OpenAI-compatible endpoint on this machine, until interrupted.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;

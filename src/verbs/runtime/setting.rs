@@ -1,4 +1,4 @@
-//! What a verb needs around a program: a world, a start, a cache, a way to be stopped.
+//! What a verb needs besides a program: a world, a start, a cache, a way to be stopped.
 
 pub mod arm;
 pub mod catalogue;
@@ -46,7 +46,7 @@ pub struct FrameArguments {
     pub up: Option<String>,
 }
 
-/// The seed of a crumpled cloth where the command line names none.
+/// The seed of a crumpled cloth if the command line gives none.
 const DEFAULT_SEED: u64 = 0;
 
 /// Makes a simulated world for a program.
@@ -57,7 +57,7 @@ pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
     )?))
 }
 
-/// Lays the cloth as the command line says, else as the task does; `folder` holds the task's file.
+/// Lays the cloth as the command line says, or else as the task does; `folder` holds the task's file.
 pub fn start(
     program: &Program,
     folder: &Path,
@@ -99,7 +99,7 @@ pub fn start(
     Start::load(Path::new(text), stated).map_err(Failure::environment)
 }
 
-/// Returns the task as it is for the cloth that a start holds: compiled anew where that has another grid.
+/// Returns the task for the cloth of a start; compiles it again if that cloth has another grid.
 pub fn fitted(
     task: &TaskArguments,
     declared: &Program,
@@ -141,7 +141,7 @@ fn crumpled(
     }
 }
 
-/// Returns what the command line says of a file of positions, if it says anything.
+/// Returns what the command line states about a file of positions, if anything.
 pub fn stated_frame(
     arguments: &FrameArguments,
     spacing_m: f64,
@@ -160,7 +160,7 @@ pub fn stated_frame(
     }))
 }
 
-/// Reads `--dims`: particles along the cloth's x and along its other side.
+/// Parses `--dims`: particles along the cloth's x and along its other side.
 pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
     text.split_once(['x', ','])
         .and_then(|(x, y)| Some([x.parse().ok()?, y.parse().ok()?]))
@@ -172,7 +172,7 @@ pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
         })
 }
 
-/// Opens the user's cache of simulated ends and starts.
+/// Opens the user's cache of simulated final states and starts.
 pub fn cache(io: &Io) -> Cache {
     cache_of("experts", io)
 }

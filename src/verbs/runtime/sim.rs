@@ -1,7 +1,7 @@
 //! `fabc sim`: the simulator on its own, one file per verb.
 //!
-//! Here is nothing of tasks, prompts or models. Every verb's JSON names the hash of the simulator's
-//! parameters as `params`.
+//! Nothing here knows tasks, prompts or models. Every verb's JSON gives the hash of the simulator's parameters as
+//! `params`.
 
 mod crumple;
 mod export;
@@ -49,10 +49,10 @@ pub enum SimVerb {
     Export(ExportArguments),
 }
 
-/// Distance between neighbours in a flat cloth where nothing says otherwise, metres (protocol, section 1).
+/// Distance between neighbours in a flat cloth unless stated otherwise, metres (protocol, section 1).
 const SPACING_M: f64 = 0.00625;
 
-/// Runs one of the verbs.
+/// Runs one of the subcommands.
 pub fn run(arguments: &SimArguments, io: &Io) -> Result<Exit, Failure> {
     match &arguments.verb {
         SimVerb::Replay(arguments) => replay::run(arguments, io),

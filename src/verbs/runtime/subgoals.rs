@@ -101,7 +101,7 @@ fn failure(error: SubgoalError) -> Failure {
     }
 }
 
-/// Lays all pictures side by side, each with the arrow that leaves it.
+/// Lays all pictures side by side, each with the arrow of its next fold.
 fn sheet(set: &SubgoalSet) -> Result<RgbImage, VisionError> {
     const GAP_PX: u32 = 8;
     let width = set

@@ -1,4 +1,4 @@
-//! `fabc world`: whether a world of the user's keeps what every world promises, and the bundled one as such a program.
+//! `fabc world`: checks a user's world against the contract of worlds, and serves the bundled one as such a program.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -40,7 +40,7 @@ pub struct CheckArguments {
     pub json: bool,
 }
 
-/// Runs one of the verbs.
+/// Runs one of the subcommands.
 pub fn run(arguments: &WorldArguments, io: &Io) -> Result<Exit, Failure> {
     match &arguments.verb {
         WorldVerb::Check(arguments) => check(arguments, io),
@@ -51,7 +51,7 @@ pub fn run(arguments: &WorldArguments, io: &Io) -> Result<Exit, Failure> {
     }
 }
 
-/// Checks every promise, and says each as it is known.
+/// Checks every promise, and reports each result at once.
 fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     let make = || -> Result<Box<dyn World>, WorldError> {

@@ -1,4 +1,4 @@
-//! Which snapshots a file should have: scenes, what each stage says in each of them, and the pictures drawn for it.
+//! The snapshots that a file should have: scenes, the text of each stage in each scene, and the pictures drawn for it.
 
 use super::SnapArguments;
 use super::camera::Camera;
@@ -20,21 +20,21 @@ use fab_program::{Picture, Program, Stage};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A snapshot that there should be, and what it should hold.
+/// The name and the intended contents of a snapshot that should exist.
 pub type Want = (Name, Wanted);
 
 /// A task, and what its variants share with it.
 pub struct Task {
     source: String,
-    /// What was found that there should be.
+    /// The snapshots found so far that should exist.
     pub wants: Vec<Want>,
-    /// Whether pictures are drawn anew though nothing that they are drawn from has changed.
+    /// Whether to draw pictures again even if their inputs are unchanged.
     redraws: bool,
-    /// Its scenes: the usual ones of the task and its variants, and those that somebody asked for.
+    /// Its scenes: the usual ones of the task and its variants, and those added on request.
     moments: BTreeSet<Moment>,
-    /// The task's own scenes, which a variant shares where it would see the same.
+    /// The task's own scenes; a variant shares those in which it would see the same.
     scenes: BTreeMap<Moment, PinnedScene>,
-    /// Hashes of the task's own pictures, likewise.
+    /// Hashes of the task's own pictures, shared likewise.
     pictures: BTreeMap<(Moment, String), String>,
 }
 
@@ -46,7 +46,7 @@ struct Page<'p> {
 }
 
 impl Task {
-    /// Finds the scenes of a task, the first of the programs, and of its variants.
+    /// Finds the scenes of a task, which is the first program, and of its variants.
     pub fn of(
         programs: &[Program],
         source: &str,
@@ -79,7 +79,7 @@ impl Task {
         })
     }
 
-    /// Wants everything of a program: the task itself, or a variant after it.
+    /// Adds everything a program needs: the task itself, or a variant after it.
     pub fn want(
         &mut self,
         program: &Program,
@@ -111,7 +111,7 @@ impl Task {
         Ok(())
     }
 
-    /// Returns a scene: the accepted or pending one where it is still of this task, else a new one from the camera.
+    /// Returns a scene: the accepted or pending one if it still fits this task, otherwise a new one from the camera.
     fn scene(
         &mut self,
         program: &Program,
@@ -126,7 +126,8 @@ impl Task {
             return Ok(shared.clone());
         }
         let name = scene_name(program, &moment.name)?;
-        // An undone edit leaves a pending scene of something else before an accepted one that fits, perhaps by hand.
+        // After an undone edit, a pending scene of something else may hide an accepted one that fits, perhaps edited by
+        // hand.
         let known = known_scenes(&name, plan, camera.io)?.into_iter();
         let fits =
             |known: &PinnedScene| known.seen_of == seen_of && known.moment(&moment.name) == *moment;
@@ -191,7 +192,7 @@ impl Task {
         }
     }
 
-    /// Wants the pictures that the stages show.
+    /// Adds the pictures that the stages show.
     fn pictures(
         &mut self,
         page: &Page<'_>,
@@ -242,7 +243,7 @@ impl Task {
             let known = snapshot.metadata.info.as_ref();
             known.is_some_and(|known| known.drawn_from == info.drawn_from)
         };
-        // Bytes that were exchanged, as by a bad merge, are those of no picture of ours.
+        // Bytes that were swapped, as by a bad merge, match none of our pictures.
         let is_whole = |snapshot: &Snapshot| match &snapshot.contents {
             Contents::Text(_) => false,
             Contents::Picture(png) => {
@@ -297,7 +298,7 @@ impl Page<'_> {
         name(self.program, stage, &self.moment.name, picture)
     }
 
-    /// Returns what a stage says in this scene; none where this build cannot tell.
+    /// Returns the text of a stage in this scene; `None` if this build cannot tell.
     fn shown(&self, stage: &Stage, camera: &Camera<'_>) -> Result<Option<ShownStage>, Failure> {
         let program = self.program;
         let texts = BTreeMap::new();
@@ -341,7 +342,7 @@ pub fn name(
     Name::new(name).map_err(Failure::environment)
 }
 
-/// Returns the hash of all that a picture is drawn from.
+/// Returns the hash of all inputs of a picture.
 fn drawn_from(
     program: &Program,
     picture: &Picture,

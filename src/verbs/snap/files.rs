@@ -1,4 +1,4 @@
-//! Looks at files side by side, a thread for each core, and says to a plan what their snapshots should be.
+//! Examines files in parallel, one thread per core, and adds their snapshots to a plan.
 
 use super::expected::{Task, Want};
 use super::plan::Plan;
@@ -12,7 +12,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-/// Wants all snapshots of some files; the first file that fails, in their order, ends it.
+/// Adds all snapshots of some files; stops at the first file, in their order, that fails.
 pub fn want(
     declared: &[Declared],
     arguments: &SnapArguments,
@@ -46,7 +46,7 @@ pub fn want(
     Ok(())
 }
 
-/// Returns a file's name as its snapshots say it.
+/// Returns the name of a file as its snapshots record it.
 fn source_of(file: &str) -> String {
     let name = Path::new(file).file_name().unwrap_or_default();
     name.to_string_lossy().into_owned()

@@ -1,9 +1,9 @@
-//! Where the lines of a pinned prompt come from, as its snapshot says it.
+//! The origins of a pinned prompt's lines, as recorded in its snapshot.
 
 use crate::snapshots::Origin;
 use crate::verbs::render::page::ShownStage;
 
-/// Returns where the lines of a page come from, those that follow each other in the file put together.
+/// Returns the origins of a page's lines; merges those that are consecutive in the file.
 pub fn of(shown: &ShownStage) -> Vec<Origin> {
     let mut origins: Vec<Origin> = Vec::new();
     for (line, number) in shown.lines().iter().zip(1u32..) {
@@ -31,7 +31,7 @@ pub fn of(shown: &ShownStage) -> Vec<Origin> {
     origins
 }
 
-/// Returns whether a line stands in the file where the line after `before` would.
+/// Returns whether a line directly follows `before` in its file.
 fn follows(before: &Origin, place: Option<&(String, u32)>) -> bool {
     match (&before.place, place) {
         (None, None) => true,

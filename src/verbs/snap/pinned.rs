@@ -1,4 +1,4 @@
-//! Which scenes are pinned, under which names.
+//! Finds the pinned scenes and their names.
 
 use super::expected::name;
 use super::plan::{Plan, Readable};
@@ -13,17 +13,17 @@ pub fn scene_name(program: &Program, scene: &str) -> Result<Name, Failure> {
     name(program, None, scene, Some(POINTS))
 }
 
-/// What the name of a scene's snapshot ends with.
+/// The last part of the name of a scene's snapshot.
 const POINTS: &str = "points";
 
-/// Returns the scene that a snapshot of the task itself pins, by its name.
+/// Returns the name of the scene that a snapshot of the task itself pins.
 pub fn moment_of<'n>(name: &'n Name, program: &Program) -> Option<&'n str> {
     let rest = name.as_str().strip_prefix(&program.task)?;
     let scene = rest.strip_prefix('@')?.strip_suffix(POINTS)?;
     scene.strip_suffix('.')
 }
 
-/// Fails where a scene is asked for that is pinned already in another way, or that the task does not reach.
+/// Fails if the requested scene is already pinned in another way, or the task does not reach its step.
 pub fn pinned_alike(
     wanted: &Moment,
     pinned: &BTreeSet<Moment>,
@@ -53,9 +53,9 @@ pub fn pinned_alike(
     }
 }
 
-/// Reads the scenes that are pinned under a name: the pending one, which is the newer, then the accepted one.
+/// Reads the scenes pinned under a name: the pending one, which is newer, then the accepted one.
 ///
-/// Fails where one can be read and is no scene, since somebody edited it.
+/// Fails if a readable snapshot is not a valid scene, since somebody edited it.
 pub fn known_scenes(name: &Name, plan: &Plan, io: &Io) -> Result<Vec<PinnedScene>, Failure> {
     let folder = &plan.folder;
     let pending = plan.pending(name).map(|it| (it, folder.pending_path(name)));

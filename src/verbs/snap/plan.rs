@@ -1,4 +1,4 @@
-//! What a folder of snapshots should hold, what it holds, and the change from one to the other.
+//! The intended contents of a snapshot folder, its actual contents, and the change between them.
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -8,64 +8,64 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// What a folder of snapshots should hold.
+/// The intended contents of a snapshot folder.
 pub struct Plan {
     /// The folder that holds the tasks.
     tasks: PathBuf,
     pub folder: Folder,
     wanted: BTreeMap<Name, Wanted>,
-    /// The files that were looked at, as snapshots name them.
+    /// The processed files, as snapshots name them.
     sources: BTreeSet<String>,
-    /// Which snapshots were said to be unreadable.
+    /// Snapshots already reported as unreadable.
     told: Mutex<BTreeSet<Name>>,
 }
 
-/// What a snapshot should be.
+/// The intended contents of one snapshot.
 pub enum Wanted {
-    /// This.
+    /// These contents.
     Taken(Box<Snapshot>),
-    /// What it is: nothing that it is made from has changed.
+    /// Its accepted contents: none of its inputs has changed.
     AsAccepted(Info),
-    /// It should be there; this build cannot say what it should hold.
+    /// It should exist; this build cannot compute its contents.
     Unseen(Info),
-    /// It is there, and holds other bytes than it says; this build cannot draw it.
+    /// It exists, but its bytes differ from its recorded hash; this build cannot redraw it.
     Damaged(Info),
 }
 
-/// What became of reading an accepted snapshot.
+/// The result of reading an accepted snapshot.
 pub enum Readable {
-    /// It could be read, or is not there.
+    /// It was read, or does not exist.
     Yes(Option<Box<Snapshot>>),
-    /// It is there and cannot be read.
+    /// It exists but cannot be read.
     No,
 }
 
-/// What was found out about one snapshot.
+/// The state of one snapshot.
 pub struct Found {
     /// Its name.
     pub name: Name,
-    /// The accepted file, whether or not it is there.
+    /// The accepted file, whether or not it exists.
     pub path: PathBuf,
     /// What it is of.
     pub info: Info,
-    /// How the accepted one differs.
+    /// How the accepted snapshot differs.
     pub state: State,
-    /// Whether a pending one lies there, or is written now.
+    /// Whether a pending snapshot exists or is written now.
     pub is_pending: bool,
 }
 
-/// How an accepted snapshot differs from what is wanted.
+/// How an accepted snapshot differs from the intended one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// Not at all.
+    /// It does not.
     Same,
     /// This build cannot tell.
     Unseen,
-    /// In what it holds.
+    /// Its contents differ.
     Changed,
-    /// It is not there.
+    /// It does not exist.
     New,
-    /// It is there, and nothing is declared that it could be of.
+    /// It exists, but nothing declares it any more.
     Orphaned,
 }
 
@@ -83,7 +83,7 @@ impl State {
 }
 
 impl Found {
-    /// Returns whether there is nothing to do about it.
+    /// Returns whether it needs no action.
     pub fn is_clean(&self) -> bool {
         matches!(self.state, State::Same | State::Unseen) && !self.is_pending
     }
@@ -101,12 +101,12 @@ impl Plan {
         })
     }
 
-    /// Says that a file was looked at whole.
+    /// Records that a file was processed completely.
     pub fn looked_at(&mut self, source: &str) {
         self.sources.insert(source.to_owned());
     }
 
-    /// Says what a snapshot should be; fails where another file wants one of that name.
+    /// Adds a snapshot; fails if another file declares one of the same name.
     pub fn want(&mut self, name: Name, wanted: Wanted) -> Result<(), Failure> {
         let is_taken = self.wanted.contains_key(&name);
         if is_taken {
@@ -118,9 +118,9 @@ impl Plan {
         Ok(())
     }
 
-    /// Compares what is wanted with what is accepted, and finds what nobody wants.
+    /// Compares intended with accepted snapshots, and finds orphans.
     ///
-    /// An accepted snapshot that cannot be read counts as changed, with a note: it is proposed anew.
+    /// An unreadable accepted snapshot counts as changed, with a note: it is proposed again.
     pub fn states(&self, io: &Io) -> Vec<Found> {
         let pending: BTreeSet<&Name> = self.folder.pending_names().collect();
         let mut found = Vec::with_capacity(self.wanted.len());
@@ -155,12 +155,12 @@ impl Plan {
             if self.wanted.contains_key(name) {
                 continue;
             }
-            // What cannot be read is nobody's that is known here; it is left alone.
+            // An unreadable snapshot cannot be attributed to a file, so it is left alone.
             let accepted = self.folder.accepted(name).ok().flatten();
             let Some(metadata) = accepted.map(|accepted| accepted.metadata) else {
                 continue;
             };
-            // Snapshots of others, such as a test suite's, are none of ours.
+            // Ignore snapshots of others, such as those of a test suite.
             let Some((source, info)) = metadata.source.zip(metadata.info) else {
                 continue;
             };
@@ -177,7 +177,7 @@ impl Plan {
         found
     }
 
-    /// Reads an accepted snapshot; says on stderr why, where that is impossible.
+    /// Reads an accepted snapshot; if it cannot, reports why on stderr.
     pub fn accepted(&self, name: &Name, io: &Io) -> Readable {
         match self.folder.accepted(name) {
             Ok(accepted) => Readable::Yes(accepted.map(Box::new)),
@@ -191,14 +191,14 @@ impl Plan {
         }
     }
 
-    /// Reads a pending snapshot; one that cannot be read is none, for it is proposed anew.
+    /// Reads a pending snapshot; an unreadable one counts as absent, since it is proposed again.
     pub fn pending(&self, name: &Name) -> Option<Snapshot> {
         self.folder.pending(name).ok().flatten()
     }
 
-    /// Writes what differs as pending, takes away what waits for nothing, and removes orphans where that is asked for.
+    /// Writes differences as pending, removes obsolete pending snapshots, and removes orphans if asked to.
     ///
-    /// Says in `states` which are pending then.
+    /// Updates in `states` which are pending.
     pub fn carry_out(
         &mut self,
         states: &mut [Found],
@@ -228,7 +228,7 @@ impl Plan {
         self.folder.apply(&operations).map_err(Failure::environment)
     }
 
-    /// Returns what takes away pending snapshots that were never accepted, and that nobody wants any more.
+    /// Returns the operations that remove pending snapshots that were never accepted and are no longer declared.
     fn forgotten(&self) -> Vec<Operation> {
         let accepted: BTreeSet<&Name> = self.folder.accepted_names().collect();
         let mut operations = Vec::new();

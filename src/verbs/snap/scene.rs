@@ -1,7 +1,7 @@
 //! A pinned scene: what the camera saw once, so that prompts can be rendered again without a camera.
 //!
-//! In: a program, what was seen. Out: JSON that a person can read and edit, and a [`SceneView`] of it. The hash in it
-//! says what it was seen of: cloth, camera, picker, keypoints, and the way to its step.
+//! In: a program, and what was seen. Out: JSON that a person can read and edit, and a [`SceneView`] of it. Its hash
+//! identifies what was seen: cloth, camera, picker, keypoints, and the actions before its step.
 
 use crate::exit::Failure;
 use crate::sources;
@@ -19,13 +19,13 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PinnedScene {
-    /// Hash of what it was seen of.
+    /// Hash of what was seen.
     pub seen_of: String,
-    /// How the cloth lay at first: a seed, or as the task says.
+    /// The start of the cloth: a seed, or `None` for the task's own.
     pub start: Option<u64>,
     /// The step, from 1.
     pub step: u32,
-    /// The action before.
+    /// The previous action.
     pub last: Option<PinnedAction>,
     /// The points, by keypoint.
     pub points: BTreeMap<String, Vec<PixelPoint>>,
@@ -33,7 +33,7 @@ pub struct PinnedScene {
     pub areas: BTreeMap<String, f64>,
 }
 
-/// The action before a pinned scene.
+/// The previous action of a pinned scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PinnedAction {
@@ -41,26 +41,26 @@ pub struct PinnedAction {
     pub fields: BTreeMap<String, Value>,
     /// The pixel that was picked.
     pub pick: PixelPoint,
-    /// The pixel that it was placed on.
+    /// The pixel where it was placed.
     pub place: PixelPoint,
 }
 
-/// Names of the scenes that are pinned unasked.
+/// Names of the scenes that are pinned by default.
 pub const USUAL: [&str; 2] = ["start", "later"];
 
-/// Which scene is wanted.
+/// Identifies a scene.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Moment {
     /// Its name in the snapshots.
     pub name: String,
-    /// How the cloth lies at first: a seed, or as the task says.
+    /// The start of the cloth: a seed, or `None` for the task's own.
     pub start: Option<u64>,
     /// The step, from 1.
     pub step: u32,
 }
 
 impl Moment {
-    /// Returns the moments that every task is looked at in: the start, and where a prompt looks back, the second step.
+    /// Returns the default moments of a task: the start, and if a prompt looks back, the second step.
     pub fn of(program: &Program) -> Vec<Moment> {
         let moment = |name: &str, step| Moment {
             name: name.to_owned(),
@@ -75,7 +75,7 @@ impl Moment {
         moments
     }
 
-    /// Returns the hash of all that a scene of this moment is seen of.
+    /// Returns the hash of everything that a scene of this moment depends on.
     pub fn seen_of(&self, program: &Program) -> String {
         let folds = match &program.subgoals {
             Some(Subgoals::Demonstrate { folds }) => folds.as_slice(),
@@ -96,7 +96,7 @@ impl Moment {
 }
 
 impl PinnedScene {
-    /// Reads one; says what is wrong with the text.
+    /// Parses a scene; the error says what is wrong with the text.
     pub fn parse(text: &str) -> Result<PinnedScene, String> {
         let scene: PinnedScene = serde_json::from_str(text).map_err(|error| error.to_string())?;
         match scene.step {
@@ -105,7 +105,7 @@ impl PinnedScene {
         }
     }
 
-    /// Writes it, a line for each keypoint.
+    /// Formats the scene, one line per keypoint.
     pub fn text(&self) -> String {
         let value = serde_json::to_value(self).expect("a scene has string keys and finite numbers");
         let mut text = String::from("{\n");
@@ -129,7 +129,7 @@ impl PinnedScene {
         text
     }
 
-    /// Returns the moment that it is of.
+    /// Returns the scene's moment.
     pub fn moment(&self, name: &str) -> Moment {
         Moment {
             name: name.to_owned(),
@@ -138,7 +138,7 @@ impl PinnedScene {
         }
     }
 
-    /// Returns the action before, with its fields in the program's order.
+    /// Returns the previous action, with its fields in the program's order.
     pub fn last(&self, program: &Program) -> Option<ExecutedAction> {
         let last = self.last.as_ref()?;
         let names = program.actions.iter().map(|field| &field.name);
@@ -167,7 +167,7 @@ impl SceneView for PinnedScene {
     }
 }
 
-/// Returns hashes of the subgoal pictures that lie beside the task, in order: the author's, or those that are pinned.
+/// Returns hashes of the subgoal pictures beside the task, in order: the author's, or the pinned ones.
 pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Result<Vec<String>, Failure> {
     let hash = |path: &Path| {
         let path = folder.join(path);
@@ -194,7 +194,7 @@ pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Result<Vec<String
                 false => named(&program.task),
             };
             let pictures = (0..=folds.len()).map(|number| pinned.join(format!("{number}.png")));
-            // One that is missing is drawn by the simulator, which another hash stands for.
+            // The simulator draws missing pictures; another hash covers that.
             Ok(pictures.filter_map(|path| hash(&path).ok()).collect())
         }
     }

@@ -1,6 +1,6 @@
-//! What the simulator's camera tells of a task: scenes, pictures, and all that a stage says.
+//! What the simulator's camera adds to a task: scenes, pictures, and the full text of each stage.
 //!
-//! Nothing is simulated before it is asked for: where scenes and pictures are pinned, no cloth is laid.
+//! Simulation is lazy: if scenes and pictures are pinned, no cloth is laid.
 
 use super::scene::{self, Moment, PinnedAction, PinnedScene};
 use crate::exit::Failure;
@@ -26,7 +26,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Puts programs whose cloth comes from a file of another grid in the place of those declared, as a run does.
+/// Replaces declared programs whose cloth comes from a file of another grid by fitting ones, as a run does.
 pub fn fitted(file: &str, programs: Vec<Program>, io: &Io) -> Result<Vec<Program>, Failure> {
     let fit = |program: Program| {
         if !matches!(program.cloth.start, ClothStart::File { .. }) {
@@ -53,7 +53,7 @@ pub fn fitted(file: &str, programs: Vec<Program>, io: &Io) -> Result<Vec<Program
     programs.into_iter().map(fit).collect()
 }
 
-/// The start that the task itself states.
+/// The start that the task declares.
 const AS_DECLARED: StartArguments = StartArguments {
     start: None,
     frame: FrameArguments {
@@ -66,7 +66,7 @@ const AS_DECLARED: StartArguments = StartArguments {
 pub struct Camera<'p> {
     program: &'p Program,
     folder: &'p Path,
-    /// Where talk goes.
+    /// The stream for talk.
     pub io: &'p Io,
     world: Option<Box<dyn World>>,
     seen: BTreeMap<Moment, Seen>,
@@ -74,7 +74,7 @@ pub struct Camera<'p> {
 }
 
 impl<'p> Camera<'p> {
-    /// Makes one for a program; `folder` holds its file.
+    /// Makes a camera for a program; `folder` holds its file.
     pub fn of(program: &'p Program, folder: &'p Path, io: &'p Io) -> Camera<'p> {
         Camera {
             program,
@@ -86,7 +86,7 @@ impl<'p> Camera<'p> {
         }
     }
 
-    /// Brings the cloth to a moment and looks.
+    /// Brings the cloth to a moment and takes a picture.
     pub fn scene(&mut self, moment: &Moment, seen_of: String) -> Result<PinnedScene, Failure> {
         let program = self.program;
         let seen = self.seen(moment)?;
@@ -118,7 +118,7 @@ impl<'p> Camera<'p> {
         })
     }
 
-    /// Returns what a stage says, by the function that a rollout uses.
+    /// Returns the messages of a stage, by the function that a rollout uses.
     pub fn messages(
         &self,
         stage: &Stage,
@@ -138,7 +138,7 @@ impl<'p> Camera<'p> {
         Ok(Some(shown_without_drawing(&spoken, step)))
     }
 
-    /// Draws a picture as a model that works on the camera's pixels is sent it.
+    /// Draws a picture as it is sent to a model that works in the camera's pixels.
     pub fn picture(
         &mut self,
         moment: &Moment,
@@ -167,7 +167,7 @@ impl<'p> Camera<'p> {
         Ok(drawn.map(|drawn| png::encode(&drawn)))
     }
 
-    /// Returns hashes of the subgoal pictures that lie beside the task.
+    /// Returns hashes of the subgoal pictures beside the task.
     pub fn hashes_of_pictures(&self) -> Result<Vec<String>, Failure> {
         scene::hashes_of_pictures(self.program, self.folder)
     }
@@ -181,7 +181,7 @@ impl<'p> Camera<'p> {
             let interrupt = Interrupt::default();
             let (program, folder, io) = (self.program, self.folder, self.io);
             let world = self.world()?;
-            // Folds that are demonstrated need no pictures of them.
+            // Demonstrated folds need no pictures.
             let subgoals = match program.subgoals {
                 Some(Subgoals::Images { .. }) if moment.step > 1 => {
                     SubgoalSet::obtain(program, folder, world, &interrupt)

@@ -1,4 +1,4 @@
-//! What a build without simulator and vision can tell of a task: texts, on scenes that are pinned already.
+//! What a build without simulator and vision can add: texts, for scenes that are already pinned.
 
 use super::scene::{self, Moment, PinnedScene};
 use crate::exit::Failure;
@@ -9,16 +9,16 @@ use fab_program::render::{self, Values};
 use fab_program::{Picture, Program, Stage};
 use std::path::Path;
 
-/// Returns the programs as they are: this build lays no cloth.
+/// Returns the programs unchanged: this build lays no cloth.
 pub fn fitted(_file: &str, programs: Vec<Program>, _io: &Io) -> Result<Vec<Program>, Failure> {
     Ok(programs)
 }
 
-/// Stands where a camera would be.
+/// Takes the place of a camera.
 pub struct Camera<'p> {
     program: &'p Program,
     folder: &'p Path,
-    /// Where talk goes.
+    /// The stream for talk.
     pub io: &'p Io,
 }
 
@@ -32,7 +32,7 @@ impl<'p> Camera<'p> {
         }
     }
 
-    /// Fails: this build sees nothing.
+    /// Fails: this build has no camera.
     pub fn scene(&mut self, moment: &Moment, _seen_of: String) -> Result<PinnedScene, Failure> {
         Err(Failure::environment(format!(
             "the scene `{}` of `{}` is not pinned, or is of another cloth, camera or keypoints; this build of fabc has no camera to see it anew",
@@ -41,7 +41,7 @@ impl<'p> Camera<'p> {
         )))
     }
 
-    /// Returns what a stage says; none where it is told demonstrations, which this build cannot read.
+    /// Returns the messages of a stage; `None` if they include demonstrations, which this build cannot read.
     pub fn messages(
         &self,
         stage: &Stage,
@@ -63,7 +63,7 @@ impl<'p> Camera<'p> {
         Ok(Some(shown_without_drawing(messages, step)))
     }
 
-    /// Returns none: this build cannot draw.
+    /// Returns `None`: this build cannot draw.
     pub fn picture(
         &mut self,
         _moment: &Moment,
@@ -76,7 +76,7 @@ impl<'p> Camera<'p> {
         Ok(None)
     }
 
-    /// Returns hashes of the subgoal pictures that lie beside the task.
+    /// Returns hashes of the subgoal pictures beside the task.
     pub fn hashes_of_pictures(&self) -> Result<Vec<String>, Failure> {
         scene::hashes_of_pictures(self.program, self.folder)
     }

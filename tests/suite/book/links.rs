@@ -1,4 +1,4 @@
-//! What the pages of the book name of each other is there: every page in SUMMARY.md, every link, every heading in a link.
+//! Checks the book's references: every page is in SUMMARY.md, and every link and every heading in a link exists.
 //!
 //! In: the pages as Markdown, and the book as mdBook writes it (`make book`).
 
@@ -88,7 +88,7 @@ fn peer_mdbook_builds_the_book_and_every_link_in_it_leads_somewhere() {
             continue;
         }
         n_pages += 1;
-        // mdBook makes a folder's README its index.
+        // mdBook turns a folder's README into its index.
         let chapter = chapter.replace("README", "index");
         let file = book.join(format!("{chapter}.html"));
         let html = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{chapter}: {error}"));
@@ -121,7 +121,7 @@ fn peer_mdbook_builds_the_book_and_every_link_in_it_leads_somewhere() {
     );
 }
 
-/// The targets of a page's links to files, outside of blocks.
+/// The targets of a page's links to files, outside blocks.
 fn links(page: &Page) -> Vec<String> {
     let mut text = page.text.clone();
     for block in &page.blocks {
@@ -148,7 +148,7 @@ fn resolved(page: &str, link: &str) -> String {
     path.to_str().unwrap().replace('\\', "/")
 }
 
-/// The names by which links find a page's headings.
+/// The anchors of a page's headings.
 fn headings(page: &Page) -> BTreeSet<String> {
     let mut text = page.text.clone();
     for block in &page.blocks {

@@ -1,19 +1,19 @@
-//! Compares what a page says that a command prints with what it prints.
+//! Compares the output that a page shows with a command's real output.
 //!
-//! In: both texts, and the beginnings of lines whose numbers vary. A line `...` stands for any lines, `[..]` for any letters of a line. Durations, and
-//! all numbers of a line that varies, are compared without their value, so that a page may show one; blanks at the ends of
-//! lines do not count.
+//! In: both texts, and the beginnings of lines whose numbers vary. A line `...` matches any lines, `[..]` any
+//! characters of a line. Values of durations, and all numbers of a varying line, are ignored, so that a page may show
+//! one; so is trailing whitespace.
 
-/// What stands for any lines.
+/// Matches any lines.
 const ANY_LINES: &str = "...";
 
-/// What stands for any letters of a line.
+/// Matches any characters within a line.
 const ANY_LETTERS: &str = "[..]";
 
-/// Units behind a number that is a duration.
+/// Units that mark a number as a duration.
 const UNITS_OF_TIME: [&str; 4] = ["s", "ms", "min", "seconds"];
 
-/// Returns whether a command printed what its page says.
+/// Returns whether a command's output matches its page.
 pub fn fits(stated: &str, printed: &str, varying: &[String]) -> bool {
     let comparable = |text: &str| -> Vec<String> {
         let lines = text.lines();
@@ -22,7 +22,7 @@ pub fn fits(stated: &str, printed: &str, varying: &[String]) -> bool {
     lines_fit(&comparable(stated), &comparable(printed))
 }
 
-/// Returns what the page should say: what is printed, where it is another text, and else what the page said.
+/// Returns the page's new text: the real output where it differs, otherwise the page's own text.
 pub fn refreshed(stated: &str, printed: &str, varying: &[String]) -> String {
     if fits(stated, printed, varying) {
         return stated.to_owned();
@@ -59,7 +59,7 @@ fn line_fits(stated: &str, printed: &str) -> bool {
     }
 }
 
-/// A line without the numbers of its durations, or without all of its numbers where it varies.
+/// A line without the numbers of its durations, or without any numbers if it varies.
 fn comparable(line: &str, varying: &[String]) -> String {
     if varying.iter().any(|beginning| line.starts_with(beginning)) {
         let is_part = |letter: char| letter.is_ascii_digit() || letter == '.';

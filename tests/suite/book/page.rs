@@ -1,12 +1,12 @@
-//! Reads the pages of the book as blocks, and finds them.
+//! Parses the pages of the book into blocks.
 //!
-//! In: Markdown. Out: [`Page`]s with their fenced blocks in order. What a block means is left to those who run it; the
-//! command's own tests read the same blocks, to parse each line that calls it.
+//! In: Markdown. Out: [`Page`]s with their fenced blocks in order. Callers decide what a block means; the command's own
+//! tests read the same blocks, to parse each line that calls it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The pages outside of `docs/`.
+/// The pages outside `docs/`.
 const BESIDE_THE_BOOK: [&str; 2] = ["README.md", "ARCHITECTURE.md"];
 
 /// One page.
@@ -20,17 +20,17 @@ pub struct Page {
 /// A fenced block.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// The words behind the opening fence.
+    /// The text after the opening fence.
     pub info: String,
     pub text: String,
     /// The line of the opening fence, from 1.
     pub line: usize,
 }
 
-/// A command of a console block, and what the page says it prints.
+/// A command in a console block, and the output that the page shows.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Step {
-    /// The lines as the page shows them, prompts and continuations included.
+    /// The lines as on the page, including prompts and continuations.
     pub shown: String,
     pub command: String,
     pub output: String,
@@ -38,7 +38,7 @@ pub struct Step {
 }
 
 impl Page {
-    /// Reads a page; an error names the line that has no end.
+    /// Parses a page; an error names the line of an unclosed fence.
     pub fn read(path: &str, text: String) -> Result<Page, String> {
         let mut blocks = Vec::new();
         let mut open: Option<(Block, &str)> = None;
@@ -79,7 +79,7 @@ impl Page {
         }
     }
 
-    /// Returns the text with some blocks holding another one.
+    /// Returns the text with some blocks replaced.
     pub fn with(&self, changes: &[(Block, String)]) -> String {
         let mut lines = self.text.lines().enumerate();
         let mut text = String::new();
@@ -96,7 +96,7 @@ impl Page {
         text
     }
 
-    /// Returns what a comment `<!-- NAME: VALUES -->` lists.
+    /// Returns the values of a comment `<!-- NAME: VALUES -->`.
     pub fn stated(&self, name: &str) -> Vec<String> {
         let opening = format!("<!-- {name}: ");
         let stated = self.text.lines().filter_map(|line| {
@@ -110,17 +110,17 @@ impl Page {
 }
 
 impl Block {
-    /// Returns the first word of the info, the language.
+    /// Returns the first word of the info string, the language.
     pub fn language(&self) -> &str {
         self.info.split(' ').next().unwrap_or_default()
     }
 
-    /// Returns what stands behind the language.
+    /// Returns the info string after the language.
     pub fn rest(&self) -> &str {
         self.info.split_once(' ').map_or("", |(_, rest)| rest)
     }
 
-    /// Reads a console block; an error says which of its lines is out of place.
+    /// Parses a console block; an error names the line that is out of place.
     pub fn steps(&self) -> Result<Vec<Step>, String> {
         let mut steps: Vec<Step> = Vec::new();
         let mut continues = false;
@@ -161,7 +161,7 @@ impl Block {
     }
 }
 
-/// Returns every page of a project: those of `docs/`, in the order of their names, and those beside it.
+/// Returns every page of a project: those of `docs/`, sorted by name, and those outside it.
 pub fn pages(root: &Path) -> Vec<Page> {
     let mut paths: Vec<PathBuf> = BESIDE_THE_BOOK.iter().map(PathBuf::from).collect();
     let mut folders = vec![PathBuf::from("docs")];

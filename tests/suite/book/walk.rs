@@ -1,23 +1,23 @@
-//! Goes through one page as a reader would: writes its files, makes its edits, runs its commands, in one folder.
+//! Processes one page as a reader would: writes its files, makes its edits, runs its commands, in one folder.
 //!
-//! | block | what becomes of it |
+//! | block | treatment |
 //! |---|---|
 //! | `fab` | a whole file, compiled as `example.fab`; its tests are run; `file=PATH` keeps it under that path |
 //! | `fab task` | sections of a task that extends `half`, the first task of the language page |
-//! | `fab wrong`, `fab task wrong` | likewise, and the next block, of `text`, is what the compiler says of it |
-//! | `diff PATH` | an edit of a file: the lines that stay or go stand there once |
+//! | `fab wrong`, `fab task wrong` | the same, but it must fail: the next block, of `text`, has the diagnostics |
+//! | `diff PATH` | an edit of a file: its unchanged and removed lines must occur there exactly once |
 //! | `LANGUAGE file=PATH` | the file |
-//! | `LANGUAGE from=PATH` | stands in that file of the project, however deep |
-//! | `console` | commands behind `$ `, what they print, and `? N` where they end with another code than 0 |
-//! | `console slow` | likewise, in the slow test only |
-//! | `console not-run: REASON` | read by the command line's own parser (`book_calls.rs`), and not run |
-//! | `sh` | targets of the Makefile, and commands that are listed here with the reason |
+//! | `LANGUAGE from=PATH` | must occur in that file of the project, at any indentation |
+//! | `console` | commands after `$ `, their output, and `? N` for an exit code N other than 0 |
+//! | `console slow` | the same, in the slow test only |
+//! | `console not-run: REASON` | parsed as a command line (`book_calls.rs`), but not run |
+//! | `sh` | targets of the Makefile, and commands listed in `NOT_RUN` with the reason |
 //! | `text` | nothing |
 //! | `json` | read as JSON |
 //!
-//! A comment `<!-- starts-with: PATH, … -->` names what of the project lies in the folder at first (`half.fab`:
-//! that task), `<!-- recorded: PATH -->`
-//! which of the recorded data the slow test finds there, `<!-- varies: WORDS, … -->` the beginnings of lines whose numbers vary.
+//! Three comments configure a page. `<!-- starts-with: PATH, … -->` lists project files that are copied into the folder
+//! first (`half.fab` means that task), `<!-- recorded: PATH -->` names recorded data that the slow test copies there,
+//! and `<!-- varies: WORDS, … -->` lists the beginnings of lines whose numbers vary.
 
 use super::matching::{fits, refreshed};
 use super::page::{Block, Page};
@@ -31,10 +31,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
 
-/// What a page may do to its files beside calling `fabc`.
+/// What a page may do to its files besides calling `fabc`.
 const TOOLS: [&str; 6] = ["cat", "cp", "ls", "mkdir", "mv", "rm"];
 
-/// Commands of `sh` blocks that no test can run, by their beginning, and why.
+/// Beginnings of commands in `sh` blocks that no test can run, and why.
 const NOT_RUN: [(&str, &str); 6] = [
     ("git clone ", "needs the network"),
     (
@@ -50,7 +50,7 @@ const NOT_RUN: [(&str, &str); 6] = [
     ),
 ];
 
-/// Blocks that another test runs: the page, the language, the file of that test.
+/// Blocks that another test runs: the page, the language, that test's file.
 const TESTED_ELSEWHERE: [(&str, &str, &str); 5] = [
     (
         "docs/build.md",
@@ -71,24 +71,24 @@ const TESTED_ELSEWHERE: [(&str, &str, &str); 5] = [
     ("docs/review.md", "yaml", "tests/suite/review/docs.rs"),
 ];
 
-/// The name under which a block without one is compiled.
+/// The file name under which a block without one is compiled.
 const EXAMPLE: &str = "example.fab";
 
 /// The file of the task that `fab task` blocks extend.
 const HALF: &str = "half.fab";
 
-/// What takes long is left out or run.
+/// Whether slow blocks are run.
 pub enum Pace {
     Fast,
-    /// With the recorded data, where they are there.
+    /// With the recorded data, if it is available.
     Slow(Option<PathBuf>),
 }
 
-/// What came of a page.
+/// The result of a page.
 pub struct Walked {
-    /// What is not as the page says, each with its place.
+    /// Differences from the page, each with its place.
     pub wrong: Vec<String>,
-    /// The blocks that should hold another text: messages and outputs.
+    /// Blocks that need new text: messages and outputs.
     pub changes: Vec<(Block, String)>,
     pub n_commands: usize,
     pub n_files: usize,
@@ -102,7 +102,7 @@ struct Walk<'p> {
     walked: Walked,
 }
 
-/// Goes through a page. `half` is the task that the sections of a `fab task` block extend.
+/// Processes a page. `half` is the task that the sections of a `fab task` block extend.
 pub fn walk(page: &Page, half: &str, pace: &Pace) -> Walked {
     let mut walk = Walk {
         page,
@@ -181,11 +181,11 @@ impl Walk<'_> {
         }
     }
 
-    /// Compiles a right file, and runs the tests that it carries.
+    /// Compiles a correct file, and runs its tests.
     fn compiles(&mut self, name: &str, text: &str) -> Result<(), String> {
         self.walked.n_files += 1;
         let compiled = fab_compiler::compile(name, &self.files(name, text)).unwrap();
-        // A file that a reader is to write gives no warning either.
+        // A file that readers are to write must not cause warnings either.
         let is_unclean = name != EXAMPLE && !compiled.diagnostics.is_empty();
         if compiled.has_errors() || compiled.programs.is_empty() || is_unclean {
             return Err(diag::to_text(
@@ -206,7 +206,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Compiles a wrong file, and compares what is said of it with the next block.
+    /// Compiles a wrong file, and compares its diagnostics with the next block.
     fn is_refused(&mut self, name: &str, text: &str, next: Option<&Block>) -> Result<(), String> {
         self.walked.n_files += 1;
         let Some(stated) = next.filter(|next| next.info == "text") else {
@@ -229,7 +229,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Changes a file as the block shows.
+    /// Changes a file as the diff block shows.
     fn edit(&self, file: &str, diff: &str) -> Result<(), String> {
         let of = |mark: char| -> String {
             let lines = diff
@@ -257,7 +257,7 @@ impl Walk<'_> {
             self.walked.n_commands += 1;
             let (printed, code) = self.output_of(&step.command)?;
             if step.code != code {
-                // Not written anew: that a command fails is for the author to say.
+                // Not rewritten automatically: the author decides whether a command should fail.
                 let (command, stated) = (&step.command, step.code);
                 return Err(format!(
                     "`{command}` ends with {code}, not {stated}:\n{printed}"
@@ -273,7 +273,7 @@ impl Walk<'_> {
         self.compare(block, &shown, does_fit)
     }
 
-    /// Runs one command and returns what it printed, both streams as a terminal shows them, and its exit code.
+    /// Runs one command; returns its exit code and its output, with both streams mixed as on a terminal.
     fn output_of(&self, command: &str) -> Result<(String, i32), String> {
         let words = shlex::split(command).ok_or("a quote has no end")?;
         let (program, arguments) = words.split_first().ok_or("a command has a name")?;
@@ -299,7 +299,7 @@ impl Walk<'_> {
         let (mut reader, writer) = std::io::pipe().unwrap();
         command.stdout(writer.try_clone().unwrap()).stderr(writer);
         let mut running = command.stdin(std::process::Stdio::null()).spawn().unwrap();
-        // It holds the writing ends, without whose end there is no end to read.
+        // It holds the writing ends of the pipe; without dropping it, reading would never end.
         drop(command);
         let mut printed = Vec::new();
         reader.read_to_end(&mut printed).unwrap();
@@ -312,7 +312,7 @@ impl Walk<'_> {
         Ok((shown, code))
     }
 
-    /// Notes what a block should say instead, or says how it differs.
+    /// Records a block's new text, or describes the difference.
     fn compare(&mut self, block: &Block, found: &str, does_fit: bool) -> Result<(), String> {
         if does_fit {
             return Ok(());
@@ -327,7 +327,7 @@ impl Walk<'_> {
     }
 }
 
-/// The files of the page's folder, the one that is compiled, and `half.fab`.
+/// The files of the page's folder, the compiled file, and `half.fab`.
 struct Files<'w> {
     folder: &'w Path,
     half: &'w str,
@@ -349,7 +349,7 @@ impl Loader for Files<'_> {
     }
 }
 
-/// Sections become those of a task that extends `half`.
+/// Wraps sections into a task that extends `half`.
 fn task_of(block: &Block) -> String {
     let lines = block.text.lines().map(|line| format!("    {line}\n"));
     let sections: String = lines.collect();
@@ -357,7 +357,7 @@ fn task_of(block: &Block) -> String {
     format!("use \"half.fab\"\n{experts}\ntask example extends half {{\n{sections}}}\n")
 }
 
-/// Returns whether a block stands in a file of the project, whose lines may be indented farther.
+/// Checks that a block occurs in a file of the project, whose lines may be indented more deeply.
 fn quotes(path: &str, quoted: &str) -> Result<(), String> {
     let source =
         fs::read_to_string(root().join(path)).map_err(|error| format!("{path}: {error}"))?;
@@ -371,7 +371,7 @@ fn quotes(path: &str, quoted: &str) -> Result<(), String> {
     }
 }
 
-/// Returns whether a line of a `sh` block is a target of the Makefile, or listed as not to be run.
+/// Checks that a line of a `sh` block is a target of the Makefile or a listed command.
 fn is_known(line: &str) -> Result<(), String> {
     let command = line.split(" #").next().unwrap_or_default().trim();
     let makefile = fs::read_to_string(root().join("Makefile")).unwrap();

@@ -1,4 +1,4 @@
-//! Points typed one a line: each is judged as it comes, and none is lost.
+//! Points typed one per line: each is judged at once, and none is lost.
 
 use super::{json, lab};
 use crate::suite::support::{Said, fabc, finish};
@@ -41,7 +41,7 @@ fn an_interrupted_session_is_gone_on_with() {
     let (folder, pairs) = lab();
     let lines =
         |pairs: &[Pair]| -> String { pairs.iter().map(|pair| csv_line(pair) + "\n").collect() };
-    // The end of input after five points, as after a crash.
+    // The input ends after five points, as after a crash.
     let said = typed(folder.path(), &lines(&pairs[..5]), &[]);
     assert_eq!(said.code, 2);
     assert!(

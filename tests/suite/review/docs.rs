@@ -1,4 +1,4 @@
-//! What `docs/review.md` shows: the workflow is one, and keys and JSON fields are those there are.
+//! Checks `docs/review.md`: its workflow is valid, and its keys and JSON fields are the real ones.
 
 use super::super::support::{fabc, finish, finish_process, project};
 use serde_json::Value;
@@ -31,7 +31,7 @@ fn the_workflow_is_one_that_can_be_run() {
             let named = when.split("steps.").skip(1);
             let named: Vec<&str> = named.filter_map(|rest| rest.split('.').next()).collect();
             assert!(named.iter().all(|id| ids.contains(id)), "{when}");
-            // What says what changed is not asked where fabc could not be built.
+            // The step that reports changes is skipped if fabc could not be built.
             assert!(!when.contains("failure()") || !named.is_empty(), "{when}");
             ids.extend(step["id"].as_str());
         }

@@ -1,4 +1,4 @@
-//! What `fabc review` finds: files that cannot be read, files of others, links, pictures, and paths as ids.
+//! What `fabc review` finds: unreadable files, other tools' files, links, pictures, and paths as ids.
 
 use super::super::support::{Said, fabc, finish};
 use super::fixtures::{accepted, each_kind, files, left, one_edit, pending, png, prompt, write};
@@ -119,7 +119,7 @@ fn a_picture_that_is_none_leaves_an_empty_panel() {
         (at(5), at(32 + 5), at(64 + 5)),
         ([160; 3], [255, 0, 0], [160; 3])
     );
-    // Neither is one: there is nothing to draw.
+    // Neither file is a picture, so there is nothing to draw.
     write(&snapshots, &format!("{name}.snap.new.png"), b"nothing");
     let picture = drawn(&as_json(folder.path(), &["--out", "drawn"]));
     assert_eq!(picture["path"], Value::Null);
@@ -163,7 +163,7 @@ fn the_path_of_an_accepted_snapshot_names_what_is_pending_for_it() {
         "snapshots/fold_01.describe@start.snap",
         "./snapshots/../snapshots/fold_02.describe@start.snap",
         "snapshots/half@start.subgoal_1.snap.new.png",
-        // A new one, which is not accepted yet.
+        // A new snapshot, which is not accepted yet.
         "./snapshots/half.act@start.snap",
     ];
     for id in ids {
@@ -190,7 +190,7 @@ fn a_link_named_snapshots_is_followed_and_no_other() {
     fs::create_dir_all(root.join("tasks/deep")).unwrap();
     symlink(elsewhere.path().join("kept"), root.join("tasks/snapshots")).unwrap();
     symlink(elsewhere.path().join("more"), root.join("tasks/more")).unwrap();
-    // In a circle, to nowhere, and to itself.
+    // One link makes a cycle, one leads to nothing, one points to itself.
     symlink(root.join("tasks"), root.join("tasks/deep/snapshots")).unwrap();
     symlink("nowhere", root.join("snapshots")).unwrap();
     fs::create_dir(root.join("round")).unwrap();

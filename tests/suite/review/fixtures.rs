@@ -6,7 +6,7 @@ use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-/// A prompt text of three components, in the file format: its component of two lines may differ.
+/// A prompt text of three components, in the file format; the two lines of one component can vary.
 pub fn prompt(task: &str, dots: &str, tokens: u32) -> String {
     format!(
         "\
@@ -31,7 +31,7 @@ Answer with a pick and a place.
     )
 }
 
-/// A pinned scene in the file format: what it was seen of, and its points.
+/// A pinned scene in the file format: what was seen, and its points.
 pub fn scene(seen_of: &str, center: &str, corners: &str) -> String {
     format!(
         "\
@@ -68,13 +68,13 @@ pub fn pending(folder: &Path, name: &str, text: &str) {
     write(folder, &format!("{name}.snap.new"), text.as_bytes());
 }
 
-/// Writes a file and the folder that it is in.
+/// Writes a file and creates its folder.
 pub fn write(folder: &Path, name: &str, bytes: &[u8]) {
     fs::create_dir_all(folder).unwrap();
     fs::write(folder.join(name), bytes).unwrap();
 }
 
-/// Writes prompts of many tasks that one edit changes.
+/// Writes the prompts of many tasks that one edit changes.
 pub fn one_edit(folder: &Path, n_tasks: usize) {
     for number in 1..=n_tasks {
         let task = format!("fold_{number:02}");
@@ -92,7 +92,7 @@ pub fn one_edit(folder: &Path, n_tasks: usize) {
     }
 }
 
-/// Writes one of each kind: an edit of two snapshots, a scene, a picture, new ones, and one of somebody else's.
+/// Writes one of each kind: an edit of two snapshots, a scene, a picture, new snapshots, and one of another tool.
 pub fn each_kind(folder: &Path) {
     one_edit(folder, 2);
     accepted(
@@ -127,7 +127,7 @@ pub fn each_kind(folder: &Path) {
     );
 }
 
-/// Returns a grey PNG file, with a red square of four pixels at a place.
+/// Returns a grey PNG file, with an optional red square of four pixels.
 pub fn png(width: u32, height: u32, square: Option<[u32; 2]>) -> Vec<u8> {
     let mut picture = RgbImage::from_pixel(width, height, Rgb([90; 3]));
     if let Some([left, top]) = square {

@@ -1,4 +1,4 @@
-//! What the real `cargo insta` makes of pending snapshots, and what we make of those that it accepted.
+//! How the real `cargo insta` handles our pending snapshots, and how we handle those that it accepted.
 
 use super::super::support::{fabc, finish};
 use super::fixtures::{each_kind, files, left, one_edit};
@@ -23,14 +23,14 @@ fn cargo_insta(folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
-/// Writes a package, in which alone `cargo insta` works.
+/// Writes a package, since `cargo insta` works only in one.
 fn package(folder: &Path) {
     let manifest = "[package]\nname = \"tasks\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\npath = \"lib.rs\"\n[workspace]\n";
     fs::write(folder.join("Cargo.toml"), manifest).unwrap();
     fs::write(folder.join("lib.rs"), "").unwrap();
 }
 
-/// cargo-insta 1.49 panics where a picture is to be listed as JSON, so there is none.
+/// cargo-insta 1.49 panics when it lists a picture as JSON, so this test has none.
 #[test]
 #[ignore = "needs cargo-insta"]
 fn peer_cargo_insta_lists_pending_texts() {
@@ -67,7 +67,7 @@ fn peer_cargo_insta_accepts_what_is_pending() {
         bytes("half@start.subgoal_1.snap.png"),
         &before["half@start.subgoal_1.snap.new.png"]
     );
-    // Proposed once more with another text, what it wrote is read as what was accepted.
+    // When another text is proposed, the file that `cargo insta` wrote is read as the accepted one.
     let again = String::from_utf8(before["half.describe@start.snap.new"].clone()).unwrap();
     let again = again.replace("Dots.", "Blue dots.").replace("700", "702");
     fs::write(snapshots.join("half.describe@start.snap.new"), again).unwrap();

@@ -1,4 +1,4 @@
-//! `fabc review` without a terminal: JSON, ids, patterns, places, and what cannot be done.
+//! `fabc review` without a terminal: JSON, ids, patterns, paths, and refused input.
 
 use super::super::support::{Said, fabc, finish};
 use super::fixtures::{accepted, each_kind, files, left, one_edit, pending, prompt, write};
@@ -158,7 +158,7 @@ fn an_id_that_names_nothing_or_too_much_changes_nothing() {
         assert!(said.stderr.contains(message), "{}", said.stderr);
         assert_eq!((files(&one), files(&two)), before);
     }
-    // One edit in two folders is one group all the same.
+    // One edit in two folders is still one group.
     let value = json(folder.path(), &[]);
     assert_eq!(value["groups"].as_array().unwrap().len(), 1);
     let id = value["groups"][0]["id"].as_str().unwrap();
@@ -227,7 +227,7 @@ fn two_components_that_change_side_by_side_are_two_edits() {
     assert_eq!(one["cause"][0]["component"], "describe.say");
     assert_eq!(other["edits"][0]["added"][0], "The blue dots are corners.");
     assert_eq!(other["cause"][0]["component"], "visual_context");
-    // Each of the two has the weight of its own words.
+    // Each edit counts the tokens of its own words.
     let weight = |group: &Value| {
         let lines =
             |key: &str| fab_program::tokens::of_text(group["edits"][0][key][0].as_str().unwrap());
@@ -240,7 +240,7 @@ fn two_components_that_change_side_by_side_are_two_edits() {
     assert!(weight(one) > 815);
 }
 
-/// Two edits of one text, of which another text has the second alone: the ids of both.
+/// Two edits of one text; another text has only the second. Returns the ids of both.
 fn two_edits(snapshots: &Path) -> [String; 2] {
     let folder = snapshots.parent().unwrap();
     let old = prompt("half", "The red dots are corners.", 810);

@@ -5,7 +5,7 @@ use super::super::support::fabc;
 use super::fixtures::{accepted, each_kind, files, left, one_edit, pending, prompt};
 use std::path::Path;
 
-/// Begins a review in a terminal of so many columns.
+/// Starts a review in a terminal of this width.
 fn start(folder: &Path, columns: u16, arguments: &[&str]) -> Session {
     let mut command = fabc(folder);
     command.arg("review").args(arguments);
@@ -14,7 +14,7 @@ fn start(folder: &Path, columns: u16, arguments: &[&str]) -> Session {
 
 const PROMPT: &str = "[q]uit [?] ";
 
-/// Two edits, a new task: three groups.
+/// Two edits and a new task, which make three groups.
 fn three_groups(folder: &Path) {
     one_edit(folder, 2);
     accepted(folder, "half.describe@start", &prompt("half", "Dots.", 700));
@@ -165,7 +165,7 @@ fn a_narrow_terminal_and_a_long_list_are_enough() {
     assert!(shown.ends_with("not decided 40\n"), "{shown}");
 }
 
-/// Two edits in three snapshots: each is shown once, and the snapshot that has both waits for the second.
+/// Two edits in three snapshots: each is shown once, and the snapshot with both waits for the second decision.
 #[test]
 fn each_edit_is_asked_for_once_and_a_text_with_two_waits_for_both() {
     let folder = tempfile::tempdir().unwrap();
@@ -204,7 +204,7 @@ fn each_edit_is_asked_for_once_and_a_text_with_two_waits_for_both() {
     assert!(left(&snapshots).is_empty());
 }
 
-/// Two edits of one text, of which the first is accepted: however it ends, that counts no more.
+/// Two edits of one text, the first of which is accepted: however the session ends, that acceptance is discarded.
 #[test]
 fn an_accepted_edit_of_a_text_that_waits_is_said_to_be_forgotten() {
     for (key, code) in [("s", 0), ("q", 0), ("\u{3}", 130)] {
@@ -227,7 +227,7 @@ fn an_accepted_edit_of_a_text_that_waits_is_said_to_be_forgotten() {
     }
 }
 
-/// What names a snapshot is longer than the terminal is wide, and stands in two rows.
+/// A snapshot's name is longer than the terminal is wide, and takes two rows.
 #[test]
 fn a_long_name_is_broken_and_set_in() {
     let folder = tempfile::tempdir().unwrap();

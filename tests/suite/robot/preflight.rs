@@ -1,4 +1,4 @@
-//! An arm that may not be moved: left in the middle by its last run, used by another program, or none that there is.
+//! An arm that must not be moved: left in mid-motion by its last run, used by another program, or missing.
 
 use super::super::support::{Said, fabc, finish, project, root};
 use super::{GRASP, ROBOT, journal, left, robot};
@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// Settings of a real arm, which this build may be unable to reach.
+/// Settings of a real arm, which this build may not support.
 fn real() -> String {
     let ros = "[ros]\nmaster = \"http://localhost:1\"\narm = \"/j2n6s200_driver\"\n";
     ROBOT
@@ -27,7 +27,7 @@ fn bring_calibration(folder: &Path) {
     }
 }
 
-/// Runs a fold with the arm of `robot.toml`, with nobody asked.
+/// Runs a fold with the arm of `robot.toml`, without asking anybody.
 fn run_of(folder: &Path) -> Said {
     let mut command = fabc(folder);
     let task = project("tasks/real/double_triangle.fab");
@@ -61,7 +61,7 @@ fn an_arm_that_a_run_left_in_the_middle_is_not_moved_again_before_a_person_has_l
     let said = again();
     assert!(!said.stderr.contains("the last run"), "{}", said.stderr);
 
-    // The next run was cut off, and its folder is gone.
+    // The next run was cut off, and its folder was deleted.
     fs::write(run.join("arm.jsonl"), GRASP).unwrap();
     fs::rename(&run, folder.path().join("elsewhere")).unwrap();
     let said = again();
@@ -153,7 +153,7 @@ fn a_simulated_arm_is_neither_let_go_nor_guided() {
     assert_eq!(said.code, 64, "{}", said.stderr);
 }
 
-/// Without ROS, a real arm cannot be reached; it is said what would be right.
+/// Without ROS, a real arm is out of reach; the message says what would be right.
 #[cfg(not(feature = "ros"))]
 #[test]
 fn a_build_without_ros_says_so() {

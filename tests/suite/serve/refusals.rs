@@ -1,4 +1,4 @@
-//! Requests that are refused: each names what is wrong, and no model is asked.
+//! Requests that are refused: each error names what is wrong, and no model is asked.
 
 use super::server::{Server, exchange, send};
 use super::{CHAT, RESPONSES, changed};
@@ -185,7 +185,7 @@ fn a_body_that_is_too_long_is_refused_before_it_is_sent() {
     assert_eq!(model.asked.lock().unwrap().len(), 1);
 }
 
-/// Sends a small right question under the given lines of a head.
+/// Sends a small valid request with the given header lines.
 fn under(server: &Server, method: &str, path: &str, lines: &[&str]) -> (u16, Value) {
     let body = changed(path, "user", json!("me")).to_string();
     let mut head = format!("{method} {path} HTTP/1.1\r\nConnection: close\r\n");

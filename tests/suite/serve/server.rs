@@ -1,4 +1,4 @@
-//! A server that a test starts, and plain HTTP to talk to it.
+//! A server for tests, and plain HTTP to talk to it.
 
 use fab_base::interrupt::Interrupt;
 use fab_model::Model;
@@ -8,7 +8,7 @@ use std::net::{SocketAddr, TcpStream};
 use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 
-/// A server that ends with the test.
+/// A server that stops with the test.
 pub struct Server {
     pub address: SocketAddr,
     interrupt: Interrupt,
@@ -47,7 +47,7 @@ impl Drop for Server {
     }
 }
 
-/// Sends one request with a connection of its own; returns status and body.
+/// Sends one request on its own connection; returns status and body.
 pub fn send(address: SocketAddr, method: &str, path: &str, body: &str) -> (u16, Value) {
     let length = body.len();
     let head = format!(
@@ -56,7 +56,7 @@ pub fn send(address: SocketAddr, method: &str, path: &str, body: &str) -> (u16, 
     exchange(address, (head + body).as_bytes())
 }
 
-/// Sends bytes as they are; returns status and body.
+/// Sends raw bytes; returns status and body.
 pub fn exchange(address: SocketAddr, bytes: &[u8]) -> (u16, Value) {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.write_all(bytes).unwrap();

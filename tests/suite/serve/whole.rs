@@ -1,4 +1,4 @@
-//! A whole rollout over the endpoint, and the command that offers it.
+//! A whole rollout over the endpoint, and the command that serves it.
 
 use super::server::{Server, send};
 use super::{CHAT, data_url};
@@ -14,7 +14,7 @@ use std::net::SocketAddr;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 
-/// Asks a served model as any client would.
+/// Asks a served model like any client.
 struct Client(SocketAddr);
 
 impl Model for Client {
@@ -92,7 +92,7 @@ fn actions(run: &std::path::Path) -> Vec<Value> {
     actions
 }
 
-/// Starts the command on a free port; returns what it said of itself.
+/// Starts the command on a free port; returns what it printed about itself.
 fn started(folder: &std::path::Path) -> (Child, BufReader<ChildStdout>, Value) {
     started_with(folder, "geometric")
 }

@@ -36,7 +36,7 @@ fn an_edit_makes_pending_what_it_touches_and_names_its_line() {
     assert_eq!(checked.code, 1);
     assert!(named(folder.path(), ".snap.new").is_empty());
     let value: Value = serde_json::from_str(&checked.stdout).unwrap();
-    // All but the variant without that component.
+    // All except the variant without that component.
     assert_eq!(
         (&value["changed"], &value["same"]),
         (&5.into(), &(ALL - 5).into())
@@ -57,7 +57,7 @@ fn an_edit_makes_pending_what_it_touches_and_names_its_line() {
         text.contains(&format!("output_format lib/folding.fab:{line}")),
         "{text}"
     );
-    // Undone, nothing waits any more.
+    // After the edit is undone, nothing is pending.
     edit(
         &library,
         "Answer in exactly two lines:",
@@ -124,7 +124,7 @@ fn pinned_subgoals_that_are_lost_or_exchanged_are_drawn_anew_and_said() {
             "{}",
             said.stderr
         );
-        // What a run would show is what was accepted, for it is drawn anew.
+        // The run's picture is drawn again, so it is the accepted one.
         let said = snap(folder.path(), &["half.fab", "--check"]);
         assert_eq!(said.code, 0, "{}{}", said.stdout, said.stderr);
     }

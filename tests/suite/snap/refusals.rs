@@ -1,4 +1,4 @@
-//! What cannot be read, what nobody declares, and what fails half way: nothing is lost.
+//! Unreadable snapshots, orphans, and failures halfway: nothing is lost.
 
 use super::super::support::{bring_library, fabc};
 use super::{ALL, TASK, accepted, edit, folder, named, snap, snapshots};
@@ -18,7 +18,7 @@ fn what_nothing_declares_any_more_is_orphaned_and_goes_only_when_told() {
         "    subgoals",
         "    without component center_pivoting\n    subgoals",
     );
-    // A file that cannot be compiled says nothing of what it declares.
+    // A file that does not compile leaves its declarations unknown.
     let broken = folder.path().join("broken.fab");
     fs::write(&broken, "task broken {").unwrap();
     let said = snap(folder.path(), &["half.fab", "broken.fab", "--prune"]);
@@ -179,7 +179,7 @@ fn a_killed_snap_leaves_all_that_it_proposes_or_nothing() {
         ));
         child.kill().unwrap();
         child.wait().unwrap();
-        // Whoever looks next ends what was begun.
+        // The next command completes the interrupted change.
         snap(folder.path(), &["half.fab", "--check"]);
         match named(folder.path(), ".snap.new").len() {
             0 => none += 1,

@@ -1,10 +1,10 @@
-//! Scenes: when they are seen anew, edited by hand, or asked for.
+//! Scenes: when they are captured again, edited by hand, or requested.
 
 use super::{ALL, accept_all, accepted, edit, folder, named, snap, snapshots};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Writes another center into the pinned scene, as a person would; returns its file.
+/// Changes the center in the pinned scene, as a person would; returns its file.
 fn edit_center(folder: &Path) -> PathBuf {
     let scene = snapshots(folder).join("half@start.points.snap");
     let text = fs::read_to_string(&scene).unwrap();
@@ -157,6 +157,6 @@ fn a_scene_that_cannot_be_pinned_so_is_refused_with_what_is_pinned() {
         assert_eq!(said.code, 64, "{arguments:?}: {}", said.stderr);
         assert!(said.stderr.contains(words), "{}", said.stderr);
     }
-    // The same once more is no other.
+    // The same request again is not a conflict.
     assert_eq!(snap(folder.path(), &late).code, 0);
 }

@@ -1,8 +1,7 @@
-//! Reads the tree for the tidy rules: its text files, a manifest's dependencies, bare code.
+//! Reads the tree for the tidy rules: text files, a manifest's dependencies, code without comments and strings.
 //!
-//! In: the package's root on disk, or the text of one file. Out: plain lists with line
-//! numbers from 1. It knows as much of TOML and Rust as the rules need and no more; it judges
-//! nothing.
+//! In: the package's root on disk, or the text of one file. Out: plain lists with line numbers from 1. It understands
+//! only as much TOML and Rust as the rules need, and judges nothing.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -11,13 +10,13 @@ use std::path::Path;
 /// A name that a rule reserves.
 #[derive(Clone, Copy)]
 pub enum Name {
-    /// The word, wherever it stands in code.
+    /// The word anywhere in code.
     Word(&'static str),
-    /// The word as the first part of a path or in an import; a child module may have it too.
+    /// The word as the first part of a path or in an import; a child module may have the same name.
     Crate(&'static str),
 }
 
-/// One text file: its path from the root with `/` between the parts, and what it holds.
+/// One text file: its path from the root, separated by `/`, and its text.
 pub struct TextFile {
     pub path: String,
     pub text: String,
@@ -33,16 +32,16 @@ pub fn numbered(text: &str) -> impl Iterator<Item = (usize, &str)> {
 /// One dependency of a manifest.
 pub struct Dependency {
     pub name: String,
-    /// The package's name where it differs from `name`.
+    /// The package's name if it differs from `name`.
     package: Option<String>,
     pub line: usize,
     pub has_reason: bool,
     pub purpose: Purpose,
-    /// Whether it is found by its folder alone, so that cargo leaves it out of the published manifest.
+    /// Whether it has only a path, so that cargo leaves it out of the published manifest.
     pub by_path_alone: bool,
 }
 
-/// What a dependency is needed for.
+/// The purpose of a dependency.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     Build,
@@ -50,7 +49,7 @@ pub enum Purpose {
 }
 
 impl Dependency {
-    /// The name of the package, under whatever name it is imported.
+    /// Returns the package's name, even if it is imported under another one.
     pub fn package(&self) -> &str {
         self.package.as_ref().unwrap_or(&self.name)
     }
@@ -58,7 +57,7 @@ impl Dependency {
 
 /// Lists a manifest's dependencies of every kind and platform.
 ///
-/// The workspace's own table only fixes versions; the members that use it give the reasons.
+/// The workspace's own table only sets versions; the members that use a dependency give the reasons.
 pub fn dependencies(manifest: &str) -> Vec<Dependency> {
     let mut found: Vec<Dependency> = Vec::new();
     let (mut in_list, mut in_table, mut comment_above) = (false, false, false);
@@ -122,9 +121,10 @@ pub fn dependencies(manifest: &str) -> Vec<Dependency> {
     found
 }
 
-/// Lists the packages that one reaches by Cargo.lock, in order of name: without itself, and not by way of `left_out`.
+/// Lists the packages that a package depends on according to Cargo.lock, sorted by name, without itself and without
+/// paths through `left_out`.
 ///
-/// A lock file does not tell tests from builds, so the answer may hold more than a build needs.
+/// A lock file does not separate tests from builds, so the list may hold more than a build needs.
 pub fn reached(lock: &str, package: &str, left_out: &str) -> Vec<String> {
     let mut found = BTreeSet::new();
     let mut pending = vec![package.to_owned()];
@@ -137,7 +137,7 @@ pub fn reached(lock: &str, package: &str, left_out: &str) -> Vec<String> {
             let (_, list) = entry.split_once("dependencies = [").unwrap_or_default();
             let (list, _) = list.split_once(']').unwrap_or_default();
             for other in list.split('"').skip(1).step_by(2) {
-                // `"name version"` where several versions are locked.
+                // `"name version"` if several versions are locked.
                 let other = other.split(' ').next().unwrap_or_default();
                 if other != left_out && found.insert(other.to_owned()) {
                     pending.push(other.to_owned());
@@ -148,7 +148,7 @@ pub fn reached(lock: &str, package: &str, left_out: &str) -> Vec<String> {
     found.into_iter().collect()
 }
 
-/// Whether a line of code uses a name in the reserved sense.
+/// Returns whether a line of code uses a name in the reserved sense.
 pub fn names(code: &str, name: Name) -> bool {
     let (Name::Word(word) | Name::Crate(word)) = name;
     let is_part = |letter: char| letter.is_alphanumeric() || letter == '_';
@@ -166,7 +166,7 @@ pub fn names(code: &str, name: Name) -> bool {
     })
 }
 
-/// Blanks comments and the insides of strings and characters; lines stay where they are.
+/// Replaces comments and the contents of strings and characters by blanks; line numbers stay the same.
 pub fn code_only(source: &str) -> String {
     let letters: Vec<char> = source.chars().collect();
     let starts = |at: usize, pattern: &str| {
@@ -217,7 +217,7 @@ pub fn code_only(source: &str) -> String {
     code
 }
 
-/// Reads every text file under the root, in path order; build output and run folders excepted.
+/// Reads every text file under the root, sorted by path, except build output and run folders.
 pub fn tree() -> Vec<TextFile> {
     let mut files = Vec::new();
     read_folder(Path::new(env!("CARGO_MANIFEST_DIR")), "", &mut files);
@@ -244,7 +244,7 @@ fn read_folder(folder: &Path, prefix: &str, files: &mut Vec<TextFile>) {
                 read_folder(&full, &format!("{path}/"), files);
             }
         } else if is_text(&path) {
-            // A file in another encoding, such as a fixture of a broken one, is not prose of ours.
+            // A file in another encoding, such as a fixture of a damaged file, is not our text.
             if let Ok(text) = fs::read_to_string(&full) {
                 files.push(TextFile { path, text });
             }

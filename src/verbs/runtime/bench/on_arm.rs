@@ -1,6 +1,6 @@
 //! The arm of `fabc bench --world jaco`.
 //!
-//! In: the command line and the suite. Out: whether the suite can be carried out on that arm, and its world for each rollout.
+//! In: the command line and the suite. Out: whether the arm can run the suite, and its world for each rollout.
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -14,17 +14,17 @@ use fab_bench::on_arm::Cloths;
 use fab_bench::suite::Suite;
 use fab_world::About;
 
-/// An arm that a suite can be carried out on.
+/// An arm that can run a suite.
 pub struct Arm {
-    /// What its world says of itself.
+    /// The description of its world.
     pub about: About,
-    /// How cloths come to lie on its table.
+    /// Who or what lays cloths on its table.
     pub cloths: Cloths,
     /// Its settings.
     pub settings: Settings,
 }
 
-/// Makes sure before anything else that the suite can be carried out on the arm; none where none is asked for.
+/// Checks first of all that the arm can run the suite; `None` if no arm is asked for.
 pub fn check(arguments: &BenchArguments, suite: &Suite, io: &Io) -> Result<Option<Arm>, Failure> {
     if arguments.world != WorldChoice::Jaco {
         return Ok(None);

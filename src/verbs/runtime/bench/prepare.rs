@@ -1,4 +1,4 @@
-//! Compiles a suite's tasks, finds its starts and models.
+//! Compiles a suite's tasks, and finds its starts and models.
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -24,7 +24,7 @@ use fab_world::WorldError;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// A task with all of its variants, for its own cloth and for those of its starts.
+/// A task with all its variants, for its own cloth and for the cloths of its starts.
 pub struct Prepared {
     /// The task and its starts.
     pub task: Task,
@@ -32,19 +32,19 @@ pub struct Prepared {
     file: String,
     /// The task and its variants, for the declared cloth.
     declared: Vec<Program>,
-    /// Likewise, by the grid of a start.
+    /// The same for the cloths of starts, by grid.
     by_grid: BTreeMap<[u32; 2], Vec<Program>>,
 }
 
-/// Who decides for each method, by the policy and the model that the method names; none: those of the command line.
+/// The policy of each method, keyed by the policy and model that the method names; `None` means the command line's.
 pub type DecidingBy = BTreeMap<[Option<String>; 2], Deciding>;
 
-/// Returns under what the policy of a method is found.
+/// Returns the key of a method's policy.
 pub fn named_by(method: &Method) -> [Option<String>; 2] {
     [method.policy.clone(), method.model.clone()]
 }
 
-/// Finds every policy and model that a suite asks for.
+/// Finds every policy and model that a suite needs.
 pub fn deciding(
     suite: &Suite,
     policy: &PolicyArguments,
@@ -59,7 +59,7 @@ pub fn deciding(
         if deciding.contains_key(&key) {
             continue;
         }
-        // A method that names a model is one that asks it, and one that names a policy is not meant by `--model`.
+        // A method that names a model asks that model; `--model` does not apply to a method that names a policy.
         let (policy, model) = match &key {
             [None, None] => (policy.clone(), models.model.clone()),
             [None, Some(model)] => (policy.named("prompted".to_owned()), vec![model.clone()]),
@@ -77,7 +77,7 @@ pub fn deciding(
     Ok(deciding)
 }
 
-/// Compiles the tasks and lists their starts; tasks without recorded starts are left out aloud.
+/// Compiles the tasks and lists their starts; reports tasks without recorded starts and leaves them out.
 pub fn prepare(
     suite: &Suite,
     folder: &Path,
@@ -142,7 +142,7 @@ pub fn prepare(
     Ok(tasks)
 }
 
-/// Keeps the first starts, and of those every one of a part.
+/// Keeps the first `limit` starts, and of those the ones of one part.
 fn chosen<T>(points: Vec<T>, limit: Option<u32>, shard: Option<Shard>) -> Vec<T> {
     let limit = limit.map_or(usize::MAX, |limit| limit as usize);
     let Shard { part, of } = shard.unwrap_or(Shard { part: 1, of: 1 });
@@ -182,7 +182,7 @@ fn programs_for(prepared: &Prepared, grid: [u32; 2], io: &Io) -> Result<Vec<Prog
     sources::compile_tasks_for(&prepared.file, None, grid, io)
 }
 
-/// Pairs tasks with methods; None where the user stopped the drawing of subgoals.
+/// Pairs tasks with methods; `None` if the user interrupted the drawing of subgoals.
 pub fn entries<'a>(
     suite: &'a Suite,
     prepared: &[Prepared],
@@ -279,7 +279,7 @@ fn refuse_or_say(
     })
 }
 
-/// Finds or draws the pictures of the declared cloth; None where the user stopped it.
+/// Finds or draws the pictures of the declared cloth; `None` if the user interrupted it.
 fn subgoals(
     program: &Program,
     folder: &Path,

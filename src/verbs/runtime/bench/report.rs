@@ -1,4 +1,4 @@
-//! What `fabc bench` prints and writes.
+//! The output of `fabc bench`: text, JSON and files.
 
 use crate::exit::Failure;
 use crate::verbs::runtime::bench::Shard;
@@ -12,21 +12,21 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// A suite that was carried out.
+/// A suite that was run.
 pub struct Report<'a> {
     /// The suite's name.
     pub name: &'a str,
-    /// What was to be done.
+    /// The plan.
     pub bench: &'a Bench<'a>,
-    /// What was done.
+    /// The outcome.
     pub results: &'a Results,
     /// The figures.
     pub rows: &'a [Row],
-    /// Wall time of all, seconds.
+    /// Total wall time, seconds.
     pub wall_s: f64,
 }
 
-/// Says what a suite is about to do.
+/// Describes what a suite is about to do.
 pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
     let rollouts: usize = bench
         .entries
@@ -93,7 +93,7 @@ impl Report<'_> {
         })
     }
 
-    /// Returns the tables for a terminal.
+    /// Returns the tables as text for a terminal.
     pub fn text(&self) -> String {
         match self.rows.is_empty() {
             true => "no rollout has finished: there is nothing to tabulate".to_owned(),
@@ -122,7 +122,7 @@ impl Report<'_> {
         Ok(())
     }
 
-    /// Says what the work took.
+    /// Reports time and cost.
     pub fn told(&self) -> String {
         let spent = &self.results.spent;
         let mut lines = Vec::new();
@@ -174,7 +174,7 @@ impl Report<'_> {
         lines.join("\n")
     }
 
-    /// Says why rollouts failed: of each kind of failure, how many there are and the words of the first.
+    /// Reports why rollouts failed: for each kind of failure, the count and the first message.
     fn failed(&self) -> Vec<String> {
         let failures = [
             Outcome::ModelFailed,
@@ -195,7 +195,7 @@ impl Report<'_> {
         failures.into_iter().filter_map(line).collect()
     }
 
-    /// Names the rollouts on an arm that are not gone on with.
+    /// Names the rollouts on an arm that will not be resumed.
     fn cut_off(&self) -> Option<String> {
         let folders = self.results.cut_off.iter();
         let names: Vec<String> = folders
@@ -210,7 +210,7 @@ impl Report<'_> {
         })
     }
 
-    /// Says after which rollout none was begun for the arm's sake, and why.
+    /// Reports the rollout after which the arm's state prevented further ones, and why.
     fn arm_left(&self) -> Option<String> {
         let left = self.results.left.as_ref()?;
         let folder = left.folder.display();

@@ -1,4 +1,4 @@
-//! Where suites are found, and how the command line narrows them.
+//! Finds suites, and narrows them as the command line asks.
 
 use crate::exit::Failure;
 use crate::sources;
@@ -6,16 +6,15 @@ use fab_bench::suite::{Method, Suite};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Where shipped suites lie, relative to the working folder.
+/// The folder of the shipped suites, relative to the working folder.
 const FOLDER: &str = "tasks/suites";
 
 /// A suite that was found.
 pub struct Found {
-    /// The file's name without its ending.
+    /// The file's name without its extension.
     pub name: String,
-    /// The folder of the file; its tasks are relative to it.
+    /// The folder of the file; the suite's task paths are relative to it.
     pub folder: PathBuf,
-    /// What it says.
     pub suite: Suite,
 }
 
@@ -47,7 +46,7 @@ pub fn find(wanted: &str) -> Result<Found, Failure> {
     })
 }
 
-/// Says which suites there are where shipped ones lie.
+/// Lists the shipped suites.
 fn there() -> String {
     let files = fs::read_dir(FOLDER).into_iter().flatten().flatten();
     let mut names: Vec<String> = files
@@ -65,7 +64,7 @@ fn there() -> String {
     }
 }
 
-/// Leaves only the methods of a variant; one that no method has becomes a method of its own.
+/// Keeps only the methods of a variant; if there is none, adds a method for the variant.
 pub fn narrowed(mut suite: Suite, variant: Option<&str>) -> Suite {
     let Some(variant) = variant else {
         return suite;
@@ -73,7 +72,7 @@ pub fn narrowed(mut suite: Suite, variant: Option<&str>) -> Suite {
     suite
         .methods
         .retain(|method| method.variant.as_deref() == Some(variant));
-    // Who names a variant wants to hear of it where a task has none such.
+    // A user who names a variant wants an error if a task lacks it.
     suite
         .methods
         .iter_mut()

@@ -1,4 +1,4 @@
-//! Copies a file that is about to be replaced to a free name.
+//! Backs up a file that is about to be replaced.
 
 use crate::exit::Failure;
 use std::fs;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// The most backups of a file.
 const MAX_BACKUPS: u32 = 9999;
 
-/// Copies a file to the first free `FILE.before-N`; returns that name, or `None` where there is no file.
+/// Copies a file to the first free `FILE.before-N`; returns that name, or `None` if there is no file.
 pub fn copy(path: &Path) -> Result<Option<PathBuf>, Failure> {
     let failed = |error| {
         Failure::environment(format!(

@@ -1,4 +1,4 @@
-//! What is said of a calibration: as text, as JSON, and what is doubtful about it.
+//! Reports a calibration as text and as JSON, and warns of doubtful values.
 
 use crate::io::Io;
 use fab_agent::arm_sight::SIGHT;
@@ -7,18 +7,18 @@ use fab_arm::settings::Settings;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Height that the table may be off from the settings' without a word, metres: what the driver's tolerance is.
+/// Largest difference of the table's height from the settings' that gets no warning, metres: the driver's tolerance.
 const SAME_HEIGHT_M: f64 = 0.003;
 
-/// What was written.
+/// The files that were written.
 pub struct Written<'a> {
-    /// The calibration.
+    /// The calibration file.
     pub file: &'a Path,
-    /// The picture that belongs to it.
+    /// Its reference picture.
     pub reference: Option<PathBuf>,
     /// The drawing of the errors.
     pub drawn: Option<&'a Path>,
-    /// What was there before.
+    /// The backup of the previous file.
     pub earlier: Option<&'a Path>,
 }
 
@@ -28,7 +28,7 @@ fn height_m(calibration: &Calibration, settings: &Settings) -> f64 {
     calibration.table_height_m([x, y])
 }
 
-/// Says on stderr what a person should look at, though it was accepted.
+/// Warns on stderr of what a person should check, even though the calibration was accepted.
 pub fn say_doubts(calibration: &Calibration, settings: &Settings, io: &Io) {
     let note = |text: String| io.talk(&format!("note: {text}"));
     for point in calibration.accuracy.outliers(calibration.terms.limit_mm) {
@@ -57,7 +57,7 @@ pub fn say_doubts(calibration: &Calibration, settings: &Settings, io: &Io) {
     }
 }
 
-/// Returns it as the fields that scripts rely on.
+/// Returns the report as the fields that scripts rely on.
 pub fn as_json(calibration: &Calibration, settings: &Settings, written: &Written<'_>) -> Value {
     let accuracy = &calibration.accuracy;
     let errors = accuracy.residual_mm.iter().zip(&accuracy.left_out_mm);
@@ -105,7 +105,7 @@ pub fn as_json(calibration: &Calibration, settings: &Settings, written: &Written
     value
 }
 
-/// Returns it as lines for a person.
+/// Returns the report as lines for a person.
 pub fn as_text(calibration: &Calibration, settings: &Settings, written: &Written<'_>) -> String {
     let accuracy = &calibration.accuracy;
     let errors = accuracy.residual_mm.iter().zip(&accuracy.left_out_mm);

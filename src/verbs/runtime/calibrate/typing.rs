@@ -1,7 +1,7 @@
-//! Points typed one per line, saved as they come.
+//! Points typed one per line, and saved at once.
 //!
-//! In: lines, and with an arm, its tool's position at each. Out: the points, and on stderr how each fits the earlier ones.
-//! The points are saved to a file after every line, so that an interrupted session loses none.
+//! In: lines, and with an arm, its tool's position at each. Out: the points, and on stderr how well each fits the
+//! earlier ones. The points are saved to a file after every line, so that an interrupted session loses none.
 
 use super::{backup, write};
 use crate::exit::Failure;
@@ -21,13 +21,13 @@ const MAX_LINE: u64 = 1000;
 pub struct TypingSetup<'a> {
     /// Columns and rows of the grid of points to touch.
     pub grid: Option<[u32; 2]>,
-    /// The calibration's file.
+    /// The calibration file.
     pub path: &'a Path,
     /// The camera's own picture.
     pub seen: Option<&'a RgbImage>,
 }
 
-/// Asks for points after those given until there are no more, or the lines end.
+/// Asks for points after the given ones until `done` or the end of input.
 pub fn type_points(
     terms: &Terms,
     given: Vec<Pair>,
@@ -85,7 +85,7 @@ fn save(path: &Path, pairs: &[Pair]) -> Result<(), Failure> {
     write(path, format!("u,v,x,y,z,depth\n{lines}").as_bytes())
 }
 
-/// Names the place of the grid that comes next.
+/// Names the next place of the grid.
 fn ask(session: &Session<'_>, targets: &[[f64; 2]], io: &Io) {
     let n = session.pairs().len();
     if let Some([u, v]) = targets.get(n) {
@@ -97,7 +97,7 @@ fn ask(session: &Session<'_>, targets: &[[f64; 2]], io: &Io) {
     }
 }
 
-/// Draws where points are best touched into the camera's picture.
+/// Draws the suggested points into the camera's picture.
 fn show(targets: &[[f64; 2]], setup: &TypingSetup<'_>, io: &Io) -> Result<(), Failure> {
     let (Some(seen), false) = (setup.seen, targets.is_empty()) else {
         return Ok(());
@@ -126,7 +126,7 @@ mod tests {
     use fab_arm::calibration::Method;
     use fab_arm::settings::Settings;
 
-    /// What is typed of an arm that is guided, and what is made of it.
+    /// Types these lines while an arm is guided to these places, and returns the points.
     fn guided(typed: &str, mut places: Vec<Result<[f64; 3], String>>) -> (Vec<Pair>, usize) {
         let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("tasks/real/simulated.toml");
         let settings = Settings::load(&shipped).unwrap();

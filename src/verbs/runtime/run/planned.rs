@@ -1,4 +1,4 @@
-//! What `fabc run --plan-only` says: the plan of the first action, segment by segment.
+//! The output of `fabc run --plan-only`: the plan of the first action, segment by segment.
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -9,7 +9,7 @@ use fab_arm::world::{PLAN_FILE, PLAN_PICTURE, read_plan};
 use serde_json::json;
 use std::path::Path;
 
-/// Prints the plan, and the report's outcome; as JSON both.
+/// Prints the outcome and the plan, as text or as JSON.
 pub fn say(report: &Ended, settings: &Settings, as_json: bool, io: &Io) -> Result<(), Failure> {
     let folder = Path::new(&report.took.run_dir);
     let plan = match folder.join(PLAN_FILE).exists() {

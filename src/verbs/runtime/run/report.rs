@@ -1,4 +1,4 @@
-//! What `fabc run` says: a line per step while it runs, and a summary.
+//! The output of `fabc run`: a line per step while it runs, and a summary.
 
 use crate::io::Io;
 use fab_agent::judgement::Judgement;
@@ -13,7 +13,7 @@ use fab_program::{Goal, Metric};
 use fab_world::Grasp;
 use std::path::Path;
 
-/// Shows one event on stderr, unless it is of one of the `earlier` steps, which were shown when they were new.
+/// Shows one event on stderr, unless it belongs to one of the `earlier` steps, which were shown in an earlier run.
 pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
     match event {
         Event::Asked { step, .. } | Event::Stepped { step, .. } | Event::Skipped { step, .. }
@@ -75,7 +75,7 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
     }
 }
 
-/// Says what calls came to so far, where any were made.
+/// Reports the cost of calls so far, if there were any.
 fn so_far(spent: &Spent) -> String {
     match (spent.calls, spent.unpriced) {
         (0, _) => String::new(),
@@ -84,7 +84,7 @@ fn so_far(spent: &Spent) -> String {
     }
 }
 
-/// Returns why an attempt led to nothing, where it did.
+/// Returns why an attempt failed, if it did.
 fn refusal(attempt: &Attempt) -> Option<String> {
     match &attempt.finding {
         Finding::Action {
@@ -92,7 +92,7 @@ fn refusal(attempt: &Attempt) -> Option<String> {
             ..
         } => Some(format!("refused by `{check}`: {message}")),
         Finding::Malformed { message, .. } => Some(format!("not readable: {message}")),
-        // The end of the step says it.
+        // The end of the step reports it.
         Finding::Failed {
             outcome: Outcome::PolicyFailed | Outcome::PolicyStopped,
             ..
@@ -106,7 +106,7 @@ fn refusal(attempt: &Attempt) -> Option<String> {
     }
 }
 
-/// Sums up a rollout.
+/// Summarizes a rollout.
 pub fn summary(report: &Ended, goal: Option<&Goal>) -> String {
     let mut lines = vec![format!("outcome: {}", report.outcome.name())];
     let words = report.stopped.as_deref();
@@ -188,7 +188,7 @@ pub fn summary(report: &Ended, goal: Option<&Goal>) -> String {
     lines.join("\n")
 }
 
-/// Says what the operator says.
+/// Reports the operator's judgement.
 fn judged(judgement: &Judgement) -> String {
     let said = match (judgement.reached, judgement.why) {
         (true, _) => "reached".to_owned(),
@@ -200,7 +200,7 @@ fn judged(judgement: &Judgement) -> String {
     format!("the operator says: {said}{words}")
 }
 
-/// Says what models were paid for, where calls were made.
+/// Reports what was paid for models, if there were calls.
 fn spent(report: &Ended) -> Option<String> {
     if report.took.calls == 0 {
         return None;
@@ -220,7 +220,7 @@ fn spent(report: &Ended) -> Option<String> {
     Some(text)
 }
 
-/// Says what came of the questions, with what went wrong by name.
+/// Reports how questions ended, with the names of failures.
 fn questions(report: &Ended) -> String {
     let mut counts = vec![format!("questions: {}", report.queries)];
     let refusals = report.refusals.iter();

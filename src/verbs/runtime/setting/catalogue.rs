@@ -21,29 +21,29 @@ pub struct FactsArguments {
     pub models: Option<PathBuf>,
 }
 
-/// A file of the user's, and what named it.
+/// A user's file, and how its path is known.
 pub struct UserFile {
     pub path: PathBuf,
     pub named_by: NamedBy,
 }
 
-/// What names a file of the user's.
+/// How the path of a user's file is known.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum NamedBy {
-    /// A flag or a variable: it has to be there.
+    /// From a flag or a variable: the file must exist.
     User,
-    /// The place where such files lie: it may be missing.
+    /// The default path: the file may be missing.
     Place,
 }
 
 impl UserFile {
-    /// Returns whether it is to be used: it was named, or it is there.
+    /// Returns whether to use it: it was named explicitly, or it exists.
     pub fn counts(&self) -> bool {
         self.named_by == NamedBy::User || self.path.exists()
     }
 }
 
-/// Returns the file of facts about models: `--models`, else `FABC_MODELS`, else the one in the user's folder.
+/// Returns the file of model facts: `--models`, else `FABC_MODELS`, else the one in the user's folder.
 pub fn facts_file(flag: Option<&Path>, io: &Io) -> Option<UserFile> {
     match flag {
         Some(path) => Some(UserFile {
@@ -94,7 +94,7 @@ pub fn profile(name: &str, models: Option<&Path>, io: &Io) -> Result<Profile, Fa
 
 /// Returns the day, in UTC.
 pub fn today(io: &Io) -> Date {
-    // A clock before 1970 is no clock to go by; its day is then the first one.
+    // A clock before 1970 is wrong; use 1970-01-01 then.
     let since = io.now().duration_since(UNIX_EPOCH).unwrap_or_default();
     Date::from_unix_days(since.as_secs() / 86_400)
 }

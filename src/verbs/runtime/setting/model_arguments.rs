@@ -1,4 +1,4 @@
-//! The part of the command line that says who answers, and what that may cost; `run` and `bench` share it.
+//! The arguments that select models and limit their cost; `run` and `bench` share them.
 
 use super::catalogue::FactsArguments;
 use clap::{Args, ValueEnum, ValueHint};
@@ -38,7 +38,7 @@ impl PolicyArguments {
         self.policy.as_deref().unwrap_or("prompted")
     }
 
-    /// Returns the same limits for a policy of another name.
+    /// Returns the same time limit for a policy of another name.
     pub fn named(&self, policy: String) -> PolicyArguments {
         PolicyArguments {
             policy: Some(policy),
@@ -46,7 +46,7 @@ impl PolicyArguments {
         }
     }
 
-    /// Returns how long one answer of a program may take.
+    /// Returns the time limit for one answer of a program.
     pub fn limit(&self) -> Duration {
         Duration::from_secs(self.policy_timeout.unwrap_or(120).into())
     }
@@ -107,17 +107,17 @@ pub struct SpendArguments {
     pub max_calls: Option<u64>,
 }
 
-/// What models are looked up for.
+/// Why models are looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// To be asked.
+    /// To ask them.
     Asking,
-    /// To say what asking them would cost; no key is needed.
+    /// To estimate the cost of asking them; no key is needed.
     Estimating,
 }
 
 impl SpendArguments {
-    /// Returns what models are looked up for.
+    /// Returns why models are looked up.
     pub fn purpose(&self) -> Purpose {
         match self.estimate {
             true => Purpose::Estimating,
@@ -126,7 +126,7 @@ impl SpendArguments {
     }
 }
 
-/// Reads an amount of money.
+/// Parses an amount of money.
 pub fn dollars(text: &str) -> Result<Usd, String> {
     let amount = text.parse().ok().and_then(Usd::from_dollars);
     amount.ok_or_else(|| "write an amount of US dollars, such as 2.50".to_owned())

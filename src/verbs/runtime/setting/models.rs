@@ -1,4 +1,4 @@
-//! Who answers: models by their names on the command line.
+//! Finds models by their names on the command line.
 
 use super::catalogue;
 use super::remote::Providers;
@@ -24,13 +24,13 @@ use std::sync::Arc;
 /// The models that this build knows.
 const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), `imperfect:RATE` or `imperfect:RATE:SEED` (geometric with that share of wrong answers), `replay:FILE` (a recording), and `PROVIDER:NAME` (`fabc models` lists them)";
 
-/// What the name of a recording begins with.
+/// Prefix of a recording's name.
 const REPLAY: &str = "replay:";
 
-/// Who answers where the command line names nobody.
+/// The model if the command line names none.
 const DEFAULT_MODEL: &str = "geometric";
 
-/// The seed of a model where the command line names none.
+/// The seed of a model if the command line gives none.
 const DEFAULT_SEED: u64 = 0;
 
 /// The models of both roles.
@@ -39,14 +39,14 @@ pub struct Answering {
     text: Answerer,
 }
 
-/// A model, and what is known of it where a provider has it.
+/// A model, and its provider's part if it has one.
 #[derive(Clone)]
 struct Answerer {
     model: Arc<dyn Model>,
     provided: Option<Provided>,
 }
 
-/// What there is of a provider's model besides its answers.
+/// The provider's part of a model.
 #[derive(Clone)]
 struct Provided {
     profile: Profile,
@@ -54,12 +54,12 @@ struct Provided {
 }
 
 impl Answering {
-    /// Returns the model that gets pictures.
+    /// Returns the model that is sent pictures.
     pub fn vision(&self) -> Arc<dyn Model> {
         Arc::clone(&self.vision.model)
     }
 
-    /// Returns what is known of the model of a role; None where nothing is sent to a provider.
+    /// Returns the profile of a role's model; `None` if it has no provider.
     pub fn profile(&self, role: ModelRole) -> Option<&Profile> {
         let answerer = match role {
             ModelRole::Vision => &self.vision,
@@ -68,7 +68,7 @@ impl Answering {
         answerer.provided.as_ref().map(|it| &it.profile)
     }
 
-    /// Returns the longest answer that a request asks for in the end, tokens; None where none is sent.
+    /// Returns the answer limit that a request is finally sent with, tokens; `None` if none is sent.
     pub fn longest_answer(&self, request: &Request) -> Option<u32> {
         let answerer = match request.role {
             ModelRole::Vision => &self.vision,
@@ -80,7 +80,7 @@ impl Answering {
         }
     }
 
-    /// Fails where a question cannot be sent as it is, such as one with a setting that the model does not take.
+    /// Fails if a question cannot be sent as it is, for example because the model does not support one of its settings.
     pub fn check(&self, questions: &[FirstQuestion]) -> Result<(), Failure> {
         for question in questions {
             let answerer = match question.request.role {
@@ -97,12 +97,12 @@ impl Answering {
         Ok(())
     }
 
-    /// Returns whether questions of a role go to a provider.
+    /// Returns whether a role's questions go to a provider.
     pub fn asks_a_provider(&self) -> bool {
         self.vision.provided.is_some() || self.text.provided.is_some()
     }
 
-    /// Returns who answers which role.
+    /// Returns the model of each role.
     pub fn models(&self) -> Models<'_> {
         Models {
             vision: self.vision.model.as_ref(),
@@ -113,7 +113,7 @@ impl Answering {
 
 /// Finds the models that the command line names.
 ///
-/// - `interrupt`: ends calls under way.
+/// - `interrupt`: ends calls in progress.
 pub fn models(
     arguments: &ModelArguments,
     purpose: Purpose,
@@ -151,7 +151,7 @@ pub fn models(
     }
 }
 
-/// Finds models one by one; what is known of providers is read when the first of them is named.
+/// Finds models one by one; the provider catalogue is read when the first provider is named.
 struct Finder<'a> {
     arguments: &'a ModelArguments,
     purpose: Purpose,
@@ -200,9 +200,9 @@ impl Finder<'_> {
     }
 }
 
-/// Finds an embedded model or a recording; the model of a provider is refused before its key is looked up.
+/// Finds an embedded model or a recording; a provider's model is rejected before its key is looked up.
 ///
-/// A recording answers by words and pictures: whoever asks over the network tells of no steps.
+/// The recording matches requests by words and pictures, since requests over the network do not include a step number.
 pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
     if let Some(file) = name.strip_prefix(REPLAY) {
         let replay = Replay::load(Path::new(file), ModelRole::Vision);
@@ -216,11 +216,11 @@ pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
     })
 }
 
-/// The model to which messages are shown.
+/// The model for which messages are shown.
 pub struct Told {
-    /// How it is told of points and pictures.
+    /// The form in which it gets points and pictures.
     pub lowering: Lowering,
-    /// What is known of it; none for embedded models, and where none is named.
+    /// Its profile; `None` for embedded models, and if no model is named.
     pub profile: Option<Profile>,
 }
 
@@ -248,14 +248,14 @@ impl Told {
     }
 }
 
-/// Something that may be said for both roles or for each.
+/// An option that applies to both roles or names a value for each.
 enum ByRole {
     Both(String),
     Each { vision: String, text: String },
 }
 
 impl ByRole {
-    /// Returns what is said for vision, and for text.
+    /// Returns the values for vision and for text.
     fn each(self) -> [String; 2] {
         match self {
             ByRole::Both(both) => [both.clone(), both],
@@ -264,7 +264,7 @@ impl ByRole {
     }
 }
 
-/// Reads `X`, or `vision=X` and `text=Y`.
+/// Parses `X`, or `vision=X` and `text=Y`.
 fn by_role(flag: &str, values: &[String]) -> Result<ByRole, Failure> {
     let wrong = |why: &str| {
         Failure::usage(format!(
@@ -296,7 +296,7 @@ fn by_role(flag: &str, values: &[String]) -> Result<ByRole, Failure> {
     }
 }
 
-/// Finds a model that needs no provider; None where the name is of another kind.
+/// Finds a model that needs no provider; `None` for any other name.
 fn embedded(name: &str, role: ModelRole) -> Result<Option<Box<dyn Model>>, Failure> {
     if let Some(file) = name.strip_prefix(REPLAY) {
         let replay = Replay::load(Path::new(file), role).map_err(Failure::environment)?;
@@ -329,7 +329,7 @@ fn seed_of(text: Option<&str>) -> Option<u64> {
     text.map_or(Some(DEFAULT_SEED), |text| text.parse().ok())
 }
 
-/// Makes the budget that the command line states.
+/// Makes the budget from the command line.
 pub fn budget(arguments: &SpendArguments) -> Budget {
     let caps = Caps {
         cost: arguments.max_cost,

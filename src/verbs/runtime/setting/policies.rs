@@ -1,4 +1,4 @@
-//! Who decides: policies by their names on the command line and in suites.
+//! Finds policies by their names on the command line and in suites.
 
 use super::models::{self, Answering};
 use crate::exit::Failure;
@@ -11,13 +11,12 @@ use fab_base::child::CommandLine;
 use fab_base::interrupt::Interrupt;
 use std::time::Duration;
 
-/// The policies that there are.
 const POLICIES: &str = "`prompted` (asks the models of `--model`), `random` or `random:SEED` (draws from the action space), `expert` (follows the task's demonstration), `exec:\"CMD ARG...\"` (a program of yours), and `exec+particles:\"CMD ARG...\"` (one that looks at the true particles)";
 
-/// The seed of the random policy where its name has none.
+/// The seed of the random policy if its name has none.
 const DEFAULT_SEED: u64 = 0;
 
-/// A policy, with what it needs beside a rollout.
+/// A policy, with its resources.
 pub enum Deciding {
     /// Models answer the task's prompts.
     Prompted(Box<Answering>),
@@ -27,17 +26,17 @@ pub enum Deciding {
     Expert,
     /// A program of the user's.
     Program {
-        /// How it is started.
+        /// The command that starts it.
         command: CommandLine,
-        /// What it looks at.
+        /// What it gets to see.
         sight: Sight,
-        /// How long one answer may take.
+        /// Time limit for one answer.
         limit: Duration,
     },
 }
 
 impl Deciding {
-    /// Finds the policy of a name; nothing is started.
+    /// Finds a policy by name; starts nothing.
     pub fn of(
         arguments: &PolicyArguments,
         models: &ModelArguments,
@@ -90,7 +89,7 @@ impl Deciding {
         }
     }
 
-    /// Returns the models that it asks, where it asks any.
+    /// Returns the models that it asks, if it asks any.
     pub fn answering(&self) -> Option<&Answering> {
         match self {
             Deciding::Prompted(answering) => Some(answering),
@@ -98,7 +97,7 @@ impl Deciding {
         }
     }
 
-    /// Returns the command line that a rollout starts, where it starts one.
+    /// Returns the command line that a rollout starts, if it starts one.
     pub fn command(&self) -> Option<&CommandLine> {
         match self {
             Deciding::Program { command, .. } => Some(command),

@@ -1,4 +1,4 @@
-//! Models of providers: facts, keys and addresses, gathered from files and the environment.
+//! Models of providers: facts, keys and addresses, collected from files and the environment.
 
 use super::catalogue::{self, UserFile};
 use crate::exit::Failure;
@@ -18,10 +18,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The most calls to one provider at once; the gate narrows where the provider wants fewer.
+/// The most concurrent calls to one provider; the gate lowers this if the provider wants fewer.
 const MOST_CALLS_AT_ONCE: usize = 16;
 
-/// What the models of one command have in common.
+/// What all models of one command share.
 pub struct Providers {
     arguments: ReachArguments,
     catalogue: Catalogue,
@@ -33,7 +33,7 @@ pub struct Providers {
 }
 
 impl Providers {
-    /// Reads what is known of models, and every key that is set.
+    /// Reads the model catalogue, and every key that is set.
     pub fn new(
         arguments: &ReachArguments,
         interrupt: &Interrupt,
@@ -42,7 +42,7 @@ impl Providers {
         let catalogue = catalogue::load(arguments.facts.models.as_deref(), io)?;
         let mut keys = Vec::new();
         for provider in catalogue.providers() {
-            // A key that cannot be used matters only to who wants to use it.
+            // An unusable key matters only if its provider is used.
             keys.extend(key(&provider.key_env, io).ok().flatten());
         }
         let answers = match arguments.no_cache {
@@ -60,9 +60,9 @@ impl Providers {
         })
     }
 
-    /// Makes the model of a profile; nothing is sent.
+    /// Makes the model of a profile; sends nothing.
     ///
-    /// - `base_url`: where the provider is reached, if not at its usual address.
+    /// - `base_url`: the provider's address, if not the usual one.
     pub fn model(
         &mut self,
         profile: &Profile,
@@ -112,7 +112,7 @@ impl Providers {
         Remote::new(settings, shared).map_err(Failure::environment)
     }
 
-    /// Finds what is known of a `PROVIDER:NAME`, and says aloud what a user should know of it.
+    /// Finds the profile of a `PROVIDER:NAME`, and reports its notices to the user.
     pub fn profile(&self, name: &str) -> Result<Profile, Failure> {
         if Redactor::of(&self.keys).text(name) != name {
             return Err(Failure::usage(
@@ -131,7 +131,7 @@ impl Providers {
         Ok(profile)
     }
 
-    /// Returns how points are written for a model.
+    /// Returns the form in which a model gets points.
     pub fn lowering(&self, profile: &Profile) -> Lowering {
         let known = profile.lowering();
         let points = match self.arguments.marks {
@@ -170,7 +170,7 @@ impl Providers {
     }
 }
 
-/// Finds the first key of these names, in the environment or else in the file of keys.
+/// Finds the first of the named keys, in the environment or else in the file of keys.
 fn key(names: &[String], io: &Io) -> Result<Option<Key>, Failure> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let file = catalogue::keys_file(io).filter(UserFile::counts);
@@ -178,7 +178,7 @@ fn key(names: &[String], io: &Io) -> Result<Option<Key>, Failure> {
     Key::find(&names, &|name: &str| environment(name, io), path).map_err(Failure::environment)
 }
 
-/// Returns what a variable holds, if it is set to more than blanks.
+/// Returns the value of a variable, if it is set and not blank.
 pub fn environment(name: &str, io: &Io) -> Option<String> {
     let value = io.variable(name).and_then(|value| value.into_string().ok());
     value.filter(|value| !value.trim().is_empty())

@@ -1,4 +1,4 @@
-//! Where actions are executed: worlds by their names on the command line.
+//! Finds worlds, in which actions are executed, by their names on the command line.
 
 use crate::exit::Failure;
 use fab_base::child::CommandLine;
@@ -10,7 +10,7 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-/// A world of the command line.
+/// A world named on the command line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum WorldChoice {
@@ -64,7 +64,7 @@ impl fmt::Display for WorldChoice {
 
 /// Starts a program as the world of a task.
 ///
-/// - `run`: the run folder, where its stderr is kept.
+/// - `run`: the run folder, which gets the program's stderr.
 pub fn external(
     command: &CommandLine,
     program: &Program,
@@ -75,7 +75,7 @@ pub fn external(
     Ok(Box::new(world))
 }
 
-/// Returns what a world that cannot be made ends a verb with.
+/// Returns the failure for a world that cannot be made.
 pub fn failure(error: WorldError) -> Failure {
     match error {
         WorldError::Interrupted => Failure::interrupted(),
@@ -83,7 +83,7 @@ pub fn failure(error: WorldError) -> Failure {
     }
 }
 
-/// Fails where a rollout cannot be gone on with in a world, which cannot lay its start again.
+/// Fails if a rollout cannot be resumed in a world, because the world cannot reproduce its start.
 pub fn check_repeats(world: &dyn World) -> Result<(), Failure> {
     match world.repeats() {
         true => Ok(()),

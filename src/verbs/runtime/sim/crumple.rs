@@ -1,7 +1,7 @@
 //! `fabc sim crumple`: starts for smoothing, by their seeds.
 //!
-//! The starts are those of `fabc run --start SEED` with a crumpled cloth of the same size, and are kept in the
-//! same cache, as are those of cloths with an outline, which `fabc run` has not.
+//! The starts are the same as those of `fabc run --start SEED` with a crumpled cloth of the same size, and share its
+//! cache. Cloths with an outline use that cache too, although `fabc run` does not support them.
 
 use super::SPACING_M;
 use super::files;
@@ -53,18 +53,18 @@ pub struct CrumpleArguments {
     pub json: bool,
 }
 
-/// Says in a description who wrote it, so that a later call knows what it may replace.
+/// Marks a description as written by this verb, so that a later call may replace it.
 const MADE_BY: &str = "fabc sim crumple";
-/// Particles along each side where the command line says nothing.
+/// Particles along each side if the command line does not say.
 const DEFAULT_SIZE: u32 = 40;
 
-/// What is crumpled.
+/// The cloth to crumple.
 struct Cloth {
-    /// It lying flat.
+    /// The flat cloth.
     flat: Start,
-    /// Which particles of its grid there are.
+    /// Which particles of its grid exist.
     mask: Mask,
-    /// What its files are called before `_SEED`.
+    /// The beginning of its file names, before `_SEED`.
     name: OsString,
 }
 
@@ -72,13 +72,13 @@ struct Cloth {
 #[derive(Serialize)]
 struct Crumpled {
     seed: u64,
-    /// The positions; none where no folder was named.
+    /// The file of positions; `None` if no folder was named.
     file: Option<String>,
-    /// Covered share of the flat cloth's area, as SoftGym measures both; it may exceed 1.
+    /// Covered share of the flat cloth's area, with both measured as in SoftGym; may exceed 1.
     coverage: Option<f64>,
-    /// Area of the table under the cloth over that of the flat cloth, however it is turned.
+    /// Area of the table under the cloth, divided by the flat cloth's area; independent of rotation.
     true_coverage: Option<f64>,
-    /// SHA-256 over grid and positions.
+    /// SHA-256 of grid and positions.
     digest: String,
 }
 
@@ -178,7 +178,7 @@ fn cloth(arguments: &CrumpleArguments) -> Result<Cloth, Failure> {
     Ok(Cloth { flat, mask, name })
 }
 
-/// Returns the grid that the command line states, and the words that state it.
+/// Returns the grid stated on the command line, and the words that state it.
 fn stated_grid(arguments: &CrumpleArguments) -> Result<Option<(fab_sim::Grid, String)>, Failure> {
     let ([dimx, dimy], shown) = match (&arguments.dims, arguments.size) {
         (Some(text), _) => (setting::dims_of(text)?, format!("--dims {text}")),
@@ -194,7 +194,7 @@ fn grid_of([dimx, dimy]: [u32; 2], shown: &str) -> Result<fab_sim::Grid, Failure
         .map_err(|error| Failure::usage(format!("`{shown}`: {error}")))
 }
 
-/// Refuses a stated grid that is not that of the outline.
+/// Rejects a stated grid that differs from the outline's.
 fn not_against(
     stated: &Option<(fab_sim::Grid, String)>,
     outline: &Path,
@@ -210,7 +210,7 @@ fn not_against(
     }
 }
 
-/// Crumples one cloth and writes it; None where it was interrupted.
+/// Crumples one cloth and writes it; `None` if it was interrupted.
 fn one(
     cloth: &Cloth,
     seed: u64,
@@ -218,7 +218,7 @@ fn one(
     interrupt: &Interrupt,
     io: &Io,
 ) -> Result<Option<Crumpled>, Failure> {
-    // A world comes with a camera, which takes no part.
+    // A world needs a camera, which is not used here.
     let camera = Camera {
         height_m: 1.0,
         fov_rad: std::f64::consts::FRAC_PI_4,
@@ -249,7 +249,7 @@ fn one(
     Ok(Some(crumpled))
 }
 
-/// Names the positions of a seed and their description.
+/// Returns the paths of a seed's positions and their description.
 fn paths(folder: &Path, cloth: &Cloth, seed: u64) -> [PathBuf; 2] {
     ["npy", "json"].map(|ending| {
         let mut name = cloth.name.clone();
@@ -258,7 +258,7 @@ fn paths(folder: &Path, cloth: &Cloth, seed: u64) -> [PathBuf; 2] {
     })
 }
 
-/// Makes the folder, and refuses to replace what this verb did not write.
+/// Creates the folder, and refuses to replace files that this verb did not write.
 fn prepare(folder: &Path, cloth: &Cloth, seeds: &[u64]) -> Result<(), Failure> {
     for seed in seeds {
         let paths = paths(folder, cloth, *seed);
@@ -289,13 +289,13 @@ fn write(
     description["seed"] = json!(crumpled.seed);
     description["coverage"] = json!(crumpled.coverage);
     description["true_coverage"] = json!(crumpled.true_coverage);
-    // The description first: without it, positions would stand in the way of the next call.
+    // The description comes first: positions without it would block the next call.
     files::write(&beside, &files::json_bytes(&description))?;
     files::write(&positions, &npy::encode(&start.positions))?;
     Ok(positions.display().to_string())
 }
 
-/// Returns mean, least and greatest value; null of none.
+/// Returns mean, least and greatest value; null without values.
 fn spread(values: impl Iterator<Item = f64>) -> Value {
     let values: Vec<f64> = values.collect();
     if values.is_empty() {

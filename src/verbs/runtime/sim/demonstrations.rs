@@ -1,8 +1,8 @@
-//! Recorded demonstrations of folds, as a manifest lists them.
+//! Recorded demonstrations of folds, as listed in a manifest.
 //!
-//! In: a folder with `manifest.json`; the manifest's paths begin at the folder above it. Out: actions and
-//! positions in the world frame. Recorded points are y-up: world = (x, -z, y). All of it is taken for bad
-//! input until it is checked; nothing outside of the folder is read.
+//! In: a folder with `manifest.json`; the manifest's paths are relative to the parent of that folder. Out: actions and
+//! positions in the world frame. Recorded points are y-up: world = (x, -z, y). All input is untrusted until checked;
+//! nothing outside the folder is read.
 
 use crate::exit::Failure;
 use crate::sources;
@@ -14,15 +14,15 @@ use std::path::{Path, PathBuf};
 /// The longest name of a task, bytes.
 const MAX_NAME: usize = 64;
 
-/// One recorded demonstration; its positions stay on disk until they are asked for.
+/// One recorded demonstration; its positions stay on disk until needed.
 pub struct Demonstration {
-    /// The recorded data's own name of the task.
+    /// The task's name in the recorded data.
     pub task: String,
-    /// Its number among those of the task.
+    /// Its number within the task.
     pub id: u64,
     /// The cloth.
     pub grid: fab_sim::Grid,
-    /// What was done, in order.
+    /// The picks and places, in order.
     pub picks: Vec<Pick>,
     frame: StartFrame,
     start: PathBuf,
@@ -31,19 +31,19 @@ pub struct Demonstration {
 
 /// One recorded pick and place.
 pub struct Pick {
-    /// Where it was picked, table coordinates, world frame, metres.
+    /// Pick point, table coordinates, world frame, metres.
     pub pick: [f32; 2],
-    /// Where it was placed, likewise.
+    /// Place point, likewise.
     pub place: [f32; 2],
-    /// Index of the particle that was held.
+    /// Index of the held particle.
     pub particle: usize,
 }
 
-/// Where a cloth lay, `[particles]` points in grid order, world frame, metres.
+/// Cloth states: `[particles]` points in grid order, world frame, metres.
 pub struct Positions {
     /// Before the first pick.
     pub start: Vec<[f32; 3]>,
-    /// After the last.
+    /// After the last place.
     pub end: Vec<[f32; 3]>,
 }
 
@@ -72,8 +72,7 @@ struct Step {
 
 /// Reads the manifest, and finds the files of every entry.
 ///
-/// Fails on the first thing that is wrong, naming the entry; the positions are checked by
-/// [`Demonstration::positions`].
+/// Fails on the first error and names its entry; [`Demonstration::positions`] checks the positions.
 pub fn read(folder: &Path) -> Result<Vec<Demonstration>, Failure> {
     let path = folder.join("manifest.json");
     let shown = path.display();
@@ -108,7 +107,7 @@ fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
         entry.spacing_m as f32,
     )
     .map_err(|error| error.to_string())?;
-    // Names are printed, and a terminal would obey what is no plain letter.
+    // Names are printed, and a terminal would interpret control characters.
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     if !(1..=MAX_NAME).contains(&entry.task.len()) || !entry.task.chars().all(plain) {
         return Err(format!(
@@ -153,7 +152,7 @@ fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
     })
 }
 
-/// Returns the particles at the four corners and the four edges' middles, as the recorded data numbers them.
+/// Returns the particles at the four corners and at the middles of the four edges, in the recorded data's order.
 fn keypoints(dimx: usize, dimy: usize) -> [usize; 8] {
     let (middle_x, middle_y) = ((dimx - 1) / 2, (dimy - 1) / 2);
     [
@@ -168,7 +167,7 @@ fn keypoints(dimx: usize, dimy: usize) -> [usize; 8] {
     ]
 }
 
-/// Finds a file of an entry, at its real place below `folder`, which is a real path too.
+/// Finds a file of an entry and returns its real path below `folder`, which must be a real path too.
 fn file_of(entry: &Entry, name: &str, folder: &Path) -> Result<PathBuf, String> {
     let above = folder.parent().unwrap_or(folder);
     let path = entry.dir.join(name);
@@ -185,7 +184,7 @@ fn file_of(entry: &Entry, name: &str, folder: &Path) -> Result<PathBuf, String> 
 }
 
 impl Demonstration {
-    /// Reads and checks where the cloth lay before and after.
+    /// Reads and checks the positions before and after.
     pub fn positions(&self) -> Result<Positions, Failure> {
         let load = |path: &Path| Start::load(path, Some(self.frame)).map_err(Failure::environment);
         Ok(Positions {

@@ -1,4 +1,4 @@
-//! `fabc sim export`: positions or a mesh for other programs, in the world frame.
+//! `fabc sim export`: writes positions or a mesh for other programs, in the world frame.
 
 use super::files::{self, State};
 use crate::exit::{Exit, Failure};
@@ -24,7 +24,7 @@ pub struct ExportArguments {
     pub json: bool,
 }
 
-/// Says in a description who wrote it, so that a later call knows what it may replace.
+/// Marks a description as written by this verb, so that a later call may replace it.
 const MADE_BY: &str = "fabc sim export";
 
 /// Writes positions, and lists the files.
@@ -48,10 +48,10 @@ pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Writes a state to a file and what belongs beside it.
+/// Writes a state to a file, along with any file that belongs to it.
 type Writer = fn(&State, &Path) -> Result<Vec<PathBuf>, Failure>;
 
-/// Chooses the format by the output's ending.
+/// Chooses the format by the output's extension.
 fn writer(path: &Path) -> Result<Writer, Failure> {
     if files::ends_in(path, "npy") {
         return Ok(positions);
@@ -65,7 +65,7 @@ fn writer(path: &Path) -> Result<Writer, Failure> {
     )))
 }
 
-/// Writes positions, and beside them the description that lets them be a start.
+/// Writes positions, and beside them the description that makes them usable as a start.
 fn positions(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
     let beside = path.with_extension("json");
     if beside.symlink_metadata().is_ok() && !files::is_made_by(MADE_BY, &beside) {

@@ -1,4 +1,4 @@
-//! The files that the verbs read and write: states in, pictures, positions and meshes out.
+//! The files that the `sim` verbs read and write: states in; pictures, positions and meshes out.
 
 use super::SPACING_M;
 use crate::exit::Failure;
@@ -27,17 +27,17 @@ pub struct StateArguments {
     pub outline: Option<PathBuf>,
 }
 
-/// Particle positions in the world frame, and their cloth.
+/// Particle positions in the world frame, and their grid.
 pub struct State {
     /// `[dimy * dimx]` positions, index `iy * dimx + ix`, world frame, metres.
     pub positions: Vec<[f32; 3]>,
-    /// Which particles there are; its grid is within the simulator's bounds.
+    /// Which particles exist; its grid is within the simulator's bounds.
     pub mask: Mask,
     /// The grid as the file states it.
     pub grid: Grid,
 }
 
-/// Reads a state as `fabc run --start` reads one; frame and grid are stated somewhere, never guessed.
+/// Reads a state like `fabc run --start`; frame and grid must be stated and are never guessed.
 pub fn read_state(arguments: &StateArguments) -> Result<State, Failure> {
     let stated = setting::stated_frame(&arguments.frame, SPACING_M)?;
     let path = &arguments.file;
@@ -65,7 +65,7 @@ pub fn read_state(arguments: &StateArguments) -> Result<State, Failure> {
     })
 }
 
-/// Reads an outline from a file of its own; the grid is as large as the outline.
+/// Reads an outline from a file; the grid has the size of the outline.
 pub fn read_outline(path: &Path, spacing_m: f32) -> Result<Mask, Failure> {
     let wrong = |why: String| wrong_outline(path, &why);
     let bytes = sources::read_bounded(path).map_err(wrong)?;
@@ -77,7 +77,7 @@ fn wrong_outline(path: &Path, why: &str) -> Failure {
     Failure::environment(format!("the outline `{}`: {why}", path.display()))
 }
 
-/// Returns the outline that a state's description holds.
+/// Returns the outline in a state's description.
 fn described_outline(
     outline: &Outline,
     grid: fab_sim::Grid,
@@ -92,7 +92,7 @@ fn described_outline(
         })
 }
 
-/// Reads the outline that the command line names for a state; it may not say otherwise than the description.
+/// Reads the outline that the command line names for a state; it must not contradict the description.
 fn stated_outline(
     path: &Path,
     grid: fab_sim::Grid,
@@ -114,7 +114,7 @@ fn stated_outline(
     }
 }
 
-/// Checks that an outline is of a state's grid.
+/// Checks that an outline fits a state's grid.
 fn fits(mask: Mask, grid: fab_sim::Grid, state: &Path) -> Result<Mask, String> {
     if mask.grid() == grid {
         return Ok(mask);
@@ -126,12 +126,12 @@ fn fits(mask: Mask, grid: fab_sim::Grid, state: &Path) -> Result<Mask, String> {
     ))
 }
 
-/// Says how large a grid is, in words.
+/// Describes the size of a grid.
 pub fn size(grid: fab_sim::Grid) -> String {
     format!("{} columns and {} rows", grid.dimx, grid.dimy)
 }
 
-/// Refuses to write over the file that is read.
+/// Rejects an output that would overwrite the input.
 pub fn not_onto_itself(input: &Path, output: &Path) -> Result<(), Failure> {
     let same = match (input.canonicalize(), output.canonicalize()) {
         (Ok(input), Ok(output)) => input == output,
@@ -146,20 +146,20 @@ pub fn not_onto_itself(input: &Path, output: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Tells whether a file name ends in `.ENDING`, in whatever case.
+/// Returns whether a file name ends in `.ENDING`, ignoring case.
 pub fn ends_in(path: &Path, ending: &str) -> bool {
     path.extension()
         .is_some_and(|found| found.eq_ignore_ascii_case(ending))
 }
 
-/// Writes a file whole.
+/// Writes a whole file.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     files::write_whole(path, bytes).map_err(|error| {
         Failure::environment(format!("cannot write `{}`: {error}", path.display()))
     })
 }
 
-/// Describes positions in the world frame, as a start's description says it, and which verb wrote it.
+/// Describes positions in the world frame in the format of a start's description, with the verb that wrote them.
 pub fn description(grid: &Grid, mask: &Mask, made_by: &str) -> Value {
     let frame = StartFrame {
         grid: *grid,
@@ -174,12 +174,12 @@ pub fn description(grid: &Grid, mask: &Mask, made_by: &str) -> Value {
     value
 }
 
-/// Returns the outline of a cloth that lacks particles; none of a whole one.
+/// Returns the outline of a cloth with missing particles; `None` for a complete cloth.
 pub fn outline_of(mask: &Mask) -> Option<Outline> {
     (!mask.is_full()).then(|| Outline::new(&mask.to_string()))
 }
 
-/// Tells whether a description was written by the verb of that name, which then may replace it.
+/// Returns whether a description was written by the named verb, which then may replace it.
 pub fn is_made_by(made_by: &str, description: &Path) -> bool {
     let bytes = sources::read_bounded(description).unwrap_or_default();
     serde_json::from_slice::<Value>(&bytes).is_ok_and(|value| value["made_by"] == made_by)

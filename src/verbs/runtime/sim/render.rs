@@ -47,7 +47,7 @@ pub enum CameraArgument {
 /// Grey levels per metre in a depth picture, as in the recorded data.
 const GREY_PER_M: f32 = 255.0;
 
-/// Draws and writes the picture.
+/// Draws the picture and writes it.
 pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
     let camera = camera(arguments)?;
     let path = output_path(arguments)?;
@@ -102,7 +102,7 @@ fn camera(arguments: &DrawArguments) -> Result<TopDownCamera, Failure> {
         .map_err(|error| Failure::usage(format!("`--size {size_px}`: {error}")))
 }
 
-/// Returns where the picture goes; a name that nobody gave replaces nothing.
+/// Returns the path of the picture; a default path must not exist yet.
 fn output_path(arguments: &DrawArguments) -> Result<PathBuf, Failure> {
     if let Some(path) = &arguments.out {
         if !files::ends_in(path, "png") {
@@ -131,7 +131,7 @@ fn colour_picture(frame: Frame) -> DynamicImage {
 }
 
 fn depth_picture(frame: &Frame) -> DynamicImage {
-    // Casts saturate: what is farther than 1 m is white.
+    // Casts saturate: everything farther than 1 m is white.
     let grey = |depth_m: &f32| (GREY_PER_M * depth_m) as u8;
     let greys = frame.depth_m.iter().map(grey).collect();
     GrayImage::from_raw(frame.width, frame.height, greys)

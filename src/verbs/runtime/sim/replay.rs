@@ -1,7 +1,7 @@
-//! `fabc sim replay`: recorded demonstrations, done again and compared with their recorded ends.
+//! `fabc sim replay`: replays recorded demonstrations and compares the results with the recorded ones.
 //!
-//! Each starts where the recorded cloth lay, and the recorded points are picked and placed without looking.
-//! The error is the mean distance between equal particles, as folds are scored.
+//! Each replay starts from the recorded cloth, and picks and places at the recorded points without a camera. The error
+//! is the mean distance between particles of the same index, as in the scoring of folds.
 
 use super::demonstrations::{self, Demonstration};
 use super::parallel::{in_parallel, threads};
@@ -45,19 +45,19 @@ pub struct ReplayArguments {
     pub json: bool,
 }
 
-/// What came of one replay.
+/// The result of one replay.
 #[derive(Serialize)]
 struct Replayed {
     task: String,
     id: u64,
     /// Mean distance between particles of the same index, millimetres.
     error_mm: f64,
-    /// Whether every pick held the particle that the recording's held.
+    /// Whether every pick held the same particle as in the recording.
     grasped_as_recorded: bool,
     picks: usize,
     picks_as_recorded: usize,
     steps: u64,
-    /// SHA-256 of the end's bits.
+    /// SHA-256 of the final positions' bits.
     digest: String,
 }
 
@@ -67,19 +67,19 @@ struct Row {
     task: String,
     n: usize,
     mean_mm: f64,
-    /// Over the `n` replays themselves, as NumPy's `std`: divided by `n`.
+    /// Over the `n` replays, divided by `n` as in NumPy's `std`.
     sd_mm: f64,
     max_mm: f64,
     #[serde(skip)]
     grasps: String,
 }
 
-/// Replays what was asked for, and reports.
+/// Replays the selected demonstrations, and reports.
 pub fn run(arguments: &ReplayArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     let params = params(&arguments.changes)?;
     let wanted = choose(demonstrations::read(&arguments.folder)?, arguments)?;
-    // Whatever is damaged shall be known before minutes have gone by.
+    // Damaged files should be reported before minutes have passed.
     for demonstration in &wanted {
         let start = demonstration.positions()?.start;
         lay(demonstration, &start, &params)?;
@@ -118,7 +118,7 @@ pub fn run(arguments: &ReplayArguments, io: &Io) -> Result<Exit, Failure> {
     })
 }
 
-/// Returns the default parameters with the asked-for changes.
+/// Returns the default parameters with the requested changes.
 fn params(changes: &[String]) -> Result<Params, Failure> {
     let mut values =
         serde_json::to_value(Params::default()).expect("a struct of numbers is a JSON object");
@@ -130,14 +130,14 @@ fn params(changes: &[String]) -> Result<Params, Failure> {
         let value: Value = serde_json::from_str(text)
             .map_err(|_| wrong(format!("`{text}` is no number and no list of numbers")))?;
         values[name] = value;
-        // Once for each, so that the message names the one that is wrong.
+        // Checked after each change, so that the message names the wrong one.
         serde_json::from_value::<Params>(values.clone())
             .map_err(|error| wrong(error.to_string()))?;
     }
     Ok(serde_json::from_value(values).expect("it was read after the last change"))
 }
 
-/// Keeps those demonstrations that the command line asks for.
+/// Selects the demonstrations that the command line asks for.
 fn choose(
     mut all: Vec<Demonstration>,
     arguments: &ReplayArguments,
@@ -163,7 +163,7 @@ fn choose(
     Ok(all)
 }
 
-/// Lists what there is for a message, each once and in order; of very many the first.
+/// Lists the available values for a message, sorted and without duplicates; a very long list is cut.
 fn listed<T: Ord + Display>(values: impl Iterator<Item = T>) -> String {
     const MOST: usize = 50;
     let values: BTreeSet<T> = values.collect();
@@ -181,7 +181,7 @@ fn lay(it: &Demonstration, start: &[[f32; 3]], params: &Params) -> Result<Simula
     })
 }
 
-/// Replays one demonstration; None where it was interrupted.
+/// Replays one demonstration; `None` if it was interrupted.
 fn replay(
     it: &Demonstration,
     params: &Params,
@@ -216,7 +216,7 @@ fn replay(
     }))
 }
 
-/// Sums up by task, in the order in which the tasks are first met.
+/// Summarizes by task, in the order in which tasks first occur.
 fn rows(entries: &[Replayed]) -> Vec<Row> {
     let mut tasks: Vec<&str> = Vec::new();
     for entry in entries {

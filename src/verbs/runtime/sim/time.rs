@@ -1,4 +1,4 @@
-//! `fabc sim time`: how long a step takes, on one fixed fold of which every step is computed.
+//! `fabc sim time`: measures the time per step of one fixed fold, with every step computed.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -111,13 +111,13 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Returns the middle value; None of none.
+/// Returns the median; `None` without values.
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
 }
 
-/// What this process has used so far.
+/// Resources used by this process.
 #[cfg(unix)]
 mod usage {
     use nix::sys::resource::{UsageWho, getrusage};
@@ -138,14 +138,14 @@ mod usage {
         })
     }
 
-    /// macOS counts in bytes, the others in KiB.
+    /// macOS counts in bytes, other systems in KiB.
     const RSS_UNIT_BYTES: f64 = if cfg!(target_os = "macos") {
         1.0
     } else {
         1024.0
     };
 
-    /// Reads Linux's own count; `getrusage` there begins with the memory of the program that started this one.
+    /// Reads Linux's own value; there, `getrusage` starts from the memory of the parent program.
     fn high_water_mb() -> Option<f64> {
         let status = std::fs::read_to_string("/proc/self/status").ok()?;
         let line = status
@@ -156,15 +156,15 @@ mod usage {
     }
 }
 
-/// What this process has used so far: not known here.
+/// Resources used by this process: unknown on this system.
 #[cfg(not(unix))]
 mod usage {
-    /// Returns nothing.
+    /// Returns `None`.
     pub fn cpu_s() -> Option<f64> {
         None
     }
 
-    /// Returns nothing.
+    /// Returns `None`.
     pub fn peak_mb() -> Option<f64> {
         None
     }

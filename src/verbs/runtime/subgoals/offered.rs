@@ -1,7 +1,7 @@
-//! Whether a demonstration's points are among what its actions offer.
+//! Checks whether a demonstration's points are among those that its actions offer.
 //!
-//! In: a program that demonstrates folds, and its steps while they are drawn. Out: a note for each pick and place that no
-//! answer can name. Each step is looked at as a model would find it.
+//! In: a program that demonstrates folds, and its steps while they are drawn. Out: a note for each pick and place that
+//! no answer can name. Each step is analysed in the state in which a model would find it.
 
 use crate::verbs::new::simulator::point_text;
 use fab_agent::scene::Scene;
@@ -10,19 +10,19 @@ use fab_program::scene::SceneView;
 use fab_program::space;
 use fab_program::{ActionField, Choices, ClothPoint, Fold, PixelPoint, Program, Value};
 
-/// How far an offered point may lie from a demonstrated one, pixels of a 224 px picture.
+/// Largest distance of an offered point from a demonstrated one, pixels of a 224 px picture.
 const NEAR_PX: f64 = 12.0;
 
-/// Looks at what is offered before each step of a demonstration.
+/// Checks what is offered before each step of a demonstration.
 pub struct Offered<'p> {
     program: &'p Program,
     first: Option<Scene>,
-    /// What is to be said of it.
+    /// The notes for the user.
     pub notes: Vec<String>,
 }
 
 impl<'p> Offered<'p> {
-    /// Begins with a program's first step.
+    /// Starts at a program's first step.
     pub fn of(program: &'p Program) -> Offered<'p> {
         Offered {
             program,
@@ -31,7 +31,7 @@ impl<'p> Offered<'p> {
         }
     }
 
-    /// Looks at a step; says nothing of one in which nothing is found, for a run says that better.
+    /// Checks a step; ignores one in which nothing is found, since a run reports that better.
     pub fn look(&mut self, demonstrated: Demonstrated<'_>) {
         let Demonstrated {
             number,
@@ -63,17 +63,17 @@ impl<'p> Offered<'p> {
     }
 }
 
-/// One demonstrated step, before it is done.
+/// One demonstrated step, before it is executed.
 struct Step<'s> {
     program: &'s Program,
-    /// From 0.
+    /// Its number, from 0.
     number: usize,
     fold: &'s Fold,
     scene: &'s Scene,
 }
 
 impl Step<'_> {
-    /// Says that a demonstrated point is not offered, where that is so.
+    /// Returns a note if a demonstrated point is not offered.
     fn note(&self, field: &ActionField, point: &ClothPoint, at: PixelPoint) -> Option<String> {
         let limit_px = NEAR_PX * f64::from(self.program.camera.image_px) / 224.0;
         let name = &field.name;
@@ -99,7 +99,7 @@ impl Step<'_> {
         ))
     }
 
-    /// Returns what offers the point, as the end of a sentence.
+    /// Returns how to offer the point, as the end of a sentence.
     fn cure(
         &self,
         field: &ActionField,
@@ -151,7 +151,7 @@ impl Step<'_> {
     }
 }
 
-/// Returns how far the nearest of some points is, pixels.
+/// Returns the distance of the nearest of some points, pixels.
 fn nearest(offered: Vec<Value>, at: PixelPoint) -> Option<f64> {
     let distances = offered.iter().filter_map(|value| match value {
         Value::Point(point) => Some(f64::from(point.u - at.u).hypot(f64::from(point.v - at.v))),

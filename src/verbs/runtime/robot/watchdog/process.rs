@@ -62,7 +62,7 @@ impl Process {
         match ready.as_deref() {
             Ok("ready") => Ok(process),
             Err(RecvTimeoutError::Timeout) => {
-                // It watches nothing yet, and may hang where it does not hear that its lines end.
+                // It watches nothing yet, and may hang without noticing that its input has ended.
                 let _ = process.child.kill();
                 let secs = longest.as_secs_f64();
                 Err(format!(
@@ -158,7 +158,7 @@ mod tests {
         process.beat().unwrap();
         process.rest();
         drop(process);
-        // It is waited for until its own end, which is after its lines'.
+        // The client waits until the child exits, which is after the end of its input.
         let heard = std::fs::read_to_string(heard).unwrap();
         assert_eq!(heard, "watch\nbeat\nrest\nend\n");
     }
