@@ -58,8 +58,16 @@ const CASES: [(What, &str, End); 23] = [
     (Fails(StuckJoint), "over_pick", Stopped("stalled")),
     (Fails(StuckJoint), "over", Stopped("stalled")),
     (Fails(StuckFingers), "grasp", Stopped("the fingers are at")),
-    (Fails(AbortedGoal), "pre_pick", Stopped("reported `aborted`")),
-    (Fails(FallsShortAlways), "lift", Stopped("reported `reached`")),
+    (
+        Fails(AbortedGoal),
+        "pre_pick",
+        Stopped("reported `aborted`"),
+    ),
+    (
+        Fails(FallsShortAlways),
+        "lift",
+        Stopped("reported `reached`"),
+    ),
     (Fails(Runaway), "over_pick", Stopped("workspace")),
     (Fails(PressedStop), "over", Stopped("refuses motion")),
     (Fails(PressedStop), "grasp", Stopped("refuses motion")),

@@ -173,7 +173,7 @@ const RESERVED: [(Name, &str, &str); 9] = [
     ),
     (
         Name::Word("axum"),
-        "runtime/",
+        "runtime/providers/src/",
         "runtime/providers/src/serve",
     ),
     (Name::Word("roslibrust"), "", "runtime/arm-ros/"),
@@ -226,7 +226,7 @@ fn rust_files_start_with_their_purpose() {
 
 #[test]
 #[ignore = "long"]
-fn tests_left_to_make_test_peers_are_named_after_the_reason() {
+fn ignored_tests_are_named_after_the_reason() {
     report(&ignore_faults(&tree()));
 }
 

@@ -28,7 +28,7 @@ fn a_kept_answer_is_the_same_costs_nothing_and_tells_nothing() {
     assert_eq!((kept.text.as_str(), kept.usage), ("first", bought.usage));
     assert_eq!(kept.cost, Some(Usd::ZERO));
     assert!(notes.told.is_empty());
-    assert_eq!(provider.got().len(), 1);
+    assert_eq!(provider.received().len(), 1);
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn a_broken_file_costs_a_call_and_no_error() {
 
 #[test]
 fn threads_with_one_question_make_one_call() {
-    let slow = good("one").set_delay(Duration::from_millis(200));
+    let slow = good("one").delay(Duration::from_millis(200));
     let provider = Provider::playing(vec![slow, good("another")]);
     let (trial, _folder) = keeping(&provider.url());
     let texts: Vec<String> = std::thread::scope(|scope| {
@@ -106,5 +106,5 @@ fn threads_with_one_question_make_one_call() {
             .collect()
     });
     assert_eq!(texts, ["one"; 4]);
-    assert_eq!(provider.got().len(), 1);
+    assert_eq!(provider.received().len(), 1);
 }

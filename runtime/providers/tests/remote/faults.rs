@@ -6,14 +6,13 @@ use fab_model::{Model, ModelError, Reply};
 use fab_providers::catalogue::Accepted;
 use fab_providers::remote::{Wire, most_calls};
 use std::time::Duration;
-use wiremock::ResponseTemplate;
 
-fn json(status: u16, body: &str) -> ResponseTemplate {
-    ResponseTemplate::new(status).set_body_raw(body, "application/json")
+fn json(code: u16, body: &str) -> Response {
+    status(code).json(body)
 }
 
 /// A repeated reply, its fault, and whether the call may have been billed.
-fn failures() -> Vec<(ResponseTemplate, Fault, Billing)> {
+fn failures() -> Vec<(Response, Fault, Billing)> {
     use Billing::{No, Possibly};
     let ended = |reason: &str| {
         json(
@@ -39,7 +38,7 @@ fn failures() -> Vec<(ResponseTemplate, Fault, Billing)> {
         (status(413), Fault::BadRequest, No),
         (status(422), Fault::BadRequest, No),
         (
-            status(302).insert_header("location", "http://127.0.0.1:1/"),
+            status(302).header("location", "http://127.0.0.1:1/"),
             Fault::BadRequest,
             No,
         ),
@@ -78,7 +77,7 @@ fn each_failure_is_named_and_tried_as_often_as_its_bound_says() {
         };
         assert_eq!(*last, fault, "{reply:?}: {why}");
         let count = most_calls(fault) as usize;
-        assert_eq!(provider.got().len(), count, "{fault}");
+        assert_eq!(provider.received().len(), count, "{fault}");
         assert_eq!(notes.faults(), vec![(fault, billing); count]);
         assert!(why.contains(&format!("after {count} call")), "{why}");
         assert_eq!(trial.waits.0.lock().unwrap().len(), count - 1);
@@ -122,14 +121,14 @@ fn failures_of_all_kinds_together_are_bounded() {
     let mut notes = Notes::new();
     let error = trial.model().ask(&request(), &mut notes);
     assert!(matches!(error, Err(ModelError::Failed { .. })));
-    assert!(provider.got().len() <= trial.settings.retry.calls as usize);
-    assert_eq!(notes.ends().len(), provider.got().len());
+    assert!(provider.received().len() <= trial.settings.retry.calls as usize);
+    assert_eq!(notes.ends().len(), provider.received().len());
 }
 
 #[test]
 fn a_wait_that_the_provider_asks_for_is_kept_where_it_is_longer() {
-    let slow = ResponseTemplate::new(429).insert_header("retry-after", "40");
-    let quick = ResponseTemplate::new(429).insert_header("retry-after-ms", "1");
+    let slow = status(429).header("retry-after", "40");
+    let quick = status(429).header("retry-after-ms", "1");
     let provider = Provider::playing(vec![slow, quick, good("there")]);
     let trial = Trial::of(&provider.url());
     trial.model().ask(&request(), &mut Notes::new()).unwrap();
@@ -140,7 +139,7 @@ fn a_wait_that_the_provider_asks_for_is_kept_where_it_is_longer() {
 
 #[test]
 fn a_wait_longer_than_the_limit_is_not_waited_for() {
-    let reply = ResponseTemplate::new(429).insert_header("retry-after", "7200");
+    let reply = status(429).header("retry-after", "7200");
     let provider = Provider::playing(vec![reply]);
     let trial = Trial::of(&provider.url());
     let error = trial
@@ -148,7 +147,7 @@ fn a_wait_longer_than_the_limit_is_not_waited_for() {
         .ask(&request(), &mut Notes::new())
         .unwrap_err();
     assert!(error.to_string().contains("7200.0 s"), "{error}");
-    assert_eq!(provider.got().len(), 1);
+    assert_eq!(provider.received().len(), 1);
 }
 
 #[test]
@@ -161,7 +160,7 @@ fn a_call_that_is_refused_is_not_sent() {
     };
     let error = trial.model().ask(&request(), &mut notes).unwrap_err();
     assert!(matches!(error, ModelError::NotSent(_)), "{error}");
-    assert_eq!((provider.got().len(), notes.ends().len()), (2, 2));
+    assert_eq!((provider.received().len(), notes.ends().len()), (2, 2));
 }
 
 #[test]
@@ -224,8 +223,8 @@ fn each_provider_gets_its_key_in_its_own_header_at_its_own_address() {
         let mut trial = Trial::of(&provider.url());
         trial.settings.wire = wire;
         let _: Result<Reply, _> = trial.model().ask(&request(), &mut Notes::new());
-        let got = provider.got().remove(0);
-        assert_eq!(got.url.path(), path);
+        let got = provider.received().remove(0);
+        assert_eq!(got.path, path);
         assert_eq!(got.headers[header].to_str().unwrap(), value);
         assert_eq!(got.headers["content-type"], "application/json");
         let is_versioned = got.headers.contains_key("anthropic-version");
@@ -244,5 +243,5 @@ fn a_request_that_does_not_fit_is_neither_sent_nor_told() {
     let mut notes = Notes::new();
     let error = trial.model().ask(&warm, &mut notes).unwrap_err();
     assert!(matches!(error, ModelError::Unsupported { .. }), "{error}");
-    assert!(provider.got().is_empty() && notes.told.is_empty());
+    assert!(provider.received().is_empty() && notes.told.is_empty());
 }

@@ -50,7 +50,7 @@ fn nothing_is_sent_after_an_interrupt_between_two_tries() {
     let mut notes = Notes::new();
     let error = trial.model().ask(&request(), &mut notes).unwrap_err();
     assert!(matches!(error, ModelError::Interrupted), "{error}");
-    assert_eq!((provider.got().len(), notes.ends().len()), (1, 1));
+    assert_eq!((provider.received().len(), notes.ends().len()), (1, 1));
 }
 
 #[test]
@@ -61,5 +61,5 @@ fn nothing_is_sent_or_told_where_the_interrupt_came_before() {
     let mut notes = Notes::new();
     let error = trial.model().ask(&request(), &mut notes).unwrap_err();
     assert!(matches!(error, ModelError::Interrupted), "{error}");
-    assert!(provider.got().is_empty() && notes.told.is_empty());
+    assert!(provider.received().is_empty() && notes.told.is_empty());
 }

@@ -7,7 +7,6 @@ use fab_model::{Model, Reply};
 use fab_providers::remote::{Answers, Key, Wire};
 use serde_json::{Value, json};
 use std::sync::Arc;
-use wiremock::ResponseTemplate;
 
 const OTHER: &str = "another-canary-key-0123";
 
@@ -82,14 +81,14 @@ fn bodies() -> Vec<String> {
 fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
     let replies = bodies().into_iter().flat_map(|body| {
         [200, 302, 400, 401, 429, 500].map(|code| {
-            ResponseTemplate::new(code)
-                .set_body_raw(body.clone(), "application/json")
-                .insert_header("x-echo", CANARY)
-                .insert_header("retry-after", CANARY)
-                .insert_header("location", format!("http://127.0.0.1:1/{CANARY}"))
+            status(code)
+                .json(&body)
+                .header("x-echo", CANARY)
+                .header("retry-after", CANARY)
+                .header("location", format!("http://127.0.0.1:1/{CANARY}"))
         })
     });
-    let replies: Vec<ResponseTemplate> = replies.collect();
+    let replies: Vec<Response> = replies.collect();
     for wire in Wire::ALL {
         let provider = Provider::playing(replies.clone());
         let mut trial = Trial::of(&provider.url());
@@ -111,7 +110,7 @@ fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
             check(&format!("{:?}", notes.told));
         }
         check(&format!("{model:?} {:?}", trial.shared));
-        assert_eq!(provider.got().len(), replies.len());
+        assert_eq!(provider.received().len(), replies.len());
         // Responses echo the keys only in refusals.
         let expected = if wire == Wire::OpenaiResponses { 0 } else { 9 };
         assert_eq!(understood, expected, "{}", wire.name());
@@ -153,7 +152,7 @@ fn a_key_that_the_server_splits_over_pieces_of_text_is_hidden_in_every_wire() {
             for at in [1, 8, 15, form.len() - 1] {
                 let (one, other) = form.split_at(at);
                 let pieces = ["it is <", one, other, ">"];
-                let reply = ResponseTemplate::new(200).set_body_json(in_pieces(wire, &pieces));
+                let reply = status(200).json(in_pieces(wire, &pieces));
                 let provider = Provider::playing(vec![reply]);
                 let folder = tempfile::tempdir().unwrap();
                 let cache = fab_base::cache::Cache::at(folder.path().to_owned());

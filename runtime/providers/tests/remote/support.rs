@@ -1,5 +1,7 @@
 //! A scripted provider, and test doubles that record reports and waits.
 
+use axum::body::{Body, Bytes};
+use axum::http::{self, HeaderMap, Uri};
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usage, Usd};
 use fab_model::{Message, ModelRole, Request, Speaker};
@@ -12,57 +14,97 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
-use wiremock::{Mock, MockServer, Respond, ResponseTemplate};
 
 /// The key that must never appear again.
 pub const CANARY: &str = "sk-canary/0123456789+abc";
 
-/// A provider that plays replies in order, repeating the last one.
+/// A provider that plays replies in order, repeating the last one. It ends when it is dropped.
 pub struct Provider {
-    server: MockServer,
-    runtime: tokio::runtime::Runtime,
+    url: String,
+    received: Arc<Mutex<Vec<Received>>>,
+    _runtime: tokio::runtime::Runtime,
 }
 
-struct Script {
-    replies: Vec<ResponseTemplate>,
-    next: AtomicUsize,
+/// A request as it arrived.
+#[derive(Clone)]
+pub struct Received {
+    pub path: String,
+    pub headers: HeaderMap,
+    pub body: Bytes,
 }
 
-impl Respond for Script {
-    fn respond(&self, _: &wiremock::Request) -> ResponseTemplate {
-        let at = self.next.fetch_add(1, Ordering::SeqCst);
-        self.replies[at.min(self.replies.len() - 1)].clone()
+/// A response to play.
+#[derive(Clone, Debug)]
+pub struct Response {
+    status: u16,
+    headers: Vec<(&'static str, String)>,
+    body: String,
+    delay: Duration,
+}
+
+impl Response {
+    pub fn json(mut self, body: impl ToString) -> Response {
+        self.body = body.to_string();
+        self.header("content-type", "application/json")
+    }
+
+    pub fn header(mut self, name: &'static str, value: impl Into<String>) -> Response {
+        self.headers.push((name, value.into()));
+        self
+    }
+
+    pub fn delay(self, delay: Duration) -> Response {
+        Response { delay, ..self }
     }
 }
 
 impl Provider {
-    pub fn playing(replies: Vec<ResponseTemplate>) -> Provider {
+    pub fn playing(responses: Vec<Response>) -> Provider {
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(1)
             .enable_all()
             .build()
             .unwrap();
-        let server = runtime.block_on(async {
-            let server = MockServer::start().await;
-            let script = Script {
-                replies,
-                next: AtomicUsize::new(0),
+        let received: Arc<Mutex<Vec<Received>>> = Arc::default();
+        let record = received.clone();
+        let answer = move |uri: Uri, headers: HeaderMap, body: Bytes| async move {
+            let number = {
+                let mut record = record.lock().unwrap();
+                record.push(Received {
+                    path: uri.path().to_owned(),
+                    headers,
+                    body,
+                });
+                record.len() - 1
             };
-            let any = Mock::given(wiremock::matchers::any());
-            any.respond_with(script).mount(&server).await;
-            server
-        });
-        Provider { server, runtime }
+            let response = responses[number.min(responses.len() - 1)].clone();
+            tokio::time::sleep(response.delay).await;
+            let mut built = http::Response::builder().status(response.status);
+            for (name, value) in response.headers {
+                built = built.header(name, value);
+            }
+            built.body(Body::from(response.body)).unwrap()
+        };
+        let listener = runtime
+            .block_on(tokio::net::TcpListener::bind("127.0.0.1:0"))
+            .unwrap();
+        let url = format!("http://{}", listener.local_addr().unwrap());
+        let app = axum::Router::new().fallback(answer);
+        runtime.spawn(async { axum::serve(listener, app).await });
+        Provider {
+            url,
+            received,
+            _runtime: runtime,
+        }
     }
 
     pub fn url(&self) -> String {
-        self.server.uri()
+        self.url.clone()
     }
 
     /// Returns every request received, oldest first.
-    pub fn got(&self) -> Vec<wiremock::Request> {
-        let requests = self.runtime.block_on(self.server.received_requests());
-        requests.expect("requests are recorded")
+    pub fn received(&self) -> Vec<Received> {
+        self.received.lock().unwrap().clone()
     }
 }
 
@@ -126,8 +168,8 @@ pub fn say(stream: &mut TcpStream, text: &str) {
 }
 
 /// A valid Chat Completions reply.
-pub fn good(text: &str) -> ResponseTemplate {
-    ResponseTemplate::new(200).set_body_json(good_body(text))
+pub fn good(text: &str) -> Response {
+    status(200).json(good_body(text))
 }
 
 pub fn good_body(text: &str) -> serde_json::Value {
@@ -137,8 +179,13 @@ pub fn good_body(text: &str) -> serde_json::Value {
     })
 }
 
-pub fn status(status: u16) -> ResponseTemplate {
-    ResponseTemplate::new(status)
+pub fn status(status: u16) -> Response {
+    Response {
+        status,
+        headers: Vec::new(),
+        body: String::new(),
+        delay: Duration::ZERO,
+    }
 }
 
 /// Skips waits and records them.
