@@ -8,13 +8,17 @@ step() {
     "$@"
 }
 
-step cargo fmt --all --check
-step cargo clippy --workspace --exclude fab-arm-ros --all-targets --locked -- -D warnings
+# One set of features for clippy and documentation, so that nothing is checked twice.
 if pkg-config --exists openssl 2>/dev/null; then
-    step cargo clippy --package fabc --package fab-arm-ros --features fabc/ros --all-targets --locked -- -D warnings
+    selected="--workspace --features fabc/ros"
 else
+    selected="--workspace --exclude fab-arm-ros"
     echo "left out: fab-arm-ros, which needs OpenSSL's development files"
 fi
+
+step cargo fmt --all --check
+# shellcheck disable=SC2086  # words without spaces
+step cargo clippy $selected --all-targets --locked -- -D warnings
 
 # Fails if a package's build needs a crate that finds or binds a system library: no_system_library PACKAGE [ARGUMENT...]
 #
@@ -77,4 +81,5 @@ step cargo package --workspace --locked --offline --no-verify --allow-dirty --qu
 
 RUSTDOCFLAGS="-D warnings"
 export RUSTDOCFLAGS
-step cargo doc --workspace --exclude fab-arm-ros --no-deps --locked
+# shellcheck disable=SC2086  # words without spaces
+step cargo doc $selected --no-deps --locked

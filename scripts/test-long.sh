@@ -88,11 +88,8 @@ skipped="--skip peer_ros_"
 [ -z "$without_insta" ] || leave_out peer_cargo_insta_ "$without_insta"
 [ -z "$without_mdbook" ] || leave_out peer_mdbook_ "$without_mdbook"
 
-features=
 without_ros=$(sh "$here/ros-parts.sh")
 if [ -z "$without_ros" ]; then
-    # All that follows is built with this feature too, so that nothing is built twice.
-    features="--features fabc/ros"
     cargo build --locked --package fab-arm --example arm_engine || exit
     FABC_PEER_ARM_ENGINE=$(dirname "$environment")/debug/examples/arm_engine
     export FABC_PEER_ARM_ENGINE
@@ -108,7 +105,6 @@ fi
 run "with documentation" --workspace --exclude fab-arm-ros --locked --doc
 FABC_LEFT_OUT=${FABC_LEFT_OUT:-0}
 export FABC_LEFT_OUT
-workspace=--workspace
-[ -n "$features" ] || workspace="--workspace --exclude fab-arm-ros"
+# Built as `make test` builds them, so nothing is built twice.
 # shellcheck disable=SC2086  # words without spaces
-exec sh "$here/test.sh" $workspace $features --locked --no-fail-fast --lib --bins --tests -- --ignored $skipped
+exec sh "$here/test.sh" --workspace --exclude fab-arm-ros --locked --no-fail-fast --lib --bins --tests -- --ignored $skipped

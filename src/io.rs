@@ -75,7 +75,7 @@ impl Sink {
 
 /// What a command wrote, if [`Io`] captured it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Said {
+pub struct Captured {
     /// Captured data.
     pub stdout: String,
     /// Captured talk.
@@ -177,8 +177,8 @@ impl Io {
     }
 
     /// Returns what the command wrote, if output was captured.
-    pub fn said(&self) -> Said {
-        Said {
+    pub fn captured(&self) -> Captured {
+        Captured {
             stdout: lock(&self.streams.stdout).kept(),
             stderr: lock(&self.streams.stderr).kept(),
         }

@@ -38,13 +38,13 @@
 mod check;
 pub mod diag;
 pub mod explain;
-mod form;
 pub mod lang;
 mod load;
 mod loader;
 mod merge;
 mod path;
 pub mod proof;
+mod syntax;
 
 pub use check::MAX_INHERITED_BYTES;
 pub use fab_grammar::is_keyword;

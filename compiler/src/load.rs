@@ -5,9 +5,9 @@
 //! folder, except into a folder `lib` beside it.
 
 use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported};
-use crate::form;
 use crate::loader::{LoadError, Loader};
 use crate::path;
+use crate::syntax;
 use fab_grammar::ast::{Experts, Name, Task};
 use fab_grammar::{FileId, Sources, Span, Tree};
 use std::collections::{BTreeMap, BTreeSet};
@@ -213,7 +213,7 @@ impl Reading<'_> {
         self.report
             .count_further(parsed.faults.len() - n_reported, file);
         for fault in &parsed.faults[..n_reported] {
-            self.report.error(form::diagnose(fault, text));
+            self.report.error(syntax::diagnose(fault, text));
         }
         self.texts.faults.push(
             self.report

@@ -90,7 +90,7 @@ fn broken(node: Node<'_>) -> Option<(Range<usize>, String)> {
             first_name()
         }
         Kind::Relax | Kind::Ablate | Kind::Setting | Kind::Read | Kind::Expect => first_name(),
-        Kind::Saying | Kind::Picture => nothing(node),
+        Kind::ComponentOrText | Kind::Picture => nothing(node),
         Kind::UseFile | Kind::Image => {
             let text = node.children().find(|child| child.kind() == Kind::String)?;
             Some((text.range(), "\"\"".to_owned()))

@@ -83,7 +83,7 @@ macro_rules! views {
         #[cfg(test)]
         pub(crate) fn has_view(node: Node<'_>) -> bool {
             false $(|| $view::cast(node).is_some())*
-                || Saying::cast(node).is_some()
+                || ComponentOrText::cast(node).is_some()
                 || Expr::cast(node).is_some()
         }
     };
@@ -436,7 +436,7 @@ views! {
     /// `say …` or `system …`.
     Sayings(Say | System) {} {
         /// Returns its parts.
-        list -> impl Iterator<Item = Saying<'t>> = |node| all(node);
+        list -> impl Iterator<Item = ComponentOrText<'t>> = |node| all(node);
     }
 
     /// `read NAME from "…"`.
@@ -757,33 +757,33 @@ impl<'t> Component<'t> {
 
 /// A component by name, or a text.
 #[derive(Clone, Copy, Debug)]
-pub enum Saying<'t> {
+pub enum ComponentOrText<'t> {
     /// A component.
     Component(Name<'t>),
     /// A text of its own.
     Text(Text<'t>),
 }
 
-impl<'t> Saying<'t> {
+impl<'t> ComponentOrText<'t> {
     /// Views a node; `None` if it is of another kind.
     pub fn cast(node: Node<'t>) -> Option<Self> {
-        let node = Some(node).filter(|node| node.kind() == Kind::Saying)?;
-        let name = first(node).map(Saying::Component);
-        name.or_else(|| first(node).map(Saying::Text))
+        let node = Some(node).filter(|node| node.kind() == Kind::ComponentOrText)?;
+        let name = first(node).map(ComponentOrText::Component);
+        name.or_else(|| first(node).map(ComponentOrText::Text))
     }
 
     /// Returns its span.
     pub fn span(self) -> Span {
         match self {
-            Saying::Component(name) => name.span(),
-            Saying::Text(text) => text.span(),
+            ComponentOrText::Component(name) => name.span(),
+            ComponentOrText::Text(text) => text.span(),
         }
     }
 }
 
-impl<'t> View<'t> for Saying<'t> {
+impl<'t> View<'t> for ComponentOrText<'t> {
     fn cast(node: Node<'t>) -> Option<Self> {
-        Saying::cast(node)
+        ComponentOrText::cast(node)
     }
 }
 

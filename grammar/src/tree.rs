@@ -130,7 +130,7 @@ kinds! {
     Picture picture, "`… with NAME`.";
     Say say, "`say …`.";
     System system, "`system …`.";
-    Saying saying, "A name or a text.";
+    ComponentOrText saying, "A name or a text.";
     Read read, "`read NAME from \"…\"`.";
     Example example, "`example { … }` of a stage.";
     Reply reply, "`reply \"…\"`, with or without a stage's name.";

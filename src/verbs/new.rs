@@ -214,9 +214,9 @@ fn present_library(folder: &Path, path: &str) -> Result<Option<String>, Failure>
 }
 
 /// A loader that finds the draft as if it were already written.
-struct Beside<'d>(BTreeMap<&'d str, &'d str>);
+struct DraftOverDisk<'d>(BTreeMap<&'d str, &'d str>);
 
-impl Loader for Beside<'_> {
+impl Loader for DraftOverDisk<'_> {
     fn load(&self, name: &str) -> Result<String, LoadError> {
         let text = self.0.get(name).ok_or_else(|| LoadError {
             message: format!("cannot read `{name}`: it is not part of the new task"),
@@ -232,7 +232,7 @@ fn compile(
     io: &Io,
 ) -> Result<Program, Failure> {
     let entry = format!("{}.fab", arguments.name);
-    let files = Beside(BTreeMap::from([
+    let files = DraftOverDisk(BTreeMap::from([
         (entry.as_str(), draft.text.as_str()),
         (draft.library, library),
     ]));

@@ -20,7 +20,7 @@ use crate::io::Io;
 use crate::{sources, watch};
 use fab_program::render::{PromptPicture, PromptText};
 use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, SubgoalStep};
-use page::{Shown, ShownPart, ShownStage};
+use page::{DisplayMessage, DisplayPart, ShownStage};
 use scene_file::SceneFile;
 use serde_json::{Value, json};
 use std::fs;
@@ -196,13 +196,13 @@ pub fn corrections_of(
 }
 
 fn as_json(stage: &ShownStage) -> Value {
-    let part = |part: &ShownPart| match part {
-        ShownPart::Text(said) => json!({ "type": "text", "text": said.text }),
-        ShownPart::Picture { title, png } => {
+    let part = |part: &DisplayPart| match part {
+        DisplayPart::Text(said) => json!({ "type": "text", "text": said.text }),
+        DisplayPart::Picture { title, png } => {
             json!({ "type": "image", "shows": title, "bytes": png.as_ref().map(Vec::len) })
         }
     };
-    let message = |message: &Shown| json!({ "role": message.role, "parts": message.parts.iter().map(part).collect::<Vec<_>>() });
+    let message = |message: &DisplayMessage| json!({ "role": message.role, "parts": message.parts.iter().map(part).collect::<Vec<_>>() });
     let correction =
         |(check, said): &(String, PromptText)| json!({ "check": check, "text": said.text });
     json!({
@@ -221,8 +221,8 @@ fn write(folder: &Path, shown: &[ShownStage]) -> std::io::Result<()> {
         fs::write(folder.join(format!("{name}.txt")), stage.text())?;
         let parts = stage.messages.iter().flat_map(|message| &message.parts);
         let pictures = parts.filter_map(|part| match part {
-            ShownPart::Picture { png, .. } => png.as_ref(),
-            ShownPart::Text(_) => None,
+            DisplayPart::Picture { png, .. } => png.as_ref(),
+            DisplayPart::Text(_) => None,
         });
         for (number, png) in pictures.enumerate() {
             fs::write(folder.join(format!("{name}_{}.png", number + 1)), png)?;

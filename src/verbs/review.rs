@@ -24,8 +24,8 @@ use crate::io::Io;
 use crate::snapshots::Name;
 use clap::Args;
 use cost::Pricing;
-use decide::{Ballot, Decision, Named};
-use find::{Found, Pending};
+use decide::{Ballot, Decision, Selection};
+use find::{Pending, ReviewItems};
 use groups::{Group, Kind};
 use serde_json::{Value, json};
 use sheets::Sheets;
@@ -135,21 +135,21 @@ pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
 /// Applies the decisions of the command line; an unknown id ends it before anything is changed.
 fn by_id(
     arguments: &ReviewArguments,
-    found: &mut Found,
+    found: &mut ReviewItems,
     groups: &[Group],
     pricing: Option<&Pricing>,
     sheets: &mut Sheets,
     io: &Io,
 ) -> Result<Exit, Failure> {
-    let ids = |ids: &[String]| -> Result<BTreeSet<Named>, Failure> {
+    let ids = |ids: &[String]| -> Result<BTreeSet<Selection>, Failure> {
         let named = |id: &String| decide::named(id, &found.pending, groups);
         ids.iter().map(named).collect()
     };
     let (accepts, rejects) = (ids(&arguments.accept)?, ids(&arguments.reject)?);
     if let Some(both) = accepts.intersection(&rejects).next() {
         let name = match both {
-            Named::Group(number) => groups[*number].id.clone(),
-            Named::Snapshot(number) => found.pending[*number].name.to_string(),
+            Selection::Group(number) => groups[*number].id.clone(),
+            Selection::Snapshot(number) => found.pending[*number].name.to_string(),
         };
         return Err(Failure::usage(format!(
             "`{name}` is both accepted and rejected; nothing was done"
@@ -163,8 +163,8 @@ fn by_id(
         .chain(accepts.iter().map(|named| (named, Decision::Accept)))
     {
         match named {
-            Named::Group(number) => decided.extend(ballot.decide(&groups[*number], decision)),
-            Named::Snapshot(number) => decided.extend(ballot.settle(*number, decision)),
+            Selection::Group(number) => decided.extend(ballot.decide(&groups[*number], decision)),
+            Selection::Snapshot(number) => decided.extend(ballot.settle(*number, decision)),
         }
     }
     let all = match arguments.accept_all {
@@ -219,7 +219,7 @@ fn by_id(
 
 /// Returns the pending snapshots as JSON.
 fn as_json(
-    found: &Found,
+    found: &ReviewItems,
     groups: &[Group],
     pricing: Option<&Pricing>,
     sheets: &mut Sheets,

@@ -19,7 +19,7 @@ use crate::shipped;
 use crate::sources;
 use clap::Args;
 use fab_program::Program;
-use plan::{Found, Plan, State};
+use plan::{Plan, SnapshotState, State};
 pub use scene::{Moment, USUAL};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -160,7 +160,7 @@ fn compiled(files: &[String], io: &Io) -> Result<Vec<(PathBuf, Vec<Declared>)>, 
     }
 }
 
-fn as_json(found: &[Found]) -> Value {
+fn as_json(found: &[SnapshotState]) -> Value {
     let snapshots = found.iter().map(|found| {
         let info = &found.info;
         json!({
@@ -186,7 +186,7 @@ fn as_json(found: &[Found]) -> Value {
     })
 }
 
-fn report(found: &[Found], arguments: &SnapArguments, io: &Io) {
+fn report(found: &[SnapshotState], arguments: &SnapArguments, io: &Io) {
     let counted = |state: State| found.iter().filter(move |found| found.state == state);
     let as_it_was = [State::Same, State::Unseen];
     for found in found
@@ -233,7 +233,7 @@ fn report(found: &[Found], arguments: &SnapArguments, io: &Io) {
 }
 
 /// Returns the snapshot folders outside the current folder, as arguments for `fabc review`.
-fn places(found: &[Found]) -> String {
+fn places(found: &[SnapshotState]) -> String {
     let folders: BTreeSet<&Path> = found
         .iter()
         .filter_map(|found| found.path.parent())

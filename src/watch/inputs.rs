@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub fn files(entries: &[String], others: &[PathBuf]) -> BTreeSet<PathBuf> {
     let mut files: BTreeSet<PathBuf> = others.iter().cloned().collect();
     for entry in entries {
-        let loader = Noting {
+        let loader = RecordingLoader {
             disk: Disk::beside(entry),
             asked: RefCell::default(),
         };
@@ -33,12 +33,12 @@ pub fn rendered(arguments: &RenderArguments) -> Vec<PathBuf> {
 }
 
 /// A loader that reads from disk and records the requested files.
-struct Noting {
+struct RecordingLoader {
     disk: Disk,
     asked: RefCell<BTreeSet<PathBuf>>,
 }
 
-impl Loader for Noting {
+impl Loader for RecordingLoader {
     fn load(&self, name: &str) -> Result<String, LoadError> {
         self.asked.borrow_mut().insert(PathBuf::from(name));
         self.disk.load(name)

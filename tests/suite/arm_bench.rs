@@ -3,7 +3,7 @@
 
 use super::bench::project;
 use super::physical::SUITE;
-use super::support::{Said, bring_robot, fabc, finish};
+use super::support::{Captured, bring_robot, fabc, finish};
 use fab_arm::log::{RunState, run_state};
 use serde_json::Value;
 use std::fs;
@@ -24,7 +24,7 @@ fn lab(edits: &[(&str, &str)]) -> TempDir {
 }
 
 /// Runs the suite on the arm, with these lines typed.
-fn carried(folder: &Path, more: &[&str], lines: &str) -> Said {
+fn carried(folder: &Path, more: &[&str], lines: &str) -> Captured {
     finish(
         fabc(folder)
             .args(["bench", "tiny", "--world", "jaco", "--json", "--out", "out"])
@@ -33,7 +33,7 @@ fn carried(folder: &Path, more: &[&str], lines: &str) -> Said {
     )
 }
 
-fn document(said: &Said) -> Value {
+fn document(said: &Captured) -> Value {
     serde_json::from_str(&said.stdout).unwrap_or_else(|_| panic!("{}", said.stderr))
 }
 
@@ -85,7 +85,7 @@ fn what_was_cut_off_is_named_and_an_arm_left_in_a_motion_is_not_moved() {
     let (whole, _) = journal.trim_end().rsplit_once('\n').unwrap();
     fs::write(run.join("rollout.jsonl"), format!("{whole}\n")).unwrap();
     let before = fs::read(run.join("arm.jsonl")).unwrap();
-    let is_named = |said: &Said| {
+    let is_named = |said: &Captured| {
         assert_eq!(said.code, 3, "{}", said.stderr);
         let table = document(said);
         assert_eq!(table["rollouts"]["finished"], 1);

@@ -1,6 +1,6 @@
 //! `fabc run --world jaco` with the simulated arm: the whole loop, without a robot.
 
-use super::support::{Said, bring_robot, fabc, finish, root};
+use super::support::{Captured, bring_robot, fabc, finish, root};
 use fab_arm::log::{RunState, run_state};
 use serde_json::Value;
 
@@ -48,7 +48,7 @@ fn an_arm_without_settings_is_told_so() {
 }
 
 /// Runs the fold with changed arm settings, and returns the folder and the output.
-fn planned(edits: &[(&str, &str)]) -> (tempfile::TempDir, Said) {
+fn planned(edits: &[(&str, &str)]) -> (tempfile::TempDir, Captured) {
     let folder = tempfile::tempdir().unwrap();
     bring_robot(folder.path(), edits);
     let task = root().join("tasks/real/double_triangle.fab");

@@ -1,6 +1,6 @@
 //! Bad input: one clear message, the documented exit code, no partial output.
 
-use super::support::{Said, bring_library, fabc, finish};
+use super::support::{Captured, bring_library, fabc, finish};
 use std::fs;
 use std::path::Path;
 
@@ -21,7 +21,7 @@ pub(super) fn demonstrated(folder: &Path) {
 }
 
 /// Runs the command, and checks the code, that every expected word occurs once, and that it is one message.
-pub(super) fn refused(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) -> Said {
+pub(super) fn refused(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) -> Captured {
     let said = finish(fabc(folder).args(arguments));
     assert_eq!(
         said.code, code,

@@ -2,7 +2,7 @@
 
 mod typing;
 
-use super::support::{Said, fabc, finish};
+use super::support::{Captured, fabc, finish};
 use fab_arm::calibration::{Calibration, Pair, csv_line};
 use image::{Luma, Rgb, RgbImage};
 use serde_json::Value;
@@ -88,7 +88,7 @@ fn write_pairs(folder: &Path, pairs: &[Pair]) {
     fs::write(folder.join("pairs.csv"), lines).unwrap();
 }
 
-fn calibrate(folder: &Path, more: &[&str]) -> Said {
+fn calibrate(folder: &Path, more: &[&str]) -> Captured {
     let mut command = fabc(folder);
     finish(
         command
@@ -97,7 +97,7 @@ fn calibrate(folder: &Path, more: &[&str]) -> Said {
     )
 }
 
-fn json(said: &Said) -> Value {
+fn json(said: &Captured) -> Value {
     serde_json::from_str(&said.stdout).unwrap()
 }
 

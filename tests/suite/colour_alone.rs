@@ -1,7 +1,7 @@
 //! Keypoints from colour alone, as on the paper's real table: no depth, and no number that depends on the lighting.
 
 use super::support::{self, ProjectFiles, Trial};
-use fab_agent::see::{Brought, SeeError, Seen, see};
+use fab_agent::see::{SeeError, SeeInput, SeeOutput, see};
 use fab_compiler::{LoadError, Loader};
 use fab_program::{PixelPoint, Program};
 use fab_world::Look;
@@ -19,9 +19,9 @@ fn table(grey: u8, cloth: [u8; 3]) -> RgbImage {
     })
 }
 
-fn look(program: &Program, rgb: RgbImage) -> Result<Seen, SeeError> {
+fn look(program: &Program, rgb: RgbImage) -> Result<SeeOutput, SeeError> {
     let (depth_m, last) = (None, None);
-    see(program, Brought { rgb, depth_m, last })
+    see(program, SeeInput { rgb, depth_m, last })
 }
 
 fn real(task: &str) -> Program {
@@ -35,7 +35,7 @@ fn real(task: &str) -> Program {
     compiled.programs.into_iter().next().unwrap()
 }
 
-fn points<'s>(seen: &'s Seen, name: &str) -> Vec<PixelPoint> {
+fn points<'s>(seen: &'s SeeOutput, name: &str) -> Vec<PixelPoint> {
     let listed: Vec<(&'s str, Vec<PixelPoint>)> = seen.scene.keypoints();
     listed
         .into_iter()

@@ -124,7 +124,7 @@ fn wrong_answers_are_named_with_their_values() {
     }
 }
 
-fn run(folder: &Path, world: &str, out: &str) -> support::Said {
+fn run(folder: &Path, world: &str, out: &str) -> support::Captured {
     let task = project("tasks/double_triangle.fab");
     finish(fabc(folder).args(["run", &task, "--world", world, "--out", out]))
 }

@@ -1,6 +1,6 @@
 //! `scripts/pkg-config`: what it tells a build about OpenCV, on simulated systems in test folders.
 
-use super::support::{Said, finish_process, root};
+use super::support::{Captured, finish_process, root};
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
@@ -77,7 +77,7 @@ impl System {
         command
     }
 
-    fn ask(&self, words: &str) -> Said {
+    fn ask(&self, words: &str) -> Captured {
         finish_process(&mut self.command(words))
     }
 }

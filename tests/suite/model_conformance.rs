@@ -2,11 +2,11 @@
 
 use super::support::{self, Scripted};
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::Unkept;
+use fab_model::calls::Unrecorded;
 use fab_model::{Message, Model, Part, Png, Request, Speaker};
 use fab_program::ModelRole;
 use fab_providers::Remote;
-use fab_providers::remote::{Answers, BaseUrl, Gate, Settings, Shared, Tell, Wire};
+use fab_providers::remote::{Answers, BaseUrl, Gate, MessageSink, Settings, Shared, Wire};
 use fab_standins::{Geometric, Imperfect, Random};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -17,8 +17,8 @@ fn conforms(make: &dyn Fn() -> Box<dyn Model>) {
     let model = make();
     assert!(!model.name().is_empty());
     for request in requests() {
-        let first = make().ask(&request, &mut Unkept);
-        let again = make().ask(&request, &mut Unkept);
+        let first = make().ask(&request, &mut Unrecorded);
+        let again = make().ask(&request, &mut Unrecorded);
         match (first, again) {
             (Ok(first), Ok(again)) => assert_eq!(
                 first, again,
@@ -117,7 +117,7 @@ fn a_providers_model_conforms() {
     conforms(&|| {
         let base = BaseUrl::parse(&url).unwrap();
         let shared = Shared {
-            tell: Tell::nobody(),
+            tell: MessageSink::nobody(),
             gate: Arc::new(Gate::new(1)),
             answers: Arc::new(Answers::none()),
             interrupt: Interrupt::default(),
@@ -166,7 +166,7 @@ fn answer(mut stream: TcpStream) {
 
 #[test]
 fn the_stand_in_is_called_one() {
-    assert_eq!(Geometric.nature(), fab_model::Nature::StandIn);
+    assert_eq!(Geometric.nature(), fab_model::ModelKind::StandIn);
     assert_eq!(support::task("double_straight").stages.len(), 2);
 }
 

@@ -1,6 +1,6 @@
 //! `fabc models`, `doctor` and `probe`: their output and exit codes.
 
-use super::support::{Fabc, Said, fabc, finish};
+use super::support::{Captured, Fabc, fabc, finish};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -25,7 +25,7 @@ fn alone(folder: &Path) -> Fabc {
     command
 }
 
-fn json(said: &Said) -> Value {
+fn json(said: &Captured) -> Value {
     serde_json::from_str(&said.stdout)
         .unwrap_or_else(|error| panic!("{error}: {} {}", said.stdout, said.stderr))
 }

@@ -1,14 +1,14 @@
 //! `fabc new`: its tasks run at once, and it writes all of a task or nothing.
 
-use super::support::{Said, fabc, finish, root};
+use super::support::{Captured, fabc, finish, root};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-pub fn said(folder: &Path, arguments: &[&str]) -> Said {
+pub fn said(folder: &Path, arguments: &[&str]) -> Captured {
     finish(fabc(folder).args(arguments))
 }
 
-pub fn json(said: &Said) -> Value {
+pub fn json(said: &Captured) -> Value {
     let read = serde_json::from_str(&said.stdout);
     read.unwrap_or_else(|error| panic!("{error}\n{}\n{}", said.stdout, said.stderr))
 }

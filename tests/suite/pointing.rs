@@ -7,7 +7,7 @@ use fab_agent::rollout::Event;
 use fab_model::Models;
 use fab_model::calls::Calls;
 use fab_model::lowering::{Points, Resize};
-use fab_model::{Lowering, Model, ModelError, Nature, Part, Png, Reply, Request};
+use fab_model::{Lowering, Model, ModelError, ModelKind, Part, Png, Reply, Request};
 use fab_program::pointing::{CoordinateUnit, Order};
 use fab_standins::Geometric;
 use fab_world::Look;
@@ -107,8 +107,8 @@ impl Model for Foreign {
         "foreign"
     }
 
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
 
     fn lowering(&self) -> Lowering {
@@ -270,8 +270,8 @@ impl Model for Silent {
         "silent"
     }
 
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
 
     fn lowering(&self) -> Lowering {

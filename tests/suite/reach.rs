@@ -15,10 +15,10 @@ use fab_base::interrupt::Interrupt;
 use fab_compiler::{LoadError, Loader};
 use fab_model::Models;
 use fab_model::calls::{Budget, Calls};
-use fab_model::{Model, ModelError, Nature, Reply, Request};
+use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use fab_program::Program;
 use fab_world::start::Start;
-use fab_world::{Around, Executed, Motion, SimulatedWorld, World, WorldError, WorldPoint};
+use fab_world::{Executed, Motion, SimulatedWorld, World, WorldError, WorldPoint, Wrapper};
 use serde_json::Value;
 use std::sync::Mutex;
 
@@ -28,7 +28,7 @@ struct Short {
     most_x_m: f64,
 }
 
-impl Around for Short {
+impl Wrapper for Short {
     fn inner(&self) -> &dyn World {
         &self.world
     }
@@ -40,7 +40,7 @@ impl Around for Short {
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
         for point in [motion.pick, motion.place] {
             assert_eq!(
-                Around::out_of_reach(self, &point),
+                Wrapper::out_of_reach(self, &point),
                 None,
                 "it was sent out of reach"
             );
@@ -69,8 +69,8 @@ impl Model for Answering<'_> {
     fn name(&self) -> &str {
         "answering"
     }
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let mut asked = self.asked.lock().unwrap();

@@ -7,7 +7,7 @@ use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout::Ended;
 use fab_model::Models;
 use fab_model::calls::{Budget, Call, CallEnd, Calls, Caps, Spent, Usage, Usd, ledger};
-use fab_model::{Model, ModelError, Nature, Reply, Request};
+use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use fab_standins::Geometric;
 use fab_world::Look;
 use std::collections::BTreeSet;
@@ -29,8 +29,8 @@ impl Model for Bought {
         "shop:geometric"
     }
 
-    fn nature(&self) -> Nature {
-        Nature::Model
+    fn nature(&self) -> ModelKind {
+        ModelKind::Model
     }
 
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {

@@ -4,7 +4,7 @@ use super::support::{self, Trial};
 use fab_agent::rollout::Ended;
 use fab_model::Models;
 use fab_model::calls::Calls;
-use fab_model::{Message, Model, ModelError, Nature, Part, Reply, Request, Speaker};
+use fab_model::{Message, Model, ModelError, ModelKind, Part, Reply, Request, Speaker};
 use fab_program::Program;
 use fab_standins::Geometric;
 use fab_world::Look;
@@ -22,8 +22,8 @@ impl Model for Careless {
         "careless"
     }
 
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
 
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {

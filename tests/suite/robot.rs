@@ -2,7 +2,7 @@
 
 mod preflight;
 
-use super::support::{Said, fabc, finish, root};
+use super::support::{Captured, fabc, finish, root};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -24,7 +24,7 @@ const GRASP: &str = "\
 {\"type\":\"halted\",\"why\":\"interrupted\",\"stopped\":true}
 ";
 
-fn robot(folder: &Path, arguments: &[&str], typed: &str) -> Said {
+fn robot(folder: &Path, arguments: &[&str], typed: &str) -> Captured {
     finish(fabc(folder).arg("robot").args(arguments).stdin(typed))
 }
 

@@ -6,7 +6,7 @@ use super::steered::steered_but;
 use super::support::{ProjectFiles, fabc, finish, project, world};
 use crate::recorded_data::recorded_data;
 use fab_agent::scene::Scene;
-use fab_agent::see::{Brought, LastAction, see};
+use fab_agent::see::{LastAction, SeeInput, see};
 use fab_picture::Mask;
 use fab_picture::png;
 use fab_program::scene::SceneView;
@@ -129,7 +129,7 @@ fn recorded_folding_pictures_give_their_corners_in_order_and_their_center() {
             continue;
         }
         let expected = json!({ "corners": fixture["corners"], "center": [fixture["center"]] });
-        let brought = Brought {
+        let brought = SeeInput {
             rgb: png::load(&path).unwrap(),
             depth_m: None,
             last: None,
@@ -204,7 +204,7 @@ fn what_is_seen_is_what_a_rollout_sees() {
     let expected = Scene::of(&program, &observation, None).unwrap();
     let place = PixelPoint::new(60, 70);
     for last in [None, Some(LastAction { pick: None, place })] {
-        let brought = Brought {
+        let brought = SeeInput {
             rgb: observation.rgb.clone(),
             depth_m: Some(observation.depth_m.clone()),
             last,

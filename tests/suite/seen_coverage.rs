@@ -18,7 +18,7 @@ use fab_picture::observation::Observation;
 use fab_program::{Comparison, Goal, Metric, Program};
 use fab_standins::Geometric;
 use fab_world::start::Start;
-use fab_world::{Around, SimulatedWorld, World, WorldError};
+use fab_world::{SimulatedWorld, World, WorldError, Wrapper};
 
 /// The simulator's world with a camera only: it does not reveal particles.
 pub(super) struct Blind {
@@ -26,7 +26,7 @@ pub(super) struct Blind {
     pub flat: Option<Observation>,
 }
 
-impl Around for Blind {
+impl Wrapper for Blind {
     fn inner(&self) -> &dyn World {
         &self.world
     }

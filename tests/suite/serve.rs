@@ -8,7 +8,7 @@ use super::support::Scripted;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use fab_model::calls::Calls;
-use fab_model::{Message, Model, ModelError, Nature, Part, Png, Reply, Request, Speaker};
+use fab_model::{Message, Model, ModelError, ModelKind, Part, Png, Reply, Request, Speaker};
 use fab_program::ModelRole;
 use fab_standins::Geometric;
 use serde_json::{Value, json};
@@ -173,8 +173,8 @@ impl Model for Fragile {
         "scripted"
     }
 
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
 
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {

@@ -1,6 +1,6 @@
 //! Tasks that are named without a path: where they are searched, and what is not written beside them.
 
-use super::support::{Fabc, Said, fabc, finish, root};
+use super::support::{Captured, Fabc, fabc, finish, root};
 use fab_agent::record::RECORD_FILE;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ impl User {
         command
     }
 
-    fn run(&self, words: &str) -> Said {
+    fn run(&self, words: &str) -> Captured {
         finish(&mut self.command(words))
     }
 
@@ -65,7 +65,7 @@ impl User {
     }
 }
 
-fn assert_found(said: &Said, whose: &str, path: &Path) {
+fn assert_found(said: &Captured, whose: &str, path: &Path) {
     let expected = format!("task: double_straight, {whose} ({})\n", path.display());
     assert_eq!((said.code, &said.stderr), (0, &expected));
 }

@@ -2,7 +2,7 @@
 
 use super::bad_starts::write_npy;
 use super::sim_replay::flat;
-use super::support::{Said, fabc, finish, project};
+use super::support::{Captured, fabc, finish, project};
 use fab_world::metrics;
 use fab_world::start::Start;
 use serde_json::{Value, json};
@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 
 /// Runs a verb of `sim` to its end.
-fn said(folder: &Path, arguments: &[&str]) -> Said {
+fn said(folder: &Path, arguments: &[&str]) -> Captured {
     finish(fabc(folder).arg("sim").args(arguments))
 }
 

@@ -4,7 +4,7 @@ mod edits;
 mod refusals;
 mod scenes;
 
-use super::support::{Said, bring_library, fabc, finish};
+use super::support::{Captured, bring_library, fabc, finish};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ task half extends folding {
 }
 ";
 
-fn snap(folder: &Path, arguments: &[&str]) -> Said {
+fn snap(folder: &Path, arguments: &[&str]) -> Captured {
     finish(fabc(folder).arg("snap").args(arguments))
 }
 

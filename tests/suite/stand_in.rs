@@ -5,7 +5,7 @@ use fab_agent::outcome::Outcome;
 use fab_agent::rollout::Event;
 use fab_agent::subgoals::SubgoalSet;
 use fab_model::Models;
-use fab_model::calls::Unkept;
+use fab_model::calls::Unrecorded;
 use fab_model::{Message, Model, ModelError, ModelRole, Request, Speaker};
 use fab_program::space;
 use fab_program::{ActionField, Choices, Program};
@@ -137,7 +137,7 @@ fn the_stand_in_refuses_actions_that_it_does_not_know() {
     let ask = |format: &str| {
         let prompt = format!("Cloth corners: (1, 2), (3, 4)\n{format}");
         let question = vec![Message::text(Speaker::User, prompt)];
-        Geometric.ask(&Request::new(ModelRole::Text, question), &mut Unkept)
+        Geometric.ask(&Request::new(ModelRole::Text, question), &mut Unrecorded)
     };
     let mut program = task("double_triangle");
     assert!(ask(&space::format(&program.actions)).is_ok());

@@ -13,7 +13,7 @@ use fab_compiler::{LoadError, Loader};
 use fab_model::Models;
 use fab_model::calls::{Budget, Calls};
 use fab_model::recording::Recorder;
-use fab_model::{Model, ModelError, Nature, Part, Reply, Request};
+use fab_model::{Model, ModelError, ModelKind, Part, Reply, Request};
 use fab_program::Program;
 use fab_standins::Geometric;
 use fab_world::start::Start;
@@ -105,12 +105,12 @@ impl Fabc {
     }
 
     /// Runs it in the given surroundings.
-    pub fn run(&self, io: &Io) -> Said {
+    pub fn run(&self, io: &Io) -> Captured {
         let program = OsString::from("fabc");
         let words = std::iter::once(&program).chain(&self.arguments);
         let code = fabc::run(words, io);
-        let fabc::Said { stdout, stderr } = io.said();
-        Said {
+        let fabc::Captured { stdout, stderr } = io.captured();
+        Captured {
             code: code.into(),
             stdout,
             stderr,
@@ -133,25 +133,25 @@ impl Fabc {
 
 /// The output of a finished command.
 #[derive(Debug)]
-pub struct Said {
+pub struct Captured {
     pub code: i32,
     pub stdout: String,
     pub stderr: String,
 }
 
 /// Runs a command to its end in this process.
-pub fn finish(command: &mut Fabc) -> Said {
+pub fn finish(command: &mut Fabc) -> Captured {
     command.run(&command.io())
 }
 
 /// Runs a process to its end.
-pub fn finish_process(command: &mut Command) -> Said {
+pub fn finish_process(command: &mut Command) -> Captured {
     let Output {
         status,
         stdout,
         stderr,
     } = command.output().unwrap();
-    Said {
+    Captured {
         code: status.code().unwrap_or(-1),
         stdout: String::from_utf8(stdout).unwrap(),
         stderr: String::from_utf8(stderr).unwrap(),
@@ -345,8 +345,8 @@ impl Model for Scripted {
         "scripted"
     }
 
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {

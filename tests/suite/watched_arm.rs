@@ -4,7 +4,7 @@
 #![cfg(target_os = "linux")]
 
 use super::pty::{Mode, Session};
-use super::support::{Fabc, Said, fabc, root, task, world};
+use super::support::{Captured, Fabc, fabc, root, task, world};
 use fab_agent::arm_sight::SIGHT;
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
@@ -210,7 +210,7 @@ fn ctrl_c_while_the_key_is_waited_for_leaves_the_terminal_as_it_was() {
 }
 
 /// Sends a signal to a running fold during its `n`th motion.
-fn signalled(folder: &Path, signal: &str, n: usize) -> Said {
+fn signalled(folder: &Path, signal: &str, n: usize) -> Captured {
     let child = fold(folder, &["--json"])
         .process()
         .stdin(Stdio::null())
@@ -223,7 +223,7 @@ fn signalled(folder: &Path, signal: &str, n: usize) -> Said {
     let sent = Command::new("kill").args([signal, &pid]).status().unwrap();
     assert!(sent.success());
     let output = child.wait_with_output().unwrap();
-    Said {
+    Captured {
         code: output.status.code().unwrap_or(-1),
         stdout: String::from_utf8(output.stdout).unwrap(),
         stderr: String::from_utf8(output.stderr).unwrap(),

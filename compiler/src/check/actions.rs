@@ -250,7 +250,7 @@ fn points<'a>(
             (Expr::Name(name), Some(Meaning::Keypoint(shape))) => {
                 Err(wrong_shape(name, shape, "points to choose from", context))
             }
-            (_, Some(Meaning::Twice(reported))) => Err(reported),
+            (_, Some(Meaning::DuplicateNames(reported))) => Err(reported),
             (Expr::Name(name), None) if row.is_none() => Err(bare_word(name, context)),
             _ => {
                 let offered = offerable(context);

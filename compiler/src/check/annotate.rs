@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::expressions::{Scope, call};
-use super::uses::needs_action;
+use super::missing_action::needs_action;
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::annotate::{COLOR, MARKS, POINTS, rgb};
 use crate::merge::{Merged, unique};

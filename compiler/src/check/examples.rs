@@ -4,7 +4,7 @@ use super::context::Context;
 use super::files;
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::merge::once;
-use fab_grammar::ast::{self, Image, Reply, Saying, Sayings, Stage, Text};
+use fab_grammar::ast::{self, ComponentOrText, Image, Reply, Sayings, Stage, Text};
 use fab_program::pointing::Notation;
 use fab_program::{
     ActionField, Example, FileRef, LiteralText, ModelRole, Read, Value, reply, space,
@@ -104,8 +104,8 @@ fn question<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<Vec<LiteralText>, Reported> {
     let texts = say.list().map(|saying| match saying {
-        Saying::Text(text) => words(text, context),
-        Saying::Component(name) => {
+        ComponentOrText::Text(text) => words(text, context),
+        ComponentOrText::Component(name) => {
             let message = "an example cannot use components";
             let diagnostic = Diagnostic::new(Code::BadExample, name.span(), message);
             Err(context.error(diagnostic.help("write the text in quotes")))

@@ -9,7 +9,7 @@ use super::names::Meaning;
 use super::quantity::{
     measured, no_conversion, out_of_range, quantity_of, read, read_whole, units_of,
 };
-use super::{files, uses};
+use super::{files, missing_action};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::calls::CLOTH_POINTS;
 use fab_grammar::ast::{Call, Expr, Name};
@@ -516,7 +516,7 @@ fn named_point(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<Point, R
         },
         Some(Meaning::Keypoint(Some(KeypointShape::Point))) => Ok(Point::Keypoint { name: text }),
         Some(Meaning::Keypoint(shape)) => Err(wrong_shape(name, shape, "one point", context)),
-        Some(Meaning::Twice(reported)) => Err(reported),
+        Some(Meaning::DuplicateNames(reported)) => Err(reported),
         None if text == "last" => {
             let message = "`last` is a condition, not a point";
             let diagnostic = Diagnostic::new(Code::WrongExpression, name.span(), message);
@@ -578,7 +578,7 @@ fn spot<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Spot, Repor
     }
     let point = point(expr, context)?;
     if point.uses().action {
-        return Err(uses::needs_action(expr.span(), context));
+        return Err(missing_action::needs_action(expr.span(), context));
     }
     Ok(Spot::One { point })
 }

@@ -46,7 +46,7 @@ fn is_free(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported
         _ if RESERVED.contains(&name.text()) => "is a reserved name",
         Some(Meaning::Text { .. }) => "is a text that a stage reads",
         Some(Meaning::Field) => "is a field of the action",
-        Some(Meaning::Twice(reported)) => return Err(reported),
+        Some(Meaning::DuplicateNames(reported)) => return Err(reported),
         Some(Meaning::Keypoint(_)) | None => return Ok(()),
     };
     let message = format!("`{}` {taken_by}", name.text());

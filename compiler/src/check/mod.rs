@@ -20,6 +20,7 @@ mod folds;
 mod goal;
 mod horizon;
 mod keypoints;
+mod missing_action;
 mod names;
 mod picker;
 mod placeholders;
@@ -29,7 +30,6 @@ mod subgoals;
 mod task;
 mod test;
 mod untouched;
-mod uses;
 mod variables;
 mod verify;
 

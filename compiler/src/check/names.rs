@@ -20,7 +20,7 @@ pub(crate) enum Meaning {
     /// A field of the action.
     Field,
     /// Declared twice, which was reported.
-    Twice(Reported),
+    DuplicateNames(Reported),
 }
 
 /// Every name of a task.
@@ -37,7 +37,7 @@ impl<'a> Names<'a> {
         let keypoints = merged.keypoints.iter().map(|keypoint| {
             let meaning = match merged.twice.of(keypoint.name().text()) {
                 Ok(()) => Meaning::Keypoint(shape(keypoint.value())),
-                Err(reported) => Meaning::Twice(reported),
+                Err(reported) => Meaning::DuplicateNames(reported),
             };
             (keypoint.name(), "keypoint", meaning)
         });
@@ -59,7 +59,7 @@ impl<'a> Names<'a> {
             } else {
                 let kind = if kind == first_kind { kind } else { "name" };
                 let diagnostic = declared_twice(kind, name.text(), first.span(), name.span());
-                Meaning::Twice(report.error(diagnostic))
+                Meaning::DuplicateNames(report.error(diagnostic))
             };
             meanings.insert(name.text(), meaning);
         }
@@ -88,7 +88,7 @@ impl<'a> Names<'a> {
     /// Returns the proof of an error if the name is declared twice.
     pub fn one_meaning(&self, name: &str) -> Result<(), Reported> {
         match self.get(name) {
-            Some(Meaning::Twice(reported)) => Err(reported),
+            Some(Meaning::DuplicateNames(reported)) => Err(reported),
             _ => Ok(()),
         }
     }

@@ -8,8 +8,8 @@ use super::context::Context;
 use super::expressions::{
     AsPercent, Frame, FramedLength, NativeLength, Operand, measure, operand, wrong_shape,
 };
+use super::missing_action::{needs_action, needs_last};
 use super::names::Meaning;
-use super::uses::{needs_action, needs_last};
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::conditions::UNREACHABLE;
 use fab_grammar::Span;
@@ -236,7 +236,7 @@ fn named<'a>(
             }
             Placeholder::Text { name: text }
         }
-        Some(Meaning::Twice(reported)) => return Err(reported),
+        Some(Meaning::DuplicateNames(reported)) => return Err(reported),
         Some(Meaning::Field) => match context.actions.get(name.text())? {
             Some(_) => Placeholder::Field { field: text },
             // The place that results from a direction and a distance.
@@ -262,7 +262,7 @@ fn candidates<'a>(place: TextPlace, context: &Context<'a, '_>) -> Vec<&'a str> {
         }
         (Meaning::Text { stage }, TextPlace::Stage(here)) => stage < here,
         (Meaning::Field, TextPlace::Stage(_)) | (_, TextPlace::Result) => false,
-        (Meaning::Twice(_), _) => false,
+        (Meaning::DuplicateNames(_), _) => false,
         (_, TextPlace::Message | TextPlace::Nowhere) => true,
     });
     names.extend(context.constants.keys());

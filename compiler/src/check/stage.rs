@@ -6,14 +6,14 @@
 use super::conditions;
 use super::context::Context;
 use super::examples;
+use super::missing_action::{needs_action, needs_last};
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read as read_number, read_whole};
-use super::uses::{needs_action, needs_last};
 use crate::diag::{Code, Diagnostic, Reported, among};
 use crate::lang::stage::{DRAWINGS, MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
 use crate::merge::{Merged, once, unique};
 use fab_grammar::Span;
-use fab_grammar::ast::{self, Expr, Name, Saying, Sayings, Text};
+use fab_grammar::ast::{self, ComponentOrText, Expr, Name, Sayings, Text};
 use fab_program::Depends;
 use fab_program::vocabulary::Kind;
 use fab_program::{self as program, Condition, Layers, ModelRole, Picture, Read, Template};
@@ -265,11 +265,11 @@ impl<'a> Builder<'_, 'a> {
         let mut all = Ok(());
         for saying in line.list() {
             match saying {
-                Saying::Component(name) => match self.component(number, name, context) {
+                ComponentOrText::Component(name) => match self.component(number, name, context) {
                     Ok(name) => names.extend(name),
                     Err(reported) => all = Err(reported),
                 },
-                Saying::Text(text) => {
+                ComponentOrText::Text(text) => {
                     n_texts += 1;
                     let suffix = if n_texts == 1 {
                         String::new()

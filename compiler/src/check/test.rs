@@ -165,7 +165,7 @@ fn give<'a>(
         ("last.pick", _) => last[0] = Some(point(part, context)),
         ("last.place", _) => last[1] = Some(point(part, context)),
         ("step", _) => given.step = read_whole(single(part, context)?, &STEP, context)? as u32,
-        (_, Some(Meaning::Twice(reported))) => return Err(reported),
+        (_, Some(Meaning::DuplicateNames(reported))) => return Err(reported),
         (_, Some(Meaning::Text { .. })) => {
             let text_given = part
                 .text()

@@ -2,10 +2,10 @@
 
 use super::conditions;
 use super::context::Context;
+use super::missing_action::needs_last;
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read, read_whole};
 use super::stage::Prompts;
-use super::uses::needs_last;
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::verify::{ATTEMPTS, DEFAULT_ATTEMPTS, DEFAULT_RETRIES, OVERLAP, RETRIES, given};
 use crate::merge::{Merged, once, unique};

@@ -95,7 +95,7 @@ impl<'a, T: Copy> Indexed<'a, T> {
 /// The first of some statements, and the proof of an error if there are more.
 ///
 /// The first is still checked, so its own errors are reported in the same run.
-pub(crate) struct Once<T> {
+pub(crate) struct FirstStatement<T> {
     pub first: Option<T>,
     pub alone: Result<(), Reported>,
 }
@@ -106,14 +106,14 @@ pub(crate) fn once<T: Copy>(
     what: &str,
     span: impl Fn(T) -> Span,
     report: &mut Report,
-) -> Once<T> {
+) -> FirstStatement<T> {
     let mut list = list.into_iter();
     let first = list.next();
     let mut alone = Ok(());
     for (first, again) in first.into_iter().cycle().zip(list) {
         alone = Err(report.error(repeated(what, span(first), span(again))));
     }
-    Once { first, alone }
+    FirstStatement { first, alone }
 }
 
 /// Makes the diagnostic for a statement that is repeated.
@@ -124,9 +124,9 @@ pub(crate) fn repeated(what: &str, first: Span, again: Span) -> Diagnostic {
 
 /// The names that are declared twice, each with the proof of its error.
 #[derive(Default)]
-pub(crate) struct Twice<'a>(pub BTreeMap<&'a str, Reported>);
+pub(crate) struct DuplicateNames<'a>(pub BTreeMap<&'a str, Reported>);
 
-impl Twice<'_> {
+impl DuplicateNames<'_> {
     /// Returns the proof of an error if this name is declared twice.
     pub fn of(&self, name: &str) -> Result<(), Reported> {
         self.0.get(name).map_or(Ok(()), |reported| Err(*reported))
@@ -143,9 +143,9 @@ pub(crate) fn unique<'a>(
     names: impl IntoIterator<Item = Name<'a>>,
     kind: &str,
     report: &mut Report,
-) -> Twice<'a> {
+) -> DuplicateNames<'a> {
     let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
-    let mut twice = Twice::default();
+    let mut twice = DuplicateNames::default();
     for name in names {
         if let Some(first) = seen.get(name.text()) {
             let reported = report.error(declared_twice(kind, name.text(), *first, name.span()));

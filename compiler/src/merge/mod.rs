@@ -10,7 +10,9 @@
 
 mod lists;
 
-pub(crate) use lists::{Indexed, Once, Twice, declared_twice, once, repeated, unique};
+pub(crate) use lists::{
+    DuplicateNames, FirstStatement, Indexed, declared_twice, once, repeated, unique,
+};
 
 use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
 use crate::lang::sections::{Merges, SECTIONS};
@@ -61,7 +63,7 @@ pub(crate) struct Merged<'a> {
     /// The proof that a task it extends is missing, if one is: an unknown name may be declared there.
     pub missing_base: Option<Reported>,
     /// The constants and keypoints that one body declares twice.
-    pub twice: Twice<'a>,
+    pub twice: DuplicateNames<'a>,
     /// The proof of an error in how its parts were joined, if there is one.
     pub joined: Result<(), Reported>,
 }
@@ -115,7 +117,7 @@ pub(crate) fn merge<'a>(
         bytes: 0,
         is_damaged: false,
         missing_base,
-        twice: Twice::default(),
+        twice: DuplicateNames::default(),
         joined: missing_base.map_or(Ok(()), Err),
     };
     for task in chain.into_iter().rev() {
@@ -240,7 +242,7 @@ impl<'a> Merged<'a> {
     }
 
     /// Returns the first of a section, and records the proof of an error if there are more.
-    fn only<T>(&mut self, section: Once<T>) -> Option<T> {
+    fn only<T>(&mut self, section: FirstStatement<T>) -> Option<T> {
         self.joined = self.joined.and(section.alone);
         section.first
     }

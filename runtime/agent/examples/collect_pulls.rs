@@ -19,7 +19,7 @@ use fab_base::parallel::in_parallel;
 use fab_compiler::{LoadError, Loader};
 use fab_model::Models;
 use fab_model::calls::Calls;
-use fab_model::{Message, Model, ModelError, Nature, Reply, Request};
+use fab_model::{Message, Model, ModelError, ModelKind, Reply, Request};
 use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
 use fab_program::{Program, Value};
@@ -90,8 +90,8 @@ impl Model for Overheard {
         Geometric.name()
     }
 
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
 
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {

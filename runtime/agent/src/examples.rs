@@ -16,7 +16,7 @@ use std::path::Path;
 
 /// A question with its answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Told {
+pub struct AnsweredExample {
     /// What was asked.
     pub question: PromptText,
     /// What was answered.
@@ -75,7 +75,7 @@ impl Examples {
         stage: &str,
         step: u32,
         pointing: Pointing,
-    ) -> Result<Vec<Told>, DemosError> {
+    ) -> Result<Vec<AnsweredExample>, DemosError> {
         match &self.demonstrations {
             Some(demonstrations) => demonstrations.told(program, stage, step, pointing),
             None => Ok(Vec::new()),

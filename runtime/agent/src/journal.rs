@@ -9,7 +9,7 @@ mod earlier;
 
 use crate::policy::{Attempt, Question};
 use crate::record::{Asked, Line, MAX_SPENT_BYTES, RECORD_FILE, SPENT_FILE, Spent};
-use earlier::Earlier;
+use earlier::ExistingLines;
 use fab_base::files;
 use fab_base::jsonl::{self, Appender, Reader};
 use fab_model::calls::LedgerError;
@@ -26,7 +26,7 @@ pub struct RunFolder {
     spent: Appender,
     images: BTreeSet<String>,
     /// The lines of an earlier part of the rollout.
-    earlier: Earlier,
+    earlier: ExistingLines,
 }
 
 /// Why a run cannot be stored.
@@ -99,7 +99,7 @@ impl RunFolder {
             journal,
             spent,
             images: BTreeSet::new(),
-            earlier: Earlier::default(),
+            earlier: ExistingLines::default(),
         })
     }
 
@@ -115,7 +115,7 @@ impl RunFolder {
             why: error.to_string(),
         })?;
         locked(&journal, path)?;
-        let earlier = Earlier::read(&file)?;
+        let earlier = ExistingLines::read(&file)?;
         journal.keep(earlier.bytes());
         let spent = after_whole_lines(&path.join(SPENT_FILE))?;
         Ok(RunFolder {

@@ -18,8 +18,8 @@ pub use asking::{Asking, Step};
 pub use expert::Expert;
 pub use external::{External, Sight};
 pub use prompted::{
-    Conversation, PromptError, Prompted, Rehearsed, Spoken, SpokenPart, conversation, opening,
-    rehearse,
+    Conversation, MessagePart, PromptError, Prompted, Rehearsed, UndrawnMessage, conversation,
+    opening, rehearse,
 };
 pub use random::Random;
 
@@ -33,7 +33,7 @@ use crate::result::StepResult;
 use crate::scene::Scene;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{CallRefused, Fault};
-use fab_model::{Description as ModelDescription, Lowering, Nature, Reply, Request};
+use fab_model::{Description as ModelDescription, Lowering, ModelKind, Reply, Request};
 use fab_picture::observation::Observation;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
@@ -130,7 +130,7 @@ impl Description {
     pub fn is_stand_in(&self) -> bool {
         let models = self.models.iter();
         let mut natures = models.flat_map(|models| [models.vision.nature, models.text.nature]);
-        natures.any(|nature| nature == Nature::StandIn)
+        natures.any(|nature| nature == ModelKind::StandIn)
     }
 
     /// Returns the name, with the caveats that a reader of the figures must know.

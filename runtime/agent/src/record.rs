@@ -224,7 +224,7 @@ pub enum Spent {
     /// The rollout ended.
     End {
         /// The totals of the rollout.
-        report: Box<Took>,
+        report: Box<RunCosts>,
     },
 }
 
@@ -342,7 +342,7 @@ pub struct JudgedBy {
 
 /// Durations and costs of a rollout, which differ between runs of the same one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Took {
+pub struct RunCosts {
     /// Mean time per action of render, vision, prompt, parse and verify, seconds: everything except the model, the
     /// motion, and the writing of files. Null if no action was asked for.
     pub planning_s: Option<f64>,
@@ -401,7 +401,7 @@ pub struct Record {
     /// Durations and costs of the steps, by number; for a repeated step, the first time counts.
     pub spent: BTreeMap<u32, StepSpent>,
     /// The totals, if it ended.
-    pub took: Option<Took>,
+    pub took: Option<RunCosts>,
 }
 
 /// Why a run folder cannot be read.
@@ -467,7 +467,7 @@ impl Record {
     }
 }
 
-fn read_spent(folder: &Path) -> Result<(BTreeMap<u32, StepSpent>, Option<Took>), RecordError> {
+fn read_spent(folder: &Path) -> Result<(BTreeMap<u32, StepSpent>, Option<RunCosts>), RecordError> {
     let damaged = |why: String| RecordError::Damaged {
         file: SPENT_FILE,
         why,

@@ -19,7 +19,7 @@ use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
 use crate::policy::{Asking, Attempt, MakePolicy, PolicyError, PromptError, Step};
-use crate::record::{Line, Report, Took};
+use crate::record::{Line, Report, RunCosts};
 use crate::result::StepResult;
 use crate::scene::SceneError;
 use crate::sheet::Sheet;
@@ -40,7 +40,7 @@ use serde::Serialize;
 use std::ops::Deref;
 use std::time::Instant;
 use turn::{Memory, Turn};
-use writer::Keeper;
+use writer::RolloutWriter;
 
 pub use first::{FirstQuestion, first_questions};
 pub use score::Score;
@@ -94,7 +94,7 @@ pub struct Ended {
     pub report: Report,
     /// Durations and costs of this run.
     #[serde(flatten)]
-    pub took: Took,
+    pub took: RunCosts,
 }
 
 impl Deref for Ended {
@@ -248,7 +248,7 @@ pub fn run(
     }
     let asking = Asking::in_folder(folder.path(), job.budget, job.recorder);
     let asking = asking.map_err(JournalError::from)?;
-    let mut keeper = Keeper::open(job, folder, asking, who.clone(), world.as_ref())?;
+    let mut keeper = RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref())?;
     let mut sheet = Sheet::new();
     let mut memory = Memory::new(job.start.digest(), who.sees_particles);
     let mut covered = Covered::at_start(job, world.as_mut())?;

@@ -13,7 +13,7 @@ use image::RgbImage;
 
 /// The user's input.
 #[derive(Clone, Debug)]
-pub struct Brought {
+pub struct SeeInput {
     /// Colour, in the size of the task's camera.
     pub rgb: RgbImage,
     /// Depth of the same size, metres; 0 means no reading.
@@ -33,7 +33,7 @@ pub struct LastAction {
 
 /// The result.
 #[derive(Clone, Debug)]
-pub struct Seen {
+pub struct SeeOutput {
     /// The keypoints.
     pub scene: Scene,
     /// A picture of each keypoint and of each layer, in their order.
@@ -74,7 +74,7 @@ pub enum SeeError {
 }
 
 /// Finds every keypoint in a picture, and draws every layer.
-pub fn see(program: &Program, brought: Brought) -> Result<Seen, SeeError> {
+pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, SeeError> {
     if brought.depth_m.is_none() {
         check_depth(program)?;
     }
@@ -85,7 +85,7 @@ pub fn see(program: &Program, brought: Brought) -> Result<Seen, SeeError> {
         .layers
         .iter()
         .filter(|layer| last.is_none() && layer.uses_last());
-    Ok(Seen {
+    Ok(SeeOutput {
         stages: scene.stages(program, &observation.rgb, last.as_ref())?,
         annotated: scene.annotated(program, &observation.rgb, last.as_ref())?,
         left_out: left_out.map(|layer| layer.name.clone()).collect(),

@@ -22,14 +22,14 @@ const MAX_PENDING: usize = 8;
 pub(super) struct PairBuffer {
     /// Start of the request, nanoseconds since 1970; `None` without a request.
     requested_at_ns: Option<i64>,
-    pub(super) colors: Arrived,
-    pub(super) depths: Arrived,
+    pub(super) colors: TopicPictures,
+    pub(super) depths: TopicPictures,
     pub(super) info: Option<CameraInfo>,
 }
 
 /// The pictures of one topic.
 #[derive(Default)]
-pub(super) struct Arrived {
+pub(super) struct TopicPictures {
     pub(super) pictures: VecDeque<(i64, Image)>,
     /// By how much the last rejected stamp was too old or too far ahead.
     pub(super) refused: Option<Refused>,
@@ -45,13 +45,13 @@ impl PairBuffer {
     /// Starts collecting pictures that were taken since `from_ns`.
     pub(super) fn start(&mut self, from_ns: i64) {
         self.requested_at_ns = Some(from_ns);
-        (self.colors, self.depths) = (Arrived::default(), Arrived::default());
+        (self.colors, self.depths) = (TopicPictures::default(), TopicPictures::default());
     }
 
     /// Stops collecting; the intrinsics stay, because some cameras publish them only once.
     pub(super) fn stop(&mut self) {
         self.requested_at_ns = None;
-        (self.colors, self.depths) = (Arrived::default(), Arrived::default());
+        (self.colors, self.depths) = (TopicPictures::default(), TopicPictures::default());
     }
 
     /// Removes and returns a colour picture with the depth nearest in time.
@@ -96,7 +96,7 @@ impl PairBuffer {
 pub(super) fn store(
     buffer: &mut PairBuffer,
     image: Image,
-    place: fn(&mut PairBuffer) -> &mut Arrived,
+    place: fn(&mut PairBuffer) -> &mut TopicPictures,
 ) {
     let Some(from_ns) = buffer.requested_at_ns else {
         return;
@@ -149,7 +149,7 @@ mod tests {
     }
 
     fn buffer(colors_ms: &[i64], depths_ms: &[i64]) -> PairBuffer {
-        let arrived = |stamps: &[i64]| Arrived {
+        let arrived = |stamps: &[i64]| TopicPictures {
             pictures: stamps
                 .iter()
                 .map(|stamp| (stamp * MS, image(*stamp)))

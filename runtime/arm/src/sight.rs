@@ -4,7 +4,7 @@ use crate::calibration::Calibration;
 use crate::kinematics::reach::Reach;
 use crate::plan::Plan;
 use crate::settings::Settings;
-use fab_picture::Found;
+use fab_picture::MovedMark;
 use image::{GrayImage, RgbImage};
 
 /// Draws a plan on the camera's own picture, which has the calibration's size.
@@ -12,7 +12,7 @@ pub type DrawPlan =
     fn(&Plan, &RgbImage, &Calibration, &Settings, &Reach) -> Result<RgbImage, String>;
 
 /// Finds places of the first picture in the second; omits hidden ones and those outside it.
-pub type FindAgain = fn(&GrayImage, &[[u32; 2]], &GrayImage) -> Result<Vec<Found>, String>;
+pub type FindAgain = fn(&GrayImage, &[[u32; 2]], &GrayImage) -> Result<Vec<MovedMark>, String>;
 
 /// The vision functions of an arm, provided by the caller; errors are worded for people.
 #[derive(Clone, Copy)]

@@ -3,7 +3,7 @@
 //! In: the suite's programs and laid starts. Out: ends in the cache before any rollout needs them, and distances to
 //! them. For a fold fraction below 1, each fold of the sequence is shortened accordingly.
 
-use super::lay::Laid;
+use super::lay::LaidStarts;
 use super::play::{Phase, Spent, at, place, program_of};
 use super::record::Rollout;
 use super::{Bench, BenchError};
@@ -39,7 +39,7 @@ fn fractions(bench: &Bench<'_>) -> Vec<f64> {
 /// Simulates every expert end that is not cached yet; returns whether all are available.
 pub(super) fn simulate(
     bench: &Bench<'_>,
-    laid: &Laid,
+    laid: &LaidStarts,
     progress: &(dyn Fn(Phase, usize, usize) + Sync),
     spent: &mut Spent,
 ) -> Result<bool, BenchError> {

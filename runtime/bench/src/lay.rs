@@ -11,13 +11,13 @@ use fab_world::WorldError;
 use fab_world::start::Start;
 
 /// The laid starts of every task.
-pub(super) type Laid = Vec<Vec<Start>>;
+pub(super) type LaidStarts = Vec<Vec<Start>>;
 
 /// Lays every start; `None` if the user interrupts.
 pub(super) fn lay(
     bench: &Bench<'_>,
     progress: &(dyn Fn(Phase, usize, usize) + Sync),
-) -> Result<Option<Laid>, BenchError> {
+) -> Result<Option<LaidStarts>, BenchError> {
     let tasks = bench.tasks.iter().enumerate();
     let jobs: Vec<(usize, usize)> = tasks
         .flat_map(|(task, it)| (0..it.starts.len()).map(move |start| (task, start)))
@@ -41,7 +41,7 @@ pub(super) fn lay(
         },
         |done| progress(Phase::Starts, done, jobs.len()),
     )?;
-    let mut starts: Laid = bench.tasks.iter().map(|_| Vec::new()).collect();
+    let mut starts: LaidStarts = bench.tasks.iter().map(|_| Vec::new()).collect();
     for ((task, _), start) in jobs.iter().zip(laid) {
         let Some(start) = start else {
             return Ok(None);
@@ -65,7 +65,7 @@ pub(super) fn lay_one(
 }
 
 /// Fails if a start of the suite is also an example shown to a model.
-pub(super) fn refuse_examples(bench: &Bench<'_>, laid: &Laid) -> Result<(), BenchError> {
+pub(super) fn refuse_examples(bench: &Bench<'_>, laid: &LaidStarts) -> Result<(), BenchError> {
     if is_by_hand(bench) {
         return Ok(());
     }

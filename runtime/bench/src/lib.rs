@@ -19,10 +19,10 @@ pub mod suite;
 pub mod table;
 
 mod experts;
-mod foresee;
+mod first_questions;
 mod lay;
 
-pub use foresee::first_questions_of;
+pub use first_questions::first_questions_of;
 
 use fab_agent::examples::Examples;
 use fab_agent::operator::Operator;
@@ -58,7 +58,7 @@ pub struct Bench<'a> {
     /// The arm that executes rollouts, one at a time, if there is one.
     pub arm: Option<OnArm<'a>>,
     /// A non-bundled world that executes rollouts in parallel, if there is one.
-    pub elsewhere: Option<Elsewhere<'a>>,
+    pub elsewhere: Option<OtherWorld<'a>>,
     /// The folder for run folders.
     pub out: PathBuf,
     /// Number of parallel jobs; rollouts on an arm, and those judged by an operator, run one at a time.
@@ -79,7 +79,7 @@ pub struct Bench<'a> {
 pub type MakeWorldOf<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
 /// A world that is neither the bundled simulator nor an arm.
-pub struct Elsewhere<'a> {
+pub struct OtherWorld<'a> {
     /// Its description.
     pub about: About,
     /// Whether a start can be laid again exactly.

@@ -4,9 +4,9 @@
 //! did not leave it at rest with an empty hand; after that one nothing more is started. An interrupted rollout is not
 //! resumed, because the table has changed. Nothing here moves the arm; each rollout's world does that.
 
-use super::lay::Laid;
+use super::lay::LaidStarts;
 use super::metric::Metric;
-use super::play::{self, Ended, Phase, Played, Stop, Which};
+use super::play::{self, JobEnd, Phase, Played, Stop, Which};
 use super::record;
 use super::starts::StartPoint;
 use super::suite::Suite;
@@ -100,7 +100,7 @@ pub(super) fn by_hand(point: &StartPoint) -> Start {
 /// Runs rollouts until all have ended, or one failed because of the arm or left it in an unclear state.
 pub(super) fn play(
     bench: &Bench<'_>,
-    laid: &Laid,
+    laid: &LaidStarts,
     jobs: &[Which],
     progress: &(dyn Fn(Phase, usize, usize) + Sync),
 ) -> Result<Done, BenchError> {
@@ -115,12 +115,12 @@ pub(super) fn play(
         let folder = play::folder_of(bench, *which);
         let mut has_failed = false;
         match play::one(bench, laid, *which)? {
-            Ended::Played(played, was_found) => {
+            JobEnd::Played(played, was_found) => {
                 has_failed = !was_found && played.rollout.report.outcome == Outcome::WorldFailed;
                 done.played.push((*played, was_found));
             }
-            Ended::CutOff => done.cut_off.push(folder.clone()),
-            Ended::Stopped(stop) => done.stop = Some(stop),
+            JobEnd::CutOff => done.cut_off.push(folder.clone()),
+            JobEnd::Stopped(stop) => done.stop = Some(stop),
         }
         let is_clear = !is_unclear(&folder)?;
         // A moved camera or an unresponsive arm would make the next rollout fail as well.

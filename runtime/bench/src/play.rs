@@ -4,9 +4,9 @@
 //! jobs on the requested number of threads, and a job starts no threads of its own: expert ends are available before
 //! the first rollout needs them.
 
-use super::lay::{self, Laid};
+use super::lay::{self, LaidStarts};
 use super::on_arm::{self, LeftArm};
-use super::record::{self, Found, Identity, Rollout};
+use super::record::{self, FolderContents, Identity, Rollout};
 use super::{Bench, BenchError, Entry, experts};
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
@@ -150,7 +150,7 @@ pub fn play(
 /// Runs rollouts in the simulator.
 fn side_by_side(
     bench: &Bench<'_>,
-    laid: &Laid,
+    laid: &LaidStarts,
     jobs: &[Which],
     progress: &(dyn Fn(Phase, usize, usize) + Sync),
 ) -> Result<on_arm::Done, BenchError> {
@@ -158,8 +158,8 @@ fn side_by_side(
         jobs.len(),
         bench.side_by_side(),
         |index| match one(bench, laid, jobs[index])? {
-            Ended::Played(played, was_found) => Ok(Some((*played, was_found))),
-            Ended::CutOff | Ended::Stopped(_) => Ok(None),
+            JobEnd::Played(played, was_found) => Ok(Some((*played, was_found))),
+            JobEnd::CutOff | JobEnd::Stopped(_) => Ok(None),
         },
         |done| progress(Phase::Rollouts, done, jobs.len()),
     );
@@ -240,7 +240,7 @@ pub(super) fn folder_of(bench: &Bench<'_>, (entry, start, repetition): Which) ->
 }
 
 /// The result of one rollout.
-pub(super) enum Ended {
+pub(super) enum JobEnd {
     /// It has ended; the flag says whether it was already finished before.
     Played(Box<Played>, bool),
     /// It was interrupted on an arm, and is not resumed.
@@ -250,7 +250,11 @@ pub(super) enum Ended {
 }
 
 /// Finds or runs a rollout, and scores its last state.
-pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended, BenchError> {
+pub(super) fn one(
+    bench: &Bench<'_>,
+    laid: &LaidStarts,
+    which: Which,
+) -> Result<JobEnd, BenchError> {
     let (number, start, repetition) = which;
     let entry = &bench.entries[number];
     let program = program_of(bench, entry, start)?;
@@ -285,7 +289,7 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
     let is_once = bench.arm.is_some() || bench.elsewhere.as_ref().is_some_and(|it| !it.repeats);
     let (rollout, was_found) = match record::find(&folder, &identity) {
         // Failures of a model or a program are retried, unless an arm has moved the cloth since.
-        Found::Finished(rollout)
+        FolderContents::Finished(rollout)
             if is_once
                 || !matches!(
                     rollout.report.outcome,
@@ -294,16 +298,20 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
         {
             (*rollout, true)
         }
-        Found::Other(why) => return Err(BenchError::Other { folder, why }),
-        Found::Unfinished if is_once && on_arm::has_begun(&folder) => return Ok(Ended::CutOff),
-        Found::Finished(_) | Found::Unfinished => match run(&job, &folder, &identity)? {
-            Ok(rollout) => (rollout, false),
-            Err(stop) => return Ok(Ended::Stopped(stop)),
-        },
+        FolderContents::Other(why) => return Err(BenchError::Other { folder, why }),
+        FolderContents::Unfinished if is_once && on_arm::has_begun(&folder) => {
+            return Ok(JobEnd::CutOff);
+        }
+        FolderContents::Finished(_) | FolderContents::Unfinished => {
+            match run(&job, &folder, &identity)? {
+                Ok(rollout) => (rollout, false),
+                Err(stop) => return Ok(JobEnd::Stopped(stop)),
+            }
+        }
     };
     let distances_m = match experts::distances_m(bench, &job, &rollout) {
         Ok(distances_m) => distances_m,
-        Err(WorldError::Interrupted) => return Ok(Ended::Stopped(Stop::Interrupted)),
+        Err(WorldError::Interrupted) => return Ok(JobEnd::Stopped(Stop::Interrupted)),
         Err(error) => return Err(at(&place(bench, entry, start), error)),
     };
     let played = Played {
@@ -312,7 +320,7 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
         rollout,
         distances_m,
     };
-    Ok(Ended::Played(Box::new(played), was_found))
+    Ok(JobEnd::Played(Box::new(played), was_found))
 }
 
 fn identity(job: &Job<'_>, entry: &Entry<'_>, about: About) -> Identity {
@@ -371,11 +379,11 @@ fn run(
         });
     }
     match record::find(folder, identity) {
-        Found::Finished(rollout) => Ok(Ok(*rollout)),
-        Found::Other(why) => Err(BenchError::Other {
+        FolderContents::Finished(rollout) => Ok(Ok(*rollout)),
+        FolderContents::Other(why) => Err(BenchError::Other {
             folder: folder.to_owned(),
             why,
         }),
-        Found::Unfinished => Ok(Err(Stop::Interrupted)),
+        FolderContents::Unfinished => Ok(Err(Stop::Interrupted)),
     }
 }

@@ -63,7 +63,7 @@ pub struct Identity {
 
 /// The contents of a folder.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Found {
+pub enum FolderContents {
     /// Nothing, or a rollout that was interrupted or stopped by a cap.
     Unfinished,
     /// Another rollout; the text says what differs.
@@ -73,30 +73,30 @@ pub enum Found {
 }
 
 /// Reads a run folder.
-pub fn find(folder: &Path, wanted: &Identity) -> Found {
+pub fn find(folder: &Path, wanted: &Identity) -> FolderContents {
     let read = match Record::read(folder) {
         Ok(read) => read,
-        Err(RecordError::Absent(_)) => return Found::Unfinished,
+        Err(RecordError::Absent(_)) => return FolderContents::Unfinished,
         // A retry would read the same record again.
-        Err(error) => return Found::Other(error.to_string()),
+        Err(error) => return FolderContents::Other(error.to_string()),
     };
     if let Some(difference) = wanted.difference(&read.header) {
-        return Found::Other(difference);
+        return FolderContents::Other(difference);
     }
     let Some(end) = read.end else {
-        return Found::Unfinished;
+        return FolderContents::Unfinished;
     };
     if matches!(
         end.report.outcome,
         Outcome::Interrupted | Outcome::BudgetExhausted
     ) {
-        return Found::Unfinished;
+        return FolderContents::Unfinished;
     }
     let last = match &end.final_positions {
         None => None,
         Some(file) => match positions(&folder.join(file)) {
             Some(positions) => Some(positions),
-            None => return Found::Unfinished,
+            None => return FolderContents::Unfinished,
         },
     };
     let mut spent = read.spent;
@@ -113,7 +113,7 @@ pub fn find(folder: &Path, wanted: &Identity) -> Found {
             cost_usd,
         }
     });
-    Found::Finished(Box::new(Rollout {
+    FolderContents::Finished(Box::new(Rollout {
         report: end.report,
         steps: steps.collect(),
         last,

@@ -29,23 +29,25 @@ const REHEARSALS: [(&str, &str); 2] = [
 
 /// The meaning of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stated {
+pub enum FigureMeaning {
     /// A statistic of a method.
     Of(Statistic),
     /// The difference of a statistic between two methods.
     Difference(Statistic),
 }
 
-impl fmt::Display for Stated {
+impl fmt::Display for FigureMeaning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Stated::Of(statistic) => f.write_str(statistic.as_str()),
-            Stated::Difference(statistic) => write!(f, "difference of {}s", statistic.as_str()),
+            FigureMeaning::Of(statistic) => f.write_str(statistic.as_str()),
+            FigureMeaning::Difference(statistic) => {
+                write!(f, "difference of {}s", statistic.as_str())
+            }
         }
     }
 }
 
-impl Serialize for Stated {
+impl Serialize for FigureMeaning {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
@@ -67,7 +69,7 @@ pub struct Row {
     /// Rollouts per start.
     pub repeats: Option<u32>,
     /// The kind of figure: `median`, `mean`, `share`, or the difference of two of these.
-    pub statistic: Stated,
+    pub statistic: FigureMeaning,
     /// The figure.
     pub value: f64,
     /// Larger quartile distance of a median, standard deviation of a mean.
@@ -114,13 +116,13 @@ pub fn rows(bench: &Bench<'_>, results: &Results) -> Vec<Row> {
         let entries = bench.entries.iter().enumerate();
         let entries: Vec<_> = entries.filter(|(_, entry)| entry.task == number).collect();
         for (index, entry) in &entries {
-            let shown = Shown::new(bench, results, *index, entry);
-            rows.extend(shown.iter().flat_map(Shown::rows));
+            let shown = EntryResults::new(bench, results, *index, entry);
+            rows.extend(shown.iter().flat_map(EntryResults::rows));
         }
         for gap in &bench.suite.gaps {
             let find = |name: &str| {
                 let found = entries.iter().find(|(_, entry)| entry.method.name == name);
-                found.and_then(|(index, entry)| Shown::new(bench, results, *index, entry))
+                found.and_then(|(index, entry)| EntryResults::new(bench, results, *index, entry))
             };
             if let (Some(of), Some(over)) = (find(&gap.of), find(&gap.over)) {
                 rows.extend(of.gaps(&over, &gap.name));
@@ -133,7 +135,7 @@ pub fn rows(bench: &Bench<'_>, results: &Results) -> Vec<Row> {
 }
 
 /// An entry with its finished rollouts.
-struct Shown<'b> {
+struct EntryResults<'b> {
     bench: &'b Bench<'b>,
     entry: &'b Entry<'b>,
     program: &'b Program,
@@ -148,20 +150,20 @@ fn rehearsal(world: &str) -> Option<&'static str> {
     all.find(|(name, _)| *name == world).map(|(_, note)| note)
 }
 
-impl<'b> Shown<'b> {
+impl<'b> EntryResults<'b> {
     /// `None` if no rollout has finished.
     fn new(
         bench: &'b Bench<'_>,
         results: &'b Results,
         index: usize,
         entry: &'b Entry<'_>,
-    ) -> Option<Shown<'b>> {
+    ) -> Option<EntryResults<'b>> {
         let mut rollouts = vec![Vec::new(); bench.tasks[entry.task].starts.len()];
         for played in results.rollouts.iter().filter(|it| it.entry == index) {
             rollouts[played.start].push(played);
         }
         let is_empty = rollouts.iter().all(Vec::is_empty);
-        Some(Shown {
+        Some(EntryResults {
             bench,
             entry,
             program: entry.programs.values().next()?,
@@ -207,7 +209,7 @@ impl<'b> Shown<'b> {
                 let statistic = self.statistic(metric);
                 let samples = self.samples(metric, cut);
                 if let Some(summary) = statistics::summary(statistic, &samples) {
-                    let stated = Stated::Of(statistic);
+                    let stated = FigureMeaning::Of(statistic);
                     rows.push(self.row(
                         self.entry.method.name.clone(),
                         metric,
@@ -221,14 +223,14 @@ impl<'b> Shown<'b> {
         rows
     }
 
-    fn gaps(&self, over: &Shown<'_>, name: &str) -> Vec<Row> {
+    fn gaps(&self, over: &EntryResults<'_>, name: &str) -> Vec<Row> {
         let mut rows = Vec::new();
         for (horizon, cut) in self.horizons() {
             for metric in self.metrics() {
                 let statistic = self.statistic(metric);
                 let (a, b) = (self.samples(metric, cut), over.samples(metric, cut));
                 if let Some(summary) = statistics::gap(statistic, &a, &b) {
-                    let stated = Stated::Difference(statistic);
+                    let stated = FigureMeaning::Difference(statistic);
                     let row = self.row(name.to_owned(), metric, (horizon, cut), stated, summary);
                     rows.push(Row {
                         queries: None,
@@ -280,7 +282,7 @@ impl<'b> Shown<'b> {
         method: String,
         metric: Metric,
         (horizon, cut): (u32, u32),
-        statistic: Stated,
+        statistic: FigureMeaning,
         summary: Summary,
     ) -> Row {
         let rollouts = || self.rollouts.iter().flatten();
@@ -361,7 +363,7 @@ fn quoted(quote: &Quote) -> Row {
         horizon: quote.horizon,
         n: quote.n.map(|n| n as usize),
         repeats: None,
-        statistic: Stated::Of(quote.statistic),
+        statistic: FigureMeaning::Of(quote.statistic),
         value: quote.value,
         spread: quote.spread,
         ci95: quote

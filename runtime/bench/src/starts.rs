@@ -31,11 +31,11 @@ pub struct StartPoint {
     pub number: u64,
     /// The cloth, with its own size.
     pub cloth: Cloth,
-    lie: Lie,
+    lie: Arrangement,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Lie {
+enum Arrangement {
     Turned { deg: f64 },
     Crumpled { seed: u64 },
     Recorded(Start),
@@ -73,7 +73,7 @@ pub fn generated(starts: &Starts, cloth: &Cloth) -> Vec<StartPoint> {
                     dimy: (dimx * cloth.dimy / cloth.dimx).max(2),
                     ..cloth.clone()
                 },
-                lie: Lie::Turned { deg },
+                lie: Arrangement::Turned { deg },
             });
             points.collect()
         }
@@ -89,7 +89,7 @@ pub fn generated(starts: &Starts, cloth: &Cloth) -> Vec<StartPoint> {
                     dimy: sides[number / sides.len() % sides.len()],
                     ..cloth.clone()
                 },
-                lie: Lie::Crumpled {
+                lie: Arrangement::Crumpled {
                     seed: first_seed + number as u64,
                 },
             });
@@ -99,7 +99,7 @@ pub fn generated(starts: &Starts, cloth: &Cloth) -> Vec<StartPoint> {
             let points = (0..*count).map(|number| StartPoint {
                 number: u64::from(number),
                 cloth: cloth.clone(),
-                lie: Lie::ByHand { number },
+                lie: Arrangement::ByHand { number },
             });
             points.collect()
         }
@@ -145,7 +145,7 @@ pub fn recorded(folder: &Path, task: &str) -> Result<Vec<StartPoint>, RecordedEr
                 spacing_m: start.grid.spacing_m,
                 start: ClothStart::Flat,
             },
-            lie: Lie::Recorded(start),
+            lie: Arrangement::Recorded(start),
         })
     });
     points.collect()
@@ -246,10 +246,10 @@ impl StartPoint {
             _ => format!("flat, {}", number + 1),
         };
         match &self.lie {
-            Lie::Turned { deg } => format!("flat, turned by {deg:.0} degrees"),
-            Lie::Crumpled { .. } => format!("crumpled by hand, {}", self.number + 1),
-            Lie::Recorded(start) => format!("as `{}` was recorded", start.name),
-            Lie::ByHand { number } => of_task(number),
+            Arrangement::Turned { deg } => format!("flat, turned by {deg:.0} degrees"),
+            Arrangement::Crumpled { .. } => format!("crumpled by hand, {}", self.number + 1),
+            Arrangement::Recorded(start) => format!("as `{}` was recorded", start.name),
+            Arrangement::ByHand { number } => of_task(number),
         }
     }
 
@@ -264,10 +264,10 @@ impl StartPoint {
         interrupt: &Interrupt,
     ) -> Result<Start, WorldError> {
         match &self.lie {
-            Lie::Turned { deg } => Ok(Start::turned_by(&self.cloth, deg.to_radians())),
-            Lie::Recorded(start) => Ok(start.clone()),
-            Lie::Crumpled { seed } => self.crumpled(*seed, world, cache, interrupt),
-            Lie::ByHand { number } => {
+            Arrangement::Turned { deg } => Ok(Start::turned_by(&self.cloth, deg.to_radians())),
+            Arrangement::Recorded(start) => Ok(start.clone()),
+            Arrangement::Crumpled { seed } => self.crumpled(*seed, world, cache, interrupt),
+            Arrangement::ByHand { number } => {
                 let seed = u64::from(*number);
                 let laid = match self.cloth.start {
                     ClothStart::Crumpled => self.crumpled(seed, world, cache, interrupt),

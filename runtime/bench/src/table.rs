@@ -4,7 +4,7 @@
 //! CSV has a line per row. Every table ends with notes on what its figures mean and do not mean.
 
 use super::metric::Metric;
-use super::rows::{Row, Stated};
+use super::rows::{FigureMeaning, Row};
 use super::statistics::Statistic;
 use super::suite::Suite;
 use fab_agent::record::CoverageSource;
@@ -198,7 +198,7 @@ fn names(row: &Row) -> Vec<String> {
 fn figure(row: &Row) -> String {
     let digits = row.metric.row().digits;
     let mut text = format!("{:.digits$}", row.value);
-    if matches!(row.statistic, Stated::Difference(_)) {
+    if matches!(row.statistic, FigureMeaning::Difference(_)) {
         text = format!("{:+.digits$}", row.value);
     }
     if let Some(spread) = row.spread {
@@ -254,7 +254,7 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
     }
     if rows
         .iter()
-        .any(|row| matches!(row.statistic, Stated::Difference(_)))
+        .any(|row| matches!(row.statistic, FigureMeaning::Difference(_)))
     {
         lines.push("Lines with a sign are differences between two methods from the same starts [95 % paired bootstrap interval].".to_owned());
     }

@@ -24,7 +24,7 @@ pub trait Model: Send + Sync {
     fn name(&self) -> &str;
 
     /// Returns what stands behind the name.
-    fn nature(&self) -> Nature;
+    fn nature(&self) -> ModelKind;
 
     /// Returns whether equal questions may get different answers at another [`Request::repetition`].
     ///
@@ -57,7 +57,7 @@ pub struct Description {
     /// Its name.
     pub name: String,
     /// What stands behind it.
-    pub nature: Nature,
+    pub nature: ModelKind,
     /// How it gets points of pictures.
     pub lowering: Lowering,
     /// The parameters omitted from its requests.
@@ -103,10 +103,10 @@ impl<'a> Models<'a> {
     }
 
     /// Returns what stands behind them: a stand-in if either is one.
-    pub fn nature(&self) -> Nature {
-        match [self.vision.nature(), self.text.nature()].contains(&Nature::StandIn) {
-            true => Nature::StandIn,
-            false => Nature::Model,
+    pub fn nature(&self) -> ModelKind {
+        match [self.vision.nature(), self.text.nature()].contains(&ModelKind::StandIn) {
+            true => ModelKind::StandIn,
+            false => ModelKind::Model,
         }
     }
 
@@ -119,7 +119,7 @@ impl<'a> Models<'a> {
 /// What stands behind a model's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Nature {
+pub enum ModelKind {
     /// A built-in program in place of a model; results say so.
     StandIn,
     /// A vision-language model.

@@ -45,7 +45,7 @@ pub type DepthImage = image::ImageBuffer<image::Luma<f32>, Vec<f32>>;
 
 /// The position of a mark in another picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct MovedMark {
     /// The mark, `[column, row]`, the middle of its pixel.
     pub at_px: [f64; 2],
     /// Its offset from there, `[right, down]`, pixels.

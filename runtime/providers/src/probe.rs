@@ -52,7 +52,7 @@ pub struct Probe {
     /// Number of dots with a position in an answer.
     pub read: usize,
     /// Question and answer for each picture.
-    pub pictures: Vec<Asked>,
+    pub pictures: Vec<ProbeAnswer>,
     /// Total usage as reported by the provider, if any.
     pub usage: Option<Usage>,
     /// Total cost, if known.
@@ -81,7 +81,7 @@ pub struct ErrorPx {
 
 /// One picture, and the model's answer about it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Asked {
+pub struct ProbeAnswer {
     /// Side of the picture before it was resized, pixels.
     pub side_px: u32,
     /// Position of each dot in it, column and row.
@@ -134,7 +134,7 @@ pub fn probe(model: &dyn Model, seed: u64, calls: &mut dyn Calls) -> Result<Prob
         cost = cost.zip(reply.cost).map(|(sum, more)| sum + more);
         let said = reading::pairs(&reply.text, &DOTS.map(|(colour, _)| colour));
         let dots = DOTS.iter().zip(&places).zip(said);
-        pictures.push(Asked {
+        pictures.push(ProbeAnswer {
             side_px,
             dots: dots
                 .map(|(((colour, _), at), said)| Dot {
@@ -195,7 +195,7 @@ fn lowerings(asked: Lowering) -> Vec<Lowering> {
     lowerings
 }
 
-fn error_of(tried: Lowering, asked: Lowering, pictures: &[Asked]) -> Option<ErrorPx> {
+fn error_of(tried: Lowering, asked: Lowering, pictures: &[ProbeAnswer]) -> Option<ErrorPx> {
     let mut distances: Vec<f64> = Vec::new();
     for picture in pictures {
         let size = [picture.side_px; 2];

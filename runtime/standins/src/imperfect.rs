@@ -10,7 +10,7 @@ use super::Geometric;
 use super::choices::{self, Field};
 use fab_base::chance::Chance;
 use fab_model::calls::Calls;
-use fab_model::{Model, ModelError, Nature, Part, Reply, Request, Speaker};
+use fab_model::{Model, ModelError, ModelKind, Part, Reply, Request, Speaker};
 use fab_program::PixelPoint;
 
 /// Distance of an unlisted point from the right one, pixels.
@@ -26,7 +26,7 @@ pub struct Imperfect {
 
 /// A kind of error in an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Slip {
+enum AnswerMistake {
     NearLastPlace,
     Opposite,
     OffTheList,
@@ -51,8 +51,8 @@ impl Model for Imperfect {
         &self.name
     }
 
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
 
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
@@ -63,10 +63,10 @@ impl Model for Imperfect {
             return Ok(right);
         }
         let slips = [
-            Slip::NearLastPlace,
-            Slip::Opposite,
-            Slip::OffTheList,
-            Slip::Malformed,
+            AnswerMistake::NearLastPlace,
+            AnswerMistake::Opposite,
+            AnswerMistake::OffTheList,
+            AnswerMistake::Malformed,
         ];
         let slip = slips[chance.below(slips.len())];
         let wrong = Answer::read(&right.text, fields)
@@ -97,20 +97,25 @@ impl Answer {
     }
 
     /// Returns the answer with an error in it; `None` for the unreadable kind.
-    fn spoilt(mut self, slip: Slip, request: &Request, chance: &mut Chance) -> Option<String> {
+    fn spoilt(
+        mut self,
+        slip: AnswerMistake,
+        request: &Request,
+        chance: &mut Chance,
+    ) -> Option<String> {
         let mut points = self.0.iter().enumerate();
         let pick = points.position(|(_, (_, value))| choices::point(value).is_some())?;
         match slip {
-            Slip::Malformed => return None,
-            Slip::NearLastPlace => {
+            AnswerMistake::Malformed => return None,
+            AnswerMistake::NearLastPlace => {
                 let (field, value) = &self.0[pick];
                 self.0[pick].1 = near_last_place(field, value, request, chance)?;
             }
-            Slip::OffTheList => {
+            AnswerMistake::OffTheList => {
                 let (field, value) = &self.0[pick];
                 self.0[pick].1 = off_the_list(field, value, chance)?;
             }
-            Slip::Opposite => self.turn_round(pick),
+            AnswerMistake::Opposite => self.turn_round(pick),
         }
         let values = self.0.into_iter().map(|(field, value)| (field.name, value));
         Some(choices::answer(values.collect()))

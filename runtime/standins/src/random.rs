@@ -7,7 +7,7 @@
 use super::choices::{self, Field};
 use fab_base::chance::Chance;
 use fab_model::calls::Calls;
-use fab_model::{Model, ModelError, Nature, Reply, Request};
+use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use fab_picture::png;
 use std::path::Path;
 
@@ -33,8 +33,8 @@ impl Model for Random {
         &self.name
     }
 
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {

@@ -5,7 +5,7 @@
 //! normalised correlation. The caller interprets their common motion.
 
 use super::{VisionError, check_size};
-use fab_picture::Found;
+use fab_picture::MovedMark;
 use image::GrayImage;
 use opencv::boxed_ref::BoxedRef;
 use opencv::core::{Mat, Rect};
@@ -58,7 +58,7 @@ pub fn find_again(
     reference: &GrayImage,
     marks: &[[u32; 2]],
     other: &GrayImage,
-) -> Result<Vec<Found>, VisionError> {
+) -> Result<Vec<MovedMark>, VisionError> {
     if reference.dimensions() != other.dimensions() {
         return Ok(Vec::new());
     }
@@ -69,7 +69,7 @@ pub fn find_again(
         if reference.holds(at)
             && let Some(moved_px) = other.likenesses(&reference, at)?.best()
         {
-            found.push(Found {
+            found.push(MovedMark {
                 at_px: at.map(|coordinate| f64::from(coordinate) + 0.5),
                 moved_px,
             });
@@ -153,7 +153,7 @@ impl<'p> Grey<'p> {
     }
 
     /// Compares a patch of another picture with all patches of this one around the same place, within the search range.
-    fn likenesses(&self, of: &Grey<'_>, at: [i32; 2]) -> Result<Likenesses, VisionError> {
+    fn likenesses(&self, of: &Grey<'_>, at: [i32; 2]) -> Result<Correlations, VisionError> {
         let [u, v] = at;
         let patch = Mat::roi(&of.pixels, Rect::new(u - HALF, v - HALF, SIDE, SIDE))?;
         let least = at.map(|coordinate| (coordinate - REACH - HALF).max(0));
@@ -168,7 +168,7 @@ impl<'p> Grey<'p> {
         )?;
         let mut likeness = Mat::default();
         imgproc::match_template_def(&searched, &patch, &mut likeness, imgproc::TM_CCOEFF_NORMED)?;
-        Ok(Likenesses {
+        Ok(Correlations {
             first: [least[0] + HALF - u, least[1] + HALF - v],
             columns: likeness.cols(),
             values: likeness.data_typed::<f32>()?.to_vec(),
@@ -177,7 +177,7 @@ impl<'p> Grey<'p> {
 }
 
 /// The normalised correlation of a patch with each patch around a place, -1 to 1.
-struct Likenesses {
+struct Correlations {
     /// Offset of the first value from the place, `[right, down]`.
     first: [i32; 2],
     columns: i32,
@@ -185,7 +185,7 @@ struct Likenesses {
     values: Vec<f32>,
 }
 
-impl Likenesses {
+impl Correlations {
     fn all(&self) -> impl Iterator<Item = ([i32; 2], f64)> {
         let offset = |index: i32| {
             let (row, column) = (index / self.columns, index % self.columns);

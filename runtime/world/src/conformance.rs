@@ -20,7 +20,7 @@ const INSTANT: Duration = Duration::from_millis(500);
 pub struct Promise {
     /// What is promised.
     pub name: &'static str,
-    check: fn(&MakeWorld<'_>) -> Result<Kept, Broken>,
+    check: fn(&MakeWorld<'_>) -> Result<Conformance, Violation>,
 }
 
 /// Makes worlds that are all equal.
@@ -28,7 +28,7 @@ pub type MakeWorld<'a> = dyn Fn() -> Result<Box<dyn World>, WorldError> + 'a;
 
 /// How a promise was kept.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Kept {
+pub enum Conformance {
     /// It was kept.
     Whole,
     /// The world says that it cannot do what was promised, which is allowed.
@@ -37,7 +37,7 @@ pub enum Kept {
 
 /// How a promise was broken.
 #[derive(Debug, thiserror::Error)]
-pub enum Broken {
+pub enum Violation {
     /// A result broke the promise.
     #[error("{0}")]
     Promise(String),
@@ -48,7 +48,7 @@ pub enum Broken {
 
 impl Promise {
     /// Returns whether a world keeps the promise.
-    pub fn check(&self, make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+    pub fn check(&self, make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
         (self.check)(make)
     }
 }
@@ -103,10 +103,10 @@ pub fn camera() -> Camera {
     }
 }
 
-fn demand(holds: bool, otherwise: &str) -> Result<(), Broken> {
+fn demand(holds: bool, otherwise: &str) -> Result<(), Violation> {
     match holds {
         true => Ok(()),
-        false => Err(Broken::Promise(otherwise.to_owned())),
+        false => Err(Violation::Promise(otherwise.to_owned())),
     }
 }
 
@@ -127,7 +127,7 @@ fn corner_to_center() -> Motion {
     }
 }
 
-fn equal_worlds_say_the_same(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+fn equal_worlds_say_the_same(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
     let (one, other) = (make()?, make()?);
     demand(
         one.name() == other.name(),
@@ -141,10 +141,10 @@ fn equal_worlds_say_the_same(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
         one.code() == other.code(),
         "two equal worlds have different `code`",
     )?;
-    Ok(Kept::Whole)
+    Ok(Conformance::Whole)
 }
 
-fn looks_only_after_a_reset(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+fn looks_only_after_a_reset(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
     let mut world = make()?;
     let seen = matches!(world.observe(), Err(WorldError::NotReset));
     demand(seen, "it takes a picture before any cloth was laid")?;
@@ -157,10 +157,10 @@ fn looks_only_after_a_reset(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
         world.particles().is_none(),
         "it has particles before any cloth was laid",
     )?;
-    Ok(Kept::Whole)
+    Ok(Conformance::Whole)
 }
 
-fn two_looks_are_equal(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+fn two_looks_are_equal(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
     let mut world = make()?;
     world.reset(&start())?;
     let (first, second) = (world.observe()?, world.observe()?);
@@ -174,10 +174,12 @@ fn two_looks_are_equal(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
     )?;
     let is_registered = first.rgb.dimensions() == first.depth_m.dimensions();
     demand(is_registered, "colour and depth are not of one size")?;
-    Ok(Kept::Whole)
+    Ok(Conformance::Whole)
 }
 
-fn a_fold_moves_the_cloth_and_a_reset_brings_it_back(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+fn a_fold_moves_the_cloth_and_a_reset_brings_it_back(
+    make: &MakeWorld<'_>,
+) -> Result<Conformance, Violation> {
     let mut world = make()?;
     world.reset(&start())?;
     let before = world.observe()?;
@@ -208,20 +210,24 @@ fn a_fold_moves_the_cloth_and_a_reset_brings_it_back(make: &MakeWorld<'_>) -> Re
         demand(particles != start().positions, "the fold moved no particle")?;
     }
     if !world.repeats() {
-        return Ok(Kept::Refused("it says that it does not repeat".to_owned()));
+        return Ok(Conformance::Refused(
+            "it says that it does not repeat".to_owned(),
+        ));
     }
     world.reset(&start())?;
     demand(
         world.observe()?.rgb == before.rgb,
         "a reset does not lay the cloth as before",
     )?;
-    Ok(Kept::Whole)
+    Ok(Conformance::Whole)
 }
 
-fn equal_actions_have_equal_results(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+fn equal_actions_have_equal_results(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
     let (mut one, mut other) = (make()?, make()?);
     if !one.repeats() {
-        return Ok(Kept::Refused("it says that it does not repeat".to_owned()));
+        return Ok(Conformance::Refused(
+            "it says that it does not repeat".to_owned(),
+        ));
     }
     for world in [&mut one, &mut other] {
         world.reset(&start())?;
@@ -235,10 +241,10 @@ fn equal_actions_have_equal_results(make: &MakeWorld<'_>) -> Result<Kept, Broken
         one.observe()?.rgb == other.observe()?.rgb,
         "equal actions end in different pictures",
     )?;
-    Ok(Kept::Whole)
+    Ok(Conformance::Whole)
 }
 
-fn a_pick_beside_the_cloth_grasps_nothing(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+fn a_pick_beside_the_cloth_grasps_nothing(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
     let mut world = make()?;
     world.reset(&start())?;
     let before = world.particles();
@@ -256,10 +262,10 @@ fn a_pick_beside_the_cloth_grasps_nothing(make: &MakeWorld<'_>) -> Result<Kept, 
         world.particles() == before,
         "an empty gripper moved the cloth",
     )?;
-    Ok(Kept::Whole)
+    Ok(Conformance::Whole)
 }
 
-fn an_interrupt_ends_an_action(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+fn an_interrupt_ends_an_action(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
     let mut world = make()?;
     world.reset(&start())?;
     let interrupt = Interrupt::default();
@@ -269,23 +275,25 @@ fn an_interrupt_ends_an_action(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
     let took = begun.elapsed();
     match done {
         Err(WorldError::Interrupted | WorldError::Halted { .. }) if took < LONGEST_HALT => {
-            Ok(Kept::Whole)
+            Ok(Conformance::Whole)
         }
-        Err(WorldError::Interrupted | WorldError::Halted { .. }) => Err(Broken::Promise(format!(
-            "it takes {:.1} s to end what was interrupted",
-            took.as_secs_f64()
-        ))),
+        Err(WorldError::Interrupted | WorldError::Halted { .. }) => {
+            Err(Violation::Promise(format!(
+                "it takes {:.1} s to end what was interrupted",
+                took.as_secs_f64()
+            )))
+        }
         Err(other) => Err(other.into()),
-        Ok(_) if took < INSTANT => Ok(Kept::Refused(
+        Ok(_) if took < INSTANT => Ok(Conformance::Refused(
             "an action is over before an interrupt can reach it".to_owned(),
         )),
-        Ok(_) => Err(Broken::Promise(
+        Ok(_) => Err(Violation::Promise(
             "it carries an action out that was interrupted".to_owned(),
         )),
     }
 }
 
-fn a_broken_start_is_refused(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+fn a_broken_start_is_refused(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
     let mut world = make()?;
     let mut broken = start();
     broken.positions[3][2] = f32::NAN;
@@ -302,16 +310,16 @@ fn a_broken_start_is_refused(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
         refused(world.as_mut(), &short),
         "it lays a start with fewer particles than its grid has",
     )?;
-    Ok(Kept::Whole)
+    Ok(Conformance::Whole)
 }
 
-fn crumpling_depends_on_the_seed_alone(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+fn crumpling_depends_on_the_seed_alone(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
     let world = make()?;
     let crumple = |seed| world.crumple(&start(), seed, &Interrupt::default());
     let heap = match crumple(7) {
         Ok(heap) => heap,
         Err(WorldError::CannotCrumple { .. }) => {
-            return Ok(Kept::Refused(
+            return Ok(Conformance::Refused(
                 "it says that it cannot crumple a cloth".to_owned(),
             ));
         }
@@ -350,5 +358,5 @@ fn crumpling_depends_on_the_seed_alone(make: &MakeWorld<'_>) -> Result<Kept, Bro
         matches!(refused, Err(WorldError::Start { .. })),
         "it crumples a start with a number that is not finite",
     )?;
-    Ok(Kept::Whole)
+    Ok(Conformance::Whole)
 }

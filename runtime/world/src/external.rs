@@ -4,7 +4,8 @@
 //! Every answer is checked here before anybody uses it.
 
 use crate::protocol::{
-    Done, Hello, LIMITS_S, Laid, Lie, Nothing, PROTOCOL, Positions, Question, Reached, Seen,
+    Arrangement, CameraView, ClothState, Done, Hello, LIMITS_S, Nothing, PROTOCOL, Positions,
+    Question, Reached,
 };
 use crate::start::Start;
 use crate::{Executed, Motion, World, WorldError, WorldPoint, simulated};
@@ -192,7 +193,7 @@ impl ExternalWorld {
     }
 
     /// Writes the files of a start for the program.
-    fn written(&self, start: &Start) -> Result<Laid, WorldError> {
+    fn written(&self, start: &Start) -> Result<ClothState, WorldError> {
         let refused = |why: String| WorldError::Start {
             start: start.name.clone(),
             why,
@@ -223,15 +224,15 @@ impl ExternalWorld {
             start: ClothStart::Flat,
         });
         let lie = match flat.positions == start.positions {
-            true => Lie::Flat,
-            false => Lie::Positions,
+            true => Arrangement::Flat,
+            false => Arrangement::Positions,
         };
         let mut number = self.n_starts.borrow_mut();
         *number += 1;
         let path = self.folder.path().join(format!("start-{number}.npy"));
         files::write_whole(&path, &npy::encode(&start.positions))
             .map_err(|error| self.wrong(error))?;
-        Ok(Laid {
+        Ok(ClothState {
             name: start.name.clone(),
             lie,
             grid,
@@ -311,7 +312,7 @@ impl World for ExternalWorld {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
-        let seen: Seen = self.get(&Question::Observe, &self.interrupt)?;
+        let seen: CameraView = self.get(&Question::Observe, &self.interrupt)?;
         let side = self.camera.image_px;
         let rgb = png::load(&seen.rgb).map_err(|error| self.wrong(error))?;
         if rgb.dimensions() != (side, side) {

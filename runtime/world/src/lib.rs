@@ -13,10 +13,10 @@ pub mod serve;
 pub mod simulated;
 pub mod start;
 
-mod around;
 #[cfg(test)]
 #[path = "../../../tests/recorded_data.rs"]
 mod recorded;
+mod wrapper;
 
 use crate::start::Start;
 use fab_base::interrupt::Interrupt;
@@ -24,9 +24,9 @@ use fab_picture::observation::Observation;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
-pub use around::Around;
 pub use external::ExternalWorld;
 pub use simulated::{Look, SimulatedWorld};
+pub use wrapper::Wrapper;
 
 /// A point in the world frame: right-handed, z up, origin at the table's centre, metres.
 pub type WorldPoint = Point3<f64>;

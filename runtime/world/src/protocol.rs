@@ -42,7 +42,7 @@ pub enum Question {
         /// How the cloth is released.
         picker: Picker,
         /// How the cloth lies.
-        start: Laid,
+        start: ClothState,
     },
     /// Take a picture.
     Observe,
@@ -62,7 +62,7 @@ pub enum Question {
         /// Decides everything random.
         seed: u64,
         /// The cloth.
-        start: Laid,
+        start: ClothState,
     },
     /// Can something be done at a point?
     Reach {
@@ -89,11 +89,11 @@ impl Question {
 
 /// How a cloth lies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Laid {
+pub struct ClothState {
     /// Its name in reports.
     pub name: String,
     /// Its arrangement.
-    pub lie: Lie,
+    pub lie: Arrangement,
     /// Its particle grid.
     pub grid: Grid,
     /// Its particles: a `.npy` file of float32, shape `[dimy * dimx, 3]`.
@@ -103,7 +103,7 @@ pub struct Laid {
 /// The arrangement of a cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Lie {
+pub enum Arrangement {
     /// Flat on the table's centre, edges along the axes.
     Flat,
     /// As its positions say.
@@ -147,7 +147,7 @@ pub struct Nothing {}
 
 /// What the camera sees.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Seen {
+pub struct CameraView {
     /// Colour, a PNG file.
     pub rgb: PathBuf,
     /// Depth along the optical axis, a `.npy` file of float32, shape `[height, width]`; 0 means no reading.

@@ -3,7 +3,7 @@
 //! In: questions of [`protocol`], line by line. Out: their answers. It serves as an example of the protocol; a rollout
 //! in it equals one in [`SimulatedWorld`], bit for bit.
 
-use crate::protocol::{self, Done, Hello, Laid, Nothing, Positions, Question, Seen};
+use crate::protocol::{self, CameraView, ClothState, Done, Hello, Nothing, Positions, Question};
 use crate::start::Start;
 use crate::{Motion, SimulatedWorld, World, WorldError, WorldPoint, conformance};
 use fab_base::interrupt::Interrupt;
@@ -124,7 +124,7 @@ impl Served {
                 let shape = [height, width].map(u64::from);
                 let numbers = seen.depth_m.iter().copied();
                 files::write_whole(&depth, &npy::encode_floats(&shape, numbers))?;
-                written(Seen {
+                written(CameraView {
                     rgb,
                     depth,
                     time_s: seen.time_s,
@@ -186,7 +186,7 @@ fn hello(world: &SimulatedWorld) -> Hello {
     }
 }
 
-fn read(laid: &Laid) -> Result<Start, Stopped> {
+fn read(laid: &ClothState) -> Result<Start, Stopped> {
     let bytes = files::read(&laid.positions, MAX_BYTES).map_err(Stopped::Refused)?;
     let positions = npy::decode(&bytes);
     let refused = || {

@@ -10,7 +10,7 @@ use crate::sources;
 use crate::verbs::new::NewFoldArguments;
 use crate::verbs::new::{Draft, FOLDING, file_of, folder_of, shown};
 use fab_agent::draft;
-use fab_agent::draft::{DraftError, Named, Stated};
+use fab_agent::draft::{DraftError, NamedPicture, StatedMeasures};
 use fab_picture::png;
 use fab_program::{Camera, Picker};
 use fab_world::{SimulatedWorld, World, WorldError};
@@ -19,10 +19,10 @@ use std::path::{Path, PathBuf};
 /// Looks at the pictures and writes the task.
 pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Draft, Failure> {
     let paths = arguments.pictures.from_images.iter();
-    let pictures: Vec<Named> = paths
+    let pictures: Vec<NamedPicture> = paths
         .map(|path| pictures::load(path))
         .collect::<Result<_, _>>()?;
-    let stated = Stated {
+    let stated = StatedMeasures {
         height_m: arguments.pictures.height,
         longer_m: arguments.pictures.cloth,
     };
@@ -50,7 +50,11 @@ pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Draft, Failure> {
     })
 }
 
-fn look(pictures: &[Named], stated: &Stated, io: &Io) -> Result<draft::Draft, Failure> {
+fn look(
+    pictures: &[NamedPicture],
+    stated: &StatedMeasures,
+    io: &Io,
+) -> Result<draft::Draft, Failure> {
     let interrupt = io.interrupt()?;
     let make_world = |camera: &Camera| -> Result<Box<dyn World>, WorldError> {
         let world = SimulatedWorld::new(camera, Picker::PutDown)?;
@@ -78,7 +82,7 @@ fn look(pictures: &[Named], stated: &Stated, io: &Io) -> Result<draft::Draft, Fa
 /// A picture that is already there is named in its place.
 fn places(
     arguments: &NewFoldArguments,
-    pictures: &[Named],
+    pictures: &[NamedPicture],
 ) -> (Vec<String>, Vec<(PathBuf, Vec<u8>)>) {
     let folder = folder_of(&arguments.task);
     let mut brought = Vec::new();

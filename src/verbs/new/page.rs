@@ -5,7 +5,7 @@
 
 use super::points::{fold_text, point_text};
 use fab_agent::draft;
-use fab_agent::draft::{ArrowOrigin, DraftStep, Named, Stated};
+use fab_agent::draft::{ArrowOrigin, DraftStep, NamedPicture, StatedMeasures};
 use fab_program::{ClothPoint, Fold, Sequence};
 use std::fmt::Write;
 
@@ -35,9 +35,9 @@ pub struct Page<'p> {
     /// The task's name.
     pub name: &'p str,
     /// What the user stated.
-    pub stated: &'p Stated,
+    pub stated: &'p StatedMeasures,
     /// The pictures, under the user's names.
-    pub pictures: &'p [Named],
+    pub pictures: &'p [NamedPicture],
     /// What the task calls the pictures.
     pub places: &'p [String],
     /// What the pictures show.

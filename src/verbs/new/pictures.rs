@@ -2,7 +2,7 @@
 
 use crate::exit::Failure;
 use crate::verbs::new::shown;
-use fab_agent::draft::Named;
+use fab_agent::draft::NamedPicture;
 use fab_picture::png;
 use fab_picture::png::PictureError;
 use image::ImageFormat;
@@ -14,10 +14,10 @@ use std::path::Path;
 const HEAD_BYTES: u64 = 32;
 
 /// Reads a PNG picture.
-pub fn load(path: &Path) -> Result<Named, Failure> {
+pub fn load(path: &Path) -> Result<NamedPicture, Failure> {
     let name = shown(path);
     match png::load(path) {
-        Ok(picture) => Ok(Named { name, picture }),
+        Ok(picture) => Ok(NamedPicture { name, picture }),
         Err(error @ PictureError::TooLarge { .. }) => {
             Err(Failure::environment(error).saying(&conversion(&name)))
         }

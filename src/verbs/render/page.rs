@@ -6,15 +6,15 @@
 use fab_program::render::{Origin, PromptText};
 
 /// One message for display.
-pub struct Shown {
+pub struct DisplayMessage {
     /// Who speaks.
     pub role: &'static str,
     /// Its parts, in order.
-    pub parts: Vec<ShownPart>,
+    pub parts: Vec<DisplayPart>,
 }
 
 /// A part of a displayed message.
-pub enum ShownPart {
+pub enum DisplayPart {
     /// Text.
     Text(PromptText),
     /// A picture.
@@ -31,7 +31,7 @@ pub struct ShownStage {
     /// Its name.
     pub name: String,
     /// Its messages, in order.
-    pub messages: Vec<Shown>,
+    pub messages: Vec<DisplayMessage>,
     /// How many of the messages make up the first question.
     pub n_asked_first: usize,
     /// What a model would be told after each check's rejection, by the check's name.
@@ -58,8 +58,8 @@ impl ShownStage {
             lines.push(Line::bare(format!("--- {}", message.role)));
             for part in &message.parts {
                 match part {
-                    ShownPart::Text(said) => lines.extend(of_text(said)),
-                    ShownPart::Picture { title, .. } => {
+                    DisplayPart::Text(said) => lines.extend(of_text(said)),
+                    DisplayPart::Picture { title, .. } => {
                         lines.push(Line::bare(format!("[picture: {title}]")));
                     }
                 }
@@ -73,7 +73,7 @@ impl ShownStage {
     }
 
     /// Returns the parts of the first question.
-    pub fn first_question(&self) -> impl Iterator<Item = &ShownPart> {
+    pub fn first_question(&self) -> impl Iterator<Item = &DisplayPart> {
         let asked = self.messages.iter().take(self.n_asked_first);
         asked.flat_map(|message| &message.parts)
     }
@@ -81,8 +81,8 @@ impl ShownStage {
     /// Returns the texts of the first question, without headings.
     pub fn texts(&self) -> impl Iterator<Item = &PromptText> {
         self.first_question().filter_map(|part| match part {
-            ShownPart::Text(said) => Some(said),
-            ShownPart::Picture { .. } => None,
+            DisplayPart::Text(said) => Some(said),
+            DisplayPart::Picture { .. } => None,
         })
     }
 

@@ -3,7 +3,7 @@
 //! In: a stage for display. Out: the page with line numbers, a table of estimated tokens, and the same as JSON. Picture
 //! tokens and prices are known only if a model is named.
 
-use super::page::{Line, ShownPart, ShownStage};
+use super::page::{DisplayPart, Line, ShownStage};
 use fab_program::render::Origin;
 use fab_program::tokens;
 use serde_json::{Value, json};
@@ -121,7 +121,7 @@ fn weights(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> Vec<
     }
     for part in stage.first_question() {
         if let (
-            ShownPart::Picture {
+            DisplayPart::Picture {
                 title,
                 png: Some(png),
             },
@@ -186,12 +186,12 @@ fn table(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> String
 
 /// Returns how many pictures of the first question have an unknown token count.
 fn not_counted(stage: &ShownStage, rates: Option<&dyn Rates>) -> usize {
-    let is_unknown = |part: &&ShownPart| match (part, rates) {
-        (ShownPart::Text(_), _) => false,
-        (ShownPart::Picture { png: Some(png), .. }, Some(rates)) => {
+    let is_unknown = |part: &&DisplayPart| match (part, rates) {
+        (DisplayPart::Text(_), _) => false,
+        (DisplayPart::Picture { png: Some(png), .. }, Some(rates)) => {
             rates.picture_tokens(png).is_none()
         }
-        (ShownPart::Picture { .. }, _) => true,
+        (DisplayPart::Picture { .. }, _) => true,
     };
     stage.first_question().filter(is_unknown).count()
 }
@@ -223,7 +223,7 @@ pub fn as_json(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> 
     let mut stretches = Vec::new();
     for (number, message) in stage.messages.iter().enumerate() {
         for (part, shown) in message.parts.iter().enumerate() {
-            let ShownPart::Text(said) = shown else {
+            let DisplayPart::Text(said) = shown else {
                 continue;
             };
             for stretch in &said.stretches {

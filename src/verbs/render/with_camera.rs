@@ -1,6 +1,6 @@
 //! Renders prompts of a scene from the world's camera, with the pictures that a model gets.
 
-use super::page::{Shown, ShownPart, ShownStage};
+use super::page::{DisplayMessage, DisplayPart, ShownStage};
 use super::scene_file::SceneFile;
 use super::title;
 use super::why::Rates;
@@ -8,18 +8,18 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::sources;
 use crate::verbs::render::RenderArguments;
-use crate::verbs::runtime::look::{self, Seen};
+use crate::verbs::runtime::look::{self, StepScene};
 use crate::verbs::runtime::run::say_origin;
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::StartArguments;
 use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::catalogue::FactsArguments;
-use crate::verbs::runtime::setting::models::Told;
+use crate::verbs::runtime::setting::models::TargetModel;
 use clap::Args;
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
 use fab_agent::policy;
-use fab_agent::policy::{Conversation, Finding, Rehearsed, Spoken, SpokenPart, StepView};
+use fab_agent::policy::{Conversation, Finding, MessagePart, Rehearsed, StepView, UndrawnMessage};
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::Usage;
@@ -97,10 +97,10 @@ pub fn fitted(
 
 /// A scene and everything that can be displayed of it.
 pub struct View {
-    seen: Seen,
+    seen: StepScene,
     pictures: Pictures,
     step: u32,
-    told: Told,
+    told: TargetModel,
     rates: Option<RatesOn>,
 }
 
@@ -119,7 +119,7 @@ impl View {
             let both = "`--scene` gives the points and `--start` lets the camera find them; give one of them";
             return Err(Failure::usage(both));
         }
-        let told = Told::of(&arguments.camera.shown, io)?;
+        let told = TargetModel::of(&arguments.camera.shown, io)?;
         let interrupt = Interrupt::default();
         let mut world = setting::world(program).map_err(Failure::environment)?;
         let folder = sources::folder_of(&arguments.task.file);
@@ -145,7 +145,7 @@ impl View {
             &interrupt,
             io,
         )?;
-        let Seen {
+        let StepScene {
             scene,
             observation,
             last,
@@ -287,7 +287,7 @@ fn in_words(finding: &Finding) -> String {
 }
 
 /// Returns messages for display without their pictures.
-pub fn shown_without_drawing(spoken: &[Spoken], step: u32) -> Vec<Shown> {
+pub fn shown_without_drawing(spoken: &[UndrawnMessage], step: u32) -> Vec<DisplayMessage> {
     spoken
         .iter()
         .map(|spoken| one(spoken, None, step))
@@ -295,27 +295,27 @@ pub fn shown_without_drawing(spoken: &[Spoken], step: u32) -> Vec<Shown> {
 }
 
 /// Combines a conversation's messages with the request that is sent.
-fn shown(conversation: &Conversation, step: u32) -> Vec<Shown> {
+fn shown(conversation: &Conversation, step: u32) -> Vec<DisplayMessage> {
     let both = conversation.spoken.iter().zip(&conversation.messages);
     both.map(|(spoken, message)| one(spoken, Some(message), step))
         .collect()
 }
 
-fn one(spoken: &Spoken, sent: Option<&Message>, step: u32) -> Shown {
+fn one(spoken: &UndrawnMessage, sent: Option<&Message>, step: u32) -> DisplayMessage {
     let png = |number: usize| match sent?.parts.get(number)? {
         Part::Image(png) => Some(png.bytes().to_vec()),
         Part::Text(_) => None,
     };
-    let part = |(number, part): (usize, &SpokenPart)| {
+    let part = |(number, part): (usize, &MessagePart)| {
         let title = match part {
-            SpokenPart::Text(said) => return ShownPart::Text(said.clone()),
-            SpokenPart::Picture(picture) => title(picture, step),
-            SpokenPart::RefusedAction => "the refused action".to_owned(),
+            MessagePart::Text(said) => return DisplayPart::Text(said.clone()),
+            MessagePart::Picture(picture) => title(picture, step),
+            MessagePart::RefusedAction => "the refused action".to_owned(),
         };
         let png = png(number);
-        ShownPart::Picture { title, png }
+        DisplayPart::Picture { title, png }
     };
-    Shown {
+    DisplayMessage {
         role: match spoken.speaker {
             Speaker::System => "system",
             Speaker::User => "user",

@@ -1,6 +1,6 @@
 //! Renders prompts in a build without simulator and vision: points are typed placeholders, or come from `--scene`.
 
-use super::page::{Shown, ShownPart, ShownStage};
+use super::page::{DisplayMessage, DisplayPart, ShownStage};
 use super::scene_file::SceneFile;
 use super::title;
 use super::why::Rates;
@@ -102,21 +102,21 @@ impl View {
 }
 
 /// Returns messages for display in a build that cannot draw.
-pub fn shown_without_drawing(messages: Vec<PromptMessage>, step: u32) -> Vec<Shown> {
+pub fn shown_without_drawing(messages: Vec<PromptMessage>, step: u32) -> Vec<DisplayMessage> {
     let messages = messages.into_iter();
     messages.map(|message| shown(message, step)).collect()
 }
 
-fn shown(message: PromptMessage, step: u32) -> Shown {
+fn shown(message: PromptMessage, step: u32) -> DisplayMessage {
     let role = match message.speaker {
         PromptSpeaker::System => "system",
         PromptSpeaker::User => "user",
         PromptSpeaker::Assistant => "assistant",
     };
-    let mut parts = vec![ShownPart::Text(message.content)];
-    parts.extend(message.pictures.iter().map(|picture| ShownPart::Picture {
+    let mut parts = vec![DisplayPart::Text(message.content)];
+    parts.extend(message.pictures.iter().map(|picture| DisplayPart::Picture {
         title: title(picture, step),
         png: None,
     }));
-    Shown { role, parts }
+    DisplayMessage { role, parts }
 }

@@ -4,7 +4,7 @@
 //! all of its edits were accepted, and rejected when one was rejected. The snapshots of one folder change together or
 //! not at all; with several folders, all are checked before the first one changes.
 
-use super::find::{Found, Pending};
+use super::find::{Pending, ReviewItems};
 use super::groups::Group;
 use crate::exit::Failure;
 use crate::snapshots::{Operation, SnapshotError};
@@ -78,7 +78,7 @@ impl Ballot {
 }
 
 /// Applies decisions about pending snapshots, by their numbers.
-pub fn apply(found: &mut Found, decided: &[(usize, Decision)]) -> Result<(), Failure> {
+pub fn apply(found: &mut ReviewItems, decided: &[(usize, Decision)]) -> Result<(), Failure> {
     for (number, decision) in decided {
         let one = &found.pending[*number];
         if *decision == Decision::Accept {
@@ -107,7 +107,7 @@ pub fn apply(found: &mut Found, decided: &[(usize, Decision)]) -> Result<(), Fai
 
 /// The target of an id, by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Named {
+pub enum Selection {
     /// A group.
     Group(usize),
     /// A pending snapshot.
@@ -115,9 +115,9 @@ pub enum Named {
 }
 
 /// Returns the target of an id; fails if there is none, or if several snapshots have this name.
-pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Named, Failure> {
+pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Selection, Failure> {
     if let Some(group) = groups.iter().position(|group| group.id == id) {
-        return Ok(Named::Group(group));
+        return Ok(Selection::Group(group));
     }
     let by_name = |one: &Pending| one.name.as_str() == id;
     let place = pending_path(id);
@@ -132,7 +132,7 @@ pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Named, F
         [] => Err(Failure::usage(format!(
             "nothing that is pending has the id `{id}`; `fabc review --json` lists them; nothing was done"
         ))),
-        [one] => Ok(Named::Snapshot(*one)),
+        [one] => Ok(Selection::Snapshot(*one)),
         several => {
             let paths: Vec<String> = several
                 .iter()

@@ -23,7 +23,7 @@ const SCENE: char = '@';
 const MAX_LOOKED_THROUGH_BYTES: u64 = 4 << 20;
 
 /// Everything to review.
-pub struct Found {
+pub struct ReviewItems {
     /// The snapshot folders with anything to review.
     pub folders: Vec<Folder>,
     /// The pending snapshots, by folder and name.
@@ -50,7 +50,7 @@ pub struct Pending {
 }
 
 /// Finds the pending snapshots in the named places, or below the current folder.
-pub fn find(places: &[PathBuf]) -> Result<Found, Failure> {
+pub fn find(places: &[PathBuf]) -> Result<ReviewItems, Failure> {
     let here = [PathBuf::from(".")];
     let places = if places.is_empty() { &here } else { places };
     let mut wanted: Vec<(PathBuf, Option<String>)> = Vec::new();
@@ -71,7 +71,7 @@ pub fn find(places: &[PathBuf]) -> Result<Found, Failure> {
             wanted.push((place.with_file_name(FOLDER), Some(file.to_owned())));
         }
     }
-    let mut found = Found {
+    let mut found = ReviewItems {
         folders: Vec::new(),
         pending: Vec::new(),
         n_foreign: 0,
@@ -140,7 +140,7 @@ fn read(
     path: &Path,
     source: Option<&str>,
     seen: &mut BTreeSet<PathBuf>,
-    found: &mut Found,
+    found: &mut ReviewItems,
 ) -> Result<(), Failure> {
     let folder = Folder::open(path).map_err(Failure::environment)?;
     let number = found.folders.len();

@@ -5,7 +5,7 @@
 
 use super::cost::Pricing;
 use super::decide::{self, Ballot, Decision};
-use super::find::Found;
+use super::find::ReviewItems;
 use super::groups::{Group, Kind};
 use super::sheets::Sheets;
 use super::show::{self, Extent, Layout, View};
@@ -52,7 +52,7 @@ enum End {
 ///
 /// Fails if there is no terminal, or if a folder cannot be changed.
 pub fn run(
-    found: &mut Found,
+    found: &mut ReviewItems,
     groups: &[Group],
     pricing: Option<&Pricing>,
     sheets: &mut Sheets,
@@ -98,7 +98,7 @@ pub fn run(
 }
 
 struct Session<'a> {
-    found: &'a mut Found,
+    found: &'a mut ReviewItems,
     groups: &'a [Group],
     ballot: Ballot,
     pricing: Option<&'a Pricing>,

@@ -29,7 +29,7 @@ use fab_base::cache::Cache;
 use fab_bench::on_arm::{Cloths, OnArm};
 use fab_bench::play;
 use fab_bench::play::{Phase, Results, Stop};
-use fab_bench::{Bench, BenchError, Elsewhere, Entry, first_questions_of, rows};
+use fab_bench::{Bench, BenchError, Entry, OtherWorld, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_providers::estimate::Estimate;
@@ -184,7 +184,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
             make_elsewhere = |program: &Program, folder: &Path| {
                 worlds::external(command, program, Some(folder), &interrupt)
             };
-            Some(Elsewhere {
+            Some(OtherWorld {
                 about: About::of(&world),
                 repeats: world.repeats(),
                 make_world: &make_elsewhere,

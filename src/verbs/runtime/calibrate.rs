@@ -235,15 +235,18 @@ fn read(file: &Path) -> Result<Vec<Pair>, Failure> {
 }
 
 /// A picture of the table, and the camera's intrinsics if it reports them.
-struct Seen {
+struct TablePicture {
     rgb: RgbImage,
     intrinsics: Option<Intrinsics>,
 }
 
 /// Returns the camera's own picture: the one given or taken now, the newest of the camera's folder, or that of a
 /// simulated table.
-fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<Seen>, Failure> {
-    let plain = |rgb| Seen {
+fn seen(
+    arguments: &CalibrateArguments,
+    settings: &Settings,
+) -> Result<Option<TablePicture>, Failure> {
+    let plain = |rgb| TablePicture {
         rgb,
         intrinsics: None,
     };
@@ -260,7 +263,7 @@ fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<Se
         );
         let shot = camera.map_err(Failure::environment)?.shoot();
         let shot = shot.map_err(Failure::environment)?;
-        return Ok(Some(Seen {
+        return Ok(Some(TablePicture {
             rgb: shot.rgb,
             intrinsics: shot.intrinsics,
         }));

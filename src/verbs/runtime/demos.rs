@@ -9,7 +9,7 @@ use crate::verbs::runtime::setting;
 use clap::Args;
 use clap::ValueHint;
 use fab_agent::demos;
-use fab_agent::demos::{Demo, Header, MakeError, Making};
+use fab_agent::demos::{Demo, DemoRequest, Header, MakeError};
 use fab_base::files;
 use fab_world::WorldError;
 use serde::Serialize;
@@ -44,7 +44,7 @@ pub fn run(arguments: &DemosArguments, io: &Io) -> Result<Exit, Failure> {
     }
     let interrupt = io.interrupt()?;
     let make_world = || setting::world(&program);
-    let making = Making {
+    let making = DemoRequest {
         program: &program,
         count: arguments.count,
         seed: arguments.seed,

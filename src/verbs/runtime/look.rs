@@ -24,7 +24,7 @@ use fab_world::start::Start;
 use fab_world::{Motion, World};
 
 /// What the camera sees at a step, and the previous action.
-pub struct Seen {
+pub struct StepScene {
     /// The keypoints.
     pub scene: Scene,
     /// The picture in which they were found.
@@ -44,7 +44,7 @@ pub fn at(
     world: &mut dyn World,
     interrupt: &Interrupt,
     io: &Io,
-) -> Result<Seen, Failure> {
+) -> Result<StepScene, Failure> {
     let folds = match &program.subgoals {
         Some(Subgoals::Demonstrate { folds }) => folds.as_slice(),
         _ => &[],
@@ -76,10 +76,10 @@ fn observe(
     first: Option<&Scene>,
     last: Option<ExecutedAction>,
     world: &mut dyn World,
-) -> Result<Seen, Failure> {
+) -> Result<StepScene, Failure> {
     let observation = world.observe().map_err(Failure::environment)?;
     let scene = Scene::of(program, &observation, first).map_err(Failure::environment)?;
-    Ok(Seen {
+    Ok(StepScene {
         scene,
         observation,
         last,
@@ -115,11 +115,11 @@ fn demonstrated(
 /// Lets the stand-in decide a step.
 fn decided(
     program: &Program,
-    seen: &Seen,
+    seen: &StepScene,
     step: u32,
     subgoals: &SubgoalSet,
 ) -> Result<(Motion, Option<ExecutedAction>), Failure> {
-    let Seen {
+    let StepScene {
         scene,
         observation,
         last,

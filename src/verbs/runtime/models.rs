@@ -6,7 +6,7 @@ use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::catalogue::FactsArguments;
 use clap::Args;
 use fab_providers::catalogue::{
-    Catalogue, Date, Facts, ImageTokens, Listed, Price, Profile, Provider, Source, Tokens,
+    Catalogue, Date, Facts, FactsSource, ImageTokens, Price, Profile, Provider, Source, Tokens,
 };
 use fab_providers::probe::SIDES_PX;
 use serde_json::{Value, json};
@@ -96,7 +96,7 @@ fn as_json(
 ) -> Value {
     let models = profiles.iter().map(|profile| {
         let (id, name) = match &profile.listed {
-            Listed::ByName(name) => (None, Some(name)),
+            FactsSource::ByName(name) => (None, Some(name)),
             _ => (Some(&profile.id), None),
         };
         let notices: Vec<Value> = shown_notices(profile, today)
@@ -166,7 +166,7 @@ fn as_text(profiles: &[Profile], families: &[Family<'_>], today: Date) -> String
     let mut notes = Vec::new();
     for profile in profiles {
         let title = match &profile.listed {
-            Listed::ByName(name) => format!("{}:? ({name})", profile.provider.name),
+            FactsSource::ByName(name) => format!("{}:? ({name})", profile.provider.name),
             _ => profile.title(),
         };
         let price = price(profile.price_on(today));

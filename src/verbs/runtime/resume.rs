@@ -14,7 +14,7 @@ use crate::verbs::runtime::setting::worlds::WorldChoice;
 use clap::Args;
 use clap::ValueHint;
 use fab_agent::outcome::Outcome;
-use fab_agent::record::{Record, Report, Took};
+use fab_agent::record::{Record, Report, RunCosts};
 use fab_agent::rollout::Ended;
 use fab_model::calls::Usd;
 use std::fs;
@@ -85,7 +85,7 @@ fn begun(folder: &Path, named: &Path) -> Result<Begun, Failure> {
 }
 
 /// Returns the report of a rollout that ended for good; one ended by the user, a cap or an unavailable model did not.
-fn ended(folder: &Path) -> Option<(Report, Option<Took>)> {
+fn ended(folder: &Path) -> Option<(Report, Option<RunCosts>)> {
     let record = Record::read(folder).ok()?;
     let report = record.end?.report;
     match report.outcome {
@@ -98,7 +98,7 @@ fn ended(folder: &Path) -> Option<(Report, Option<Took>)> {
 }
 
 /// Reports how the rollout had ended; the exit code is the run's.
-fn said(report: Report, took: Option<Took>, arguments: &ResumeArguments, io: &Io) -> Exit {
+fn said(report: Report, took: Option<RunCosts>, arguments: &ResumeArguments, io: &Io) -> Exit {
     io.talk(&format!(
         "the rollout in `{}` has ended ({}); there is nothing to go on with",
         arguments.run.display(),

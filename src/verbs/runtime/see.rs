@@ -6,7 +6,7 @@ use crate::sources;
 use crate::sources::TaskArguments;
 use clap::Args;
 use clap::ValueHint;
-use fab_agent::see::{Brought, LastAction, SeeError, Seen, see};
+use fab_agent::see::{LastAction, SeeError, SeeInput, SeeOutput, see};
 use fab_base::files;
 use fab_picture::png;
 use fab_program::PixelPoint;
@@ -45,7 +45,7 @@ pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
     let rgb = png::load(&arguments.image).map_err(Failure::environment)?;
     let depth_m = arguments.depth.as_deref().map(png::load_depth);
-    let brought = Brought {
+    let brought = SeeInput {
         rgb,
         depth_m: depth_m.transpose().map_err(Failure::environment)?,
         last: arguments.last_place.map(|place| LastAction {
@@ -90,7 +90,7 @@ fn failure(error: SeeError) -> Failure {
     }
 }
 
-fn say_doubts(seen: &Seen, io: &Io) {
+fn say_doubts(seen: &SeeOutput, io: &Io) {
     for layer in &seen.left_out {
         io.talk(&format!(
             "note: `{layer}` shows the action before this one, which `--last-place U,V` would say; it is left out"
@@ -107,7 +107,7 @@ fn say_doubts(seen: &Seen, io: &Io) {
 }
 
 /// Writes a picture of each stage, numbered, and `annotated.png`; returns their paths.
-fn write(folder: &Path, seen: &Seen) -> std::io::Result<Vec<PathBuf>> {
+fn write(folder: &Path, seen: &SeeOutput) -> std::io::Result<Vec<PathBuf>> {
     fs::create_dir_all(folder)?;
     let numbered = (1..).zip(&seen.stages);
     let mut pictures: Vec<(String, &RgbImage)> = numbered
@@ -123,7 +123,7 @@ fn write(folder: &Path, seen: &Seen) -> std::io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-fn as_json(seen: &Seen, files: &[PathBuf]) -> Value {
+fn as_json(seen: &SeeOutput, files: &[PathBuf]) -> Value {
     let keypoints: Map<String, Value> = seen
         .scene
         .keypoints()
@@ -143,7 +143,7 @@ fn as_json(seen: &Seen, files: &[PathBuf]) -> Value {
     json!({ "keypoints": keypoints, "masks": masks, "files": files })
 }
 
-fn as_text(seen: &Seen, files: &[PathBuf]) -> String {
+fn as_text(seen: &SeeOutput, files: &[PathBuf]) -> String {
     let masks = seen
         .scene
         .masks()

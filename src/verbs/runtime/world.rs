@@ -6,7 +6,7 @@ use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use clap::Args;
 use clap::Subcommand;
 use fab_program::Picker;
-use fab_world::conformance::{Broken, Kept, PROMISES, camera};
+use fab_world::conformance::{Conformance, PROMISES, Violation, camera};
 use fab_world::serve::serve;
 use fab_world::{ExternalWorld, SimulatedWorld, World, WorldError};
 use serde_json::json;
@@ -75,9 +75,9 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     let mut found = Vec::new();
     for promise in PROMISES {
         let (state, why) = match promise.check(&make) {
-            Ok(Kept::Whole) => ("kept", None),
-            Ok(Kept::Refused(why)) => ("not offered", Some(why)),
-            Err(Broken::World(WorldError::Interrupted)) if interrupt.is_raised() => {
+            Ok(Conformance::Whole) => ("kept", None),
+            Ok(Conformance::Refused(why)) => ("not offered", Some(why)),
+            Err(Violation::World(WorldError::Interrupted)) if interrupt.is_raised() => {
                 return Err(Failure::interrupted());
             }
             Err(broken) => ("broken", Some(broken.to_string())),

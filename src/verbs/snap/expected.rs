@@ -4,7 +4,7 @@ use super::SnapArguments;
 use super::camera::Camera;
 use super::origins;
 use super::pinned::{known_scenes, moment_of, pinned_alike, scene_name};
-use super::plan::{Plan, Readable, Wanted};
+use super::plan::{Intended, Plan, Readable};
 use super::scene::{Moment, PinnedScene, USUAL, short_hash};
 use crate::exit::Failure;
 use crate::io::Io;
@@ -21,7 +21,7 @@ use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The name and the intended contents of a snapshot that should exist.
-pub type Want = (Name, Wanted);
+pub type Want = (Name, Intended);
 
 /// A task, and what its variants share with it.
 pub struct Task {
@@ -101,8 +101,8 @@ impl Task {
                 let info = self.info(&page, Some(&stage.name));
                 let name = page.name(Some(&stage.name), None)?;
                 let wanted = match page.shown(stage, &camera)? {
-                    Some(shown) => Wanted::Taken(Box::new(self.text(info, &shown))),
-                    None => Wanted::Unseen(info),
+                    Some(shown) => Intended::Taken(Box::new(self.text(info, &shown))),
+                    None => Intended::Unseen(info),
                 };
                 self.wants.push((name, wanted));
             }
@@ -151,7 +151,7 @@ impl Task {
         };
         let contents = Contents::Text(scene.text().trim_end().to_owned());
         let snapshot = Snapshot { metadata, contents };
-        let taken = Wanted::Taken(Box::new(snapshot));
+        let taken = Intended::Taken(Box::new(snapshot));
         self.wants.push((name, taken));
         Ok(scene)
     }
@@ -238,7 +238,7 @@ impl Task {
         picture: &Picture,
         camera: &mut Camera<'_>,
         plan: &Plan,
-    ) -> Result<Wanted, Failure> {
+    ) -> Result<Intended, Failure> {
         let is_of_this = |snapshot: &Snapshot| {
             let known = snapshot.metadata.info.as_ref();
             known.is_some_and(|known| known.drawn_from == info.drawn_from)
@@ -256,7 +256,7 @@ impl Task {
             && is_of_this(&accepted)
         {
             if is_whole(&accepted) && !self.redraws {
-                return Ok(Wanted::AsAccepted(info));
+                return Ok(Intended::AsAccepted(info));
             }
             is_damaged = !is_whole(&accepted);
         }
@@ -264,12 +264,12 @@ impl Task {
             .pending(name)
             .filter(|it| is_of_this(it) && is_whole(it));
         if let Some(pending) = pending.filter(|_| !self.redraws) {
-            return Ok(Wanted::Taken(Box::new(pending)));
+            return Ok(Intended::Taken(Box::new(pending)));
         }
         let Some(png) = camera.picture(page.moment, picture)? else {
             return Ok(match is_damaged {
-                true => Wanted::Damaged(info),
-                false => Wanted::Unseen(info),
+                true => Intended::Damaged(info),
+                false => Intended::Unseen(info),
             });
         };
         let info = Info {
@@ -284,7 +284,7 @@ impl Task {
             ..Metadata::default()
         };
         let contents = Contents::Picture(png);
-        Ok(Wanted::Taken(Box::new(Snapshot { metadata, contents })))
+        Ok(Intended::Taken(Box::new(Snapshot { metadata, contents })))
     }
 }
 

@@ -13,7 +13,7 @@ pub struct Plan {
     /// The folder that holds the tasks.
     tasks: PathBuf,
     pub folder: Folder,
-    wanted: BTreeMap<Name, Wanted>,
+    wanted: BTreeMap<Name, Intended>,
     /// The processed files, as snapshots name them.
     sources: BTreeSet<String>,
     /// Snapshots already reported as unreadable.
@@ -21,7 +21,7 @@ pub struct Plan {
 }
 
 /// The intended contents of one snapshot.
-pub enum Wanted {
+pub enum Intended {
     /// These contents.
     Taken(Box<Snapshot>),
     /// Its accepted contents: none of its inputs has changed.
@@ -41,7 +41,7 @@ pub enum Readable {
 }
 
 /// The state of one snapshot.
-pub struct Found {
+pub struct SnapshotState {
     /// Its name.
     pub name: Name,
     /// The accepted file, whether or not it exists.
@@ -82,7 +82,7 @@ impl State {
     }
 }
 
-impl Found {
+impl SnapshotState {
     /// Returns whether it needs no action.
     pub fn is_clean(&self) -> bool {
         matches!(self.state, State::Same | State::Unseen) && !self.is_pending
@@ -107,7 +107,7 @@ impl Plan {
     }
 
     /// Adds a snapshot; fails if another file declares one of the same name.
-    pub fn want(&mut self, name: Name, wanted: Wanted) -> Result<(), Failure> {
+    pub fn want(&mut self, name: Name, wanted: Intended) -> Result<(), Failure> {
         let is_taken = self.wanted.contains_key(&name);
         if is_taken {
             return Err(Failure::usage(format!(
@@ -121,15 +121,15 @@ impl Plan {
     /// Compares intended with accepted snapshots, and finds orphans.
     ///
     /// An unreadable accepted snapshot counts as changed, with a note: it is proposed again.
-    pub fn states(&self, io: &Io) -> Vec<Found> {
+    pub fn states(&self, io: &Io) -> Vec<SnapshotState> {
         let pending: BTreeSet<&Name> = self.folder.pending_names().collect();
         let mut found = Vec::with_capacity(self.wanted.len());
         for (name, wanted) in &self.wanted {
             let (info, state) = match wanted {
-                Wanted::AsAccepted(info) => (info.clone(), State::Same),
-                Wanted::Unseen(info) => (info.clone(), State::Unseen),
-                Wanted::Damaged(info) => (info.clone(), State::Changed),
-                Wanted::Taken(taken) => {
+                Intended::AsAccepted(info) => (info.clone(), State::Same),
+                Intended::Unseen(info) => (info.clone(), State::Unseen),
+                Intended::Damaged(info) => (info.clone(), State::Changed),
+                Intended::Taken(taken) => {
                     let state = match self.accepted(name, io) {
                         Readable::No => State::Changed,
                         Readable::Yes(None) => State::New,
@@ -143,7 +143,7 @@ impl Plan {
                     (taken.metadata.info.clone().unwrap_or_default(), state)
                 }
             };
-            found.push(Found {
+            found.push(SnapshotState {
                 path: self.folder.accepted_path(name),
                 name: name.clone(),
                 info,
@@ -165,7 +165,7 @@ impl Plan {
                 continue;
             };
             if self.sources.contains(&source) || !self.tasks.join(&source).exists() {
-                found.push(Found {
+                found.push(SnapshotState {
                     path: self.folder.accepted_path(name),
                     name: name.clone(),
                     info,
@@ -201,20 +201,20 @@ impl Plan {
     /// Updates in `states` which are pending.
     pub fn carry_out(
         &mut self,
-        states: &mut [Found],
+        states: &mut [SnapshotState],
         arguments: &SnapArguments,
     ) -> Result<(), Failure> {
         let mut operations = Vec::new();
         for found in states {
             let name = found.name.clone();
             match (found.state, self.wanted.get(&name)) {
-                (State::Changed | State::New, Some(Wanted::Taken(taken))) => {
+                (State::Changed | State::New, Some(Intended::Taken(taken))) => {
                     if self.pending(&name).as_ref() != Some(taken) {
                         operations.push(Operation::Propose(name, (**taken).clone()));
                     }
                     found.is_pending = true;
                 }
-                (State::Same, Some(Wanted::Taken(_) | Wanted::AsAccepted(_)))
+                (State::Same, Some(Intended::Taken(_) | Intended::AsAccepted(_)))
                     if found.is_pending =>
                 {
                     operations.push(Operation::Withdraw(name));

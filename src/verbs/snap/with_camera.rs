@@ -7,9 +7,9 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::sources;
 use crate::sources::TaskArguments;
-use crate::verbs::render::page::Shown;
+use crate::verbs::render::page::DisplayMessage;
 use crate::verbs::render::shown_without_drawing;
-use crate::verbs::runtime::look::{self, Seen};
+use crate::verbs::runtime::look::{self, StepScene};
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::FrameArguments;
 use crate::verbs::runtime::setting::StartArguments;
@@ -69,7 +69,7 @@ pub struct Camera<'p> {
     /// The stream for talk.
     pub io: &'p Io,
     world: Option<Box<dyn World>>,
-    seen: BTreeMap<Moment, Seen>,
+    seen: BTreeMap<Moment, StepScene>,
     examples: OnceCell<Examples>,
 }
 
@@ -124,7 +124,7 @@ impl<'p> Camera<'p> {
         stage: &Stage,
         values: Values<'_>,
         step: u32,
-    ) -> Result<Option<Vec<Shown>>, Failure> {
+    ) -> Result<Option<Vec<DisplayMessage>>, Failure> {
         let examples = match self.examples.get() {
             Some(examples) => examples,
             None => {
@@ -155,7 +155,7 @@ impl<'p> Camera<'p> {
                     .map_err(Failure::environment)?
             }
             Picture::Scene { .. } => {
-                let Seen {
+                let StepScene {
                     scene,
                     observation,
                     last,
@@ -172,7 +172,7 @@ impl<'p> Camera<'p> {
         scene::hashes_of_pictures(self.program, self.folder)
     }
 
-    fn seen(&mut self, moment: &Moment) -> Result<&Seen, Failure> {
+    fn seen(&mut self, moment: &Moment) -> Result<&StepScene, Failure> {
         if !self.seen.contains_key(moment) {
             let start = StartArguments {
                 start: moment.start.map(|seed| seed.to_string()),

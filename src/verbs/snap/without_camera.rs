@@ -3,7 +3,7 @@
 use super::scene::{self, Moment, PinnedScene};
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::verbs::render::page::Shown;
+use crate::verbs::render::page::DisplayMessage;
 use crate::verbs::render::shown_without_drawing;
 use fab_program::render::{self, Values};
 use fab_program::{Picture, Program, Stage};
@@ -47,7 +47,7 @@ impl<'p> Camera<'p> {
         stage: &Stage,
         values: Values<'_>,
         step: u32,
-    ) -> Result<Option<Vec<Shown>>, Failure> {
+    ) -> Result<Option<Vec<DisplayMessage>>, Failure> {
         if let Some(demos) = &self.program.demos
             && demos.stage == stage.name
         {

@@ -1,13 +1,13 @@
 //! Points typed one per line: each is judged at once, and none is lost.
 
 use super::{json, lab};
-use crate::suite::support::{Said, fabc, finish};
+use crate::suite::support::{Captured, fabc, finish};
 use fab_arm::calibration::{Calibration, Pair, csv_line};
 use std::fs;
 use std::path::Path;
 
 /// Calibrates with typed lines.
-fn typed(folder: &Path, lines: &str, more: &[&str]) -> Said {
+fn typed(folder: &Path, lines: &str, more: &[&str]) -> Captured {
     finish(
         fabc(folder)
             .args(["calibrate", "--robot", "robot.toml"])

@@ -1,12 +1,12 @@
 //! What `fabc review` finds: unreadable files, other tools' files, links, pictures, and paths as ids.
 
-use super::super::support::{Said, fabc, finish};
+use super::super::support::{Captured, fabc, finish};
 use super::fixtures::{accepted, each_kind, files, left, one_edit, pending, png, prompt, write};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 
-fn review(folder: &Path, arguments: &[&str]) -> Said {
+fn review(folder: &Path, arguments: &[&str]) -> Captured {
     finish(fabc(folder).arg("review").args(arguments))
 }
 

@@ -1,12 +1,12 @@
 //! `fabc review` without a terminal: JSON, ids, patterns, paths, and refused input.
 
-use super::super::support::{Said, fabc, finish};
+use super::super::support::{Captured, fabc, finish};
 use super::fixtures::{accepted, each_kind, files, left, one_edit, pending, prompt, write};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-fn review(folder: &Path, arguments: &[&str]) -> Said {
+fn review(folder: &Path, arguments: &[&str]) -> Captured {
     finish(fabc(folder).arg("review").args(arguments))
 }
 

@@ -1,6 +1,6 @@
 //! An arm that must not be moved: left in mid-motion by its last run, used by another program, or missing.
 
-use super::super::support::{Said, fabc, finish, project, root};
+use super::super::support::{Captured, fabc, finish, project, root};
 use super::{GRASP, ROBOT, journal, left, robot};
 use fab_arm::last_run;
 use serde_json::Value;
@@ -28,7 +28,7 @@ fn bring_calibration(folder: &Path) {
 }
 
 /// Runs a fold with the arm of `robot.toml`, without asking anybody.
-fn run_of(folder: &Path) -> Said {
+fn run_of(folder: &Path) -> Captured {
     let mut command = fabc(folder);
     let task = project("tasks/real/double_triangle.fab");
     command.args(["run", &task, "--world", "jaco", "--robot", "robot.toml"]);

@@ -5,7 +5,7 @@ use super::{CHAT, data_url};
 use crate::suite::support::{Trial, fabc, finish, project, small_task};
 use fab_model::Models;
 use fab_model::calls::Calls;
-use fab_model::{Model, ModelError, Nature, Part, Reply, Request};
+use fab_model::{Model, ModelError, ModelKind, Part, Reply, Request};
 use fab_standins::Geometric;
 use fab_world::Look;
 use serde_json::{Value, json};
@@ -22,8 +22,8 @@ impl Model for Client {
         "geometric"
     }
 
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {

@@ -4,7 +4,7 @@
 //! understood too: Markdown, JSON, other brackets, words in between. Statements differ in how firm they are. Loose
 //! ones count only if there is no firmer one, and all that count must agree.
 
-use super::finding::Firmness;
+use super::finding::Clarity;
 use super::names::{Mention, named};
 use super::reading::{Malformed, Reading, bounded, quoted};
 use super::statement::{Scale, Statement, statement_at};
@@ -118,7 +118,7 @@ fn field(
         }
     }
     // A firm statement that cannot be used casts doubt on the loose ones too.
-    let is_firm = |statement: &Statement<'_>| statement.firmness > Firmness::Loose;
+    let is_firm = |statement: &Statement<'_>| statement.firmness > Clarity::Loose;
     if bad.is_some() || statements.iter().any(is_firm) {
         statements.retain(is_firm);
     }

@@ -4,7 +4,7 @@ use crate::data::actions::Value;
 
 /// How clearly something is a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Firmness {
+pub(super) enum Clarity {
     /// `pick (10, 20)`.
     Loose,
     /// `the pick point is (10, 20)`, `pick point (10, 20)`.

@@ -5,7 +5,7 @@
 
 use super::around::list_number;
 use super::cursor::{Cursor, decorates};
-use super::finding::{Firmness, Found};
+use super::finding::{Clarity, Found};
 use super::pixel::{self, Brackets};
 use crate::data::actions::Value;
 use crate::pointing::Notation;
@@ -33,13 +33,13 @@ const LEADING: [&str; 12] = [
 const JOINING: [&str; 5] = ["or", "and", "to", "through", "then"];
 
 /// Reads a number and moves past it.
-pub(super) fn read(cursor: &mut Cursor<'_>, notation: &Notation, firmness: Firmness) -> Found {
-    if firmness == Firmness::Loose {
+pub(super) fn read(cursor: &mut Cursor<'_>, notation: &Notation, firmness: Clarity) -> Found {
+    if firmness == Clarity::Loose {
         return Found::Nothing;
     }
     match number(cursor, notation) {
         // In running text, a number that is not a point means nothing.
-        Found::Bad(_) if firmness == Firmness::Spoken => Found::Nothing,
+        Found::Bad(_) if firmness == Clarity::Spoken => Found::Nothing,
         found => found,
     }
 }

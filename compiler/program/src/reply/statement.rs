@@ -6,7 +6,7 @@
 use super::around;
 use super::choice::{Expected, TextEnd};
 use super::cursor::{Cursor, decorates, head};
-use super::finding::{Firmness, Found};
+use super::finding::{Clarity, Found};
 use super::mark;
 use super::names::{Mention, NEGATING, is_negated, turns};
 use super::pixel::{self, Brackets};
@@ -44,7 +44,7 @@ pub(super) struct Scale<'a> {
 /// A statement of a field.
 pub(super) struct Statement<'t> {
     /// How clearly it is a statement.
-    pub firmness: Firmness,
+    pub firmness: Clarity,
     /// Its value.
     pub value: Value,
     /// Its text.
@@ -82,10 +82,10 @@ pub(super) fn statement_at<'t>(
     };
     cursor.skip(blank);
     let firmness = match sign(&mut cursor) {
-        Sign::Assigns => Firmness::Assigned,
-        Sign::Says => Firmness::Spoken,
-        Sign::None if has_noun => Firmness::Spoken,
-        Sign::None => Firmness::Loose,
+        Sign::Assigns => Clarity::Assigned,
+        Sign::Says => Clarity::Spoken,
+        Sign::None if has_noun => Clarity::Spoken,
+        Sign::None => Clarity::Loose,
     };
     let found = if is_point {
         match scale.notation.is_of_marks() {
@@ -93,7 +93,7 @@ pub(super) fn statement_at<'t>(
             false => point(&mut cursor, scale.notation, firmness),
         }
     } else {
-        if firmness < Firmness::Spoken {
+        if firmness < Clarity::Spoken {
             cursor.eat_word("of");
         }
         let end = if named.until < reply.len() {
@@ -121,22 +121,22 @@ pub(super) fn statement_at<'t>(
     }
 }
 
-fn point(cursor: &mut Cursor<'_>, notation: &Notation, firmness: Firmness) -> Found {
+fn point(cursor: &mut Cursor<'_>, notation: &Notation, firmness: Clarity) -> Found {
     let brackets = match firmness {
-        Firmness::Assigned => Brackets::Optional,
-        Firmness::Spoken | Firmness::Loose => Brackets::Needed,
+        Clarity::Assigned => Brackets::Optional,
+        Clarity::Spoken | Clarity::Loose => Brackets::Needed,
     };
     cursor.skip(|character| character.is_whitespace() || decorates(character));
     let mut found = pixel::read(cursor, notation, brackets);
     if matches!(found, pixel::PixelFound::Nothing)
-        && firmness == Firmness::Assigned
+        && firmness == Clarity::Assigned
         && skip_words(cursor)
     {
         found = pixel::read(cursor, notation, Brackets::Needed);
     }
     match found {
         pixel::PixelFound::Pixel(point, _) if leaves_open(*cursor, notation, point) => {
-            if firmness == Firmness::Assigned {
+            if firmness == Clarity::Assigned {
                 Found::Bad("it leaves more than one point open".to_owned())
             } else {
                 Found::Nothing
@@ -144,7 +144,7 @@ fn point(cursor: &mut Cursor<'_>, notation: &Notation, firmness: Firmness) -> Fo
         }
         pixel::PixelFound::Pixel(point, rounding) => Found::Value(Value::Point(point), rounding),
         // In running text, brackets with other numbers mean nothing.
-        pixel::PixelFound::Bad(why) if firmness == Firmness::Assigned => Found::Bad(why),
+        pixel::PixelFound::Bad(why) if firmness == Clarity::Assigned => Found::Bad(why),
         pixel::PixelFound::Bad(_) | pixel::PixelFound::Nothing => Found::Nothing,
     }
 }

@@ -7,7 +7,7 @@ use super::around::{CHANGING, Link, is_ordinal, is_short, link, list_number, ski
 use super::choice::{Expected, Resolved, TextEnd, resolve};
 use super::cursor::{Cursor, decorates, first_word};
 use super::expression::{self, Parsed, skip_decoration};
-use super::finding::{Firmness, Found};
+use super::finding::{Clarity, Found};
 use super::number::unit;
 use super::reading::quoted;
 use super::words::{self, Offered};
@@ -33,7 +33,7 @@ enum Explicitness {
 }
 
 /// Reads a value and moves past it.
-pub(super) fn read(cursor: &mut Cursor<'_>, expected: &Expected<'_>, firmness: Firmness) -> Found {
+pub(super) fn read(cursor: &mut Cursor<'_>, expected: &Expected<'_>, firmness: Clarity) -> Found {
     let sign = cursor.at;
     cursor.skip(|character| character.is_whitespace() || decorates(character));
     let is_new_line = cursor.text[sign..cursor.at].contains('\n');
@@ -47,7 +47,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>, expected: &Expected<'_>, firmness: F
     match found {
         Some(Ok((value, note))) => Found::Value(value, note),
         // In running text, a number that is not a value means nothing.
-        Some(Err(why)) if firmness == Firmness::Assigned => Found::Bad(why),
+        Some(Err(why)) if firmness == Clarity::Assigned => Found::Bad(why),
         _ => Found::Nothing,
     }
 }
@@ -80,13 +80,13 @@ type Stated = Option<Result<Resolved, String>>;
 fn stated(
     cursor: &mut Cursor<'_>,
     expected: &Expected<'_>,
-    firmness: Firmness,
+    firmness: Clarity,
 ) -> Result<Stated, String> {
     let mut expected = *expected;
     let begin = *cursor;
     let mut first = single(cursor, &expected, firmness);
     let mut close = None;
-    if first.is_none() && firmness == Firmness::Assigned {
+    if first.is_none() && firmness == Clarity::Assigned {
         close = open(cursor, &mut expected)?;
         skip_leading(cursor);
         first = single(cursor, &expected, firmness);
@@ -119,9 +119,9 @@ fn fallback(
     cursor: &mut Cursor<'_>,
     begin: Cursor<'_>,
     expected: &Expected<'_>,
-    firmness: Firmness,
+    firmness: Clarity,
 ) -> Result<Stated, String> {
-    if firmness != Firmness::Assigned {
+    if firmness != Clarity::Assigned {
         return Ok(None);
     }
     let line = begin.rest().lines().next().unwrap_or_default().trim();
@@ -150,7 +150,7 @@ fn fallback(
 fn single(
     cursor: &mut Cursor<'_>,
     expected: &Expected<'_>,
-    firmness: Firmness,
+    firmness: Clarity,
 ) -> Option<Result<(Resolved, Explicitness), String>> {
     if let Choices::Words { choices } = &expected.field.choices {
         return match words::direct(cursor, choices) {
@@ -170,7 +170,7 @@ fn single(
             } else {
                 Explicitness::Bare
             };
-            if dress == Explicitness::Bare && firmness == Firmness::Loose {
+            if dress == Explicitness::Bare && firmness == Clarity::Loose {
                 return None;
             }
             let text = quoted(&cursor.text[start..cursor.at]);
@@ -185,12 +185,12 @@ fn single(
 fn side(
     cursor: &mut Cursor<'_>,
     expected: &Expected<'_>,
-    firmness: Firmness,
+    firmness: Clarity,
 ) -> Option<Result<(Resolved, Explicitness), String>> {
     let Choices::Directions { choices } = &expected.field.choices else {
         return None;
     };
-    if firmness != Firmness::Assigned {
+    if firmness != Clarity::Assigned {
         return None;
     }
     let start = cursor.at;
@@ -308,7 +308,7 @@ fn others_agree(
             return Err(format!("`{word}` behind its value changes it"));
         }
         let is_number = cursor.rest().starts_with(char::is_numeric);
-        match single(&mut cursor, expected, Firmness::Assigned) {
+        match single(&mut cursor, expected, Clarity::Assigned) {
             Some(Ok(((other, _), _))) if other == *value && link == Link::Same => {}
             Some(Ok(((other, _), _))) if other == *value && link == Link::Or => {}
             Some(Ok(((other, _), _))) => {

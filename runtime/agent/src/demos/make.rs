@@ -4,7 +4,7 @@
 //! In: a program and a world. Out: whole demonstrations, each from its own start. Every answer is one that the program
 //! offers and its verifier accepts; a start without such answers is discarded and another one drawn.
 
-use super::words::{self, Named};
+use super::words::{self, NamedPoint};
 use super::{DEMOS_FORMAT, Demo, DemoStep, Header};
 use crate::action::Action;
 use crate::scene::Scene;
@@ -34,7 +34,7 @@ const SIDES: std::ops::RangeInclusive<u32> = 44..=59;
 const NEAR: f64 = 0.05;
 
 /// What to make.
-pub struct Making<'a> {
+pub struct DemoRequest<'a> {
     /// The task; it names the stage that shows the demonstrations.
     pub program: &'a Program,
     /// How many demonstrations to make.
@@ -77,7 +77,7 @@ pub enum MakeError {
 /// Starts are flat cloths of the task's proportions in other sizes, turned by whole degrees that are not multiples of
 /// 15: the paper's tests turn by 0, 30, 45 and 60 (protocol, section 6).
 pub fn make(
-    making: &Making<'_>,
+    making: &DemoRequest<'_>,
     announce: &mut dyn FnMut(&str),
 ) -> Result<(Header, Vec<Demo>), MakeError> {
     let program = making.program;
@@ -176,7 +176,7 @@ fn draw(program: &Program, chance: &mut Chance) -> ([u32; 2], f64) {
 }
 
 struct Expert<'a> {
-    making: &'a Making<'a>,
+    making: &'a DemoRequest<'a>,
     folds: &'a [Fold],
     /// The text that fills the instruction, if the task reads one.
     instruction: Option<String>,
@@ -259,7 +259,7 @@ impl Expert<'_> {
         let named = |name: &str, point: WorldPoint, of| {
             let offered = verify::offered(program, scene, name);
             match pixel(point).and_then(|wanted| nearest(wanted, &offered, program)) {
-                Some(at) => Ok(Named { point: of, at }),
+                Some(at) => Ok(NamedPoint { point: of, at }),
                 None => Err(format!(
                     "no offered point is near the expert's {name} point"
                 )),

@@ -6,9 +6,9 @@
 mod make;
 mod words;
 
-pub use make::{MakeError, Making, make};
+pub use make::{DemoRequest, MakeError, make};
 
-use crate::examples::Told;
+use crate::examples::AnsweredExample;
 use crate::task_files::{self, FileError};
 use fab_base::files;
 use fab_program::Proposal;
@@ -198,7 +198,7 @@ impl Demonstrations {
         stage: &str,
         step: u32,
         pointing: Pointing,
-    ) -> Result<Vec<Told>, DemosError> {
+    ) -> Result<Vec<AnsweredExample>, DemosError> {
         let steps = match self.by_step.get(step.saturating_sub(1) as usize) {
             Some(steps) if stage == self.stage => steps.as_slice(),
             _ => &[],
@@ -216,7 +216,7 @@ impl Demonstrations {
                         line: *line,
                     }),
                 };
-                Ok(Told {
+                Ok(AnsweredExample {
                     question: PromptText::of(question, origin.clone()),
                     answer: PromptText::of(answer, origin),
                 })
@@ -271,7 +271,7 @@ fn told(
     let Some(stage) = program.stages.iter().find(|known| known.name == stage) else {
         return Err(format!("the task has no stage `{stage}`"));
     };
-    let scene = Seen(&step.points);
+    let scene = DemoScene(&step.points);
     let facts = Facts {
         scene: &scene,
         texts: &step.texts,
@@ -311,9 +311,9 @@ fn told(
 }
 
 /// The points of a demonstration as a scene.
-struct Seen<'a>(&'a BTreeMap<String, Vec<PixelPoint>>);
+struct DemoScene<'a>(&'a BTreeMap<String, Vec<PixelPoint>>);
 
-impl SceneView for Seen<'_> {
+impl SceneView for DemoScene<'_> {
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
         self.0.get(keypoint).cloned()
     }

@@ -16,7 +16,7 @@ const WAYS: [&str; 8] = [
 
 /// A point of a fold, with its position in the picture.
 #[derive(Clone, Copy)]
-pub(super) struct Named<'a> {
+pub(super) struct NamedPoint<'a> {
     pub point: &'a ClothPoint,
     pub at: PixelPoint,
 }
@@ -25,7 +25,11 @@ pub(super) struct Named<'a> {
 /// center of the cloth`.
 ///
 /// - `center`: the middle of the cloth in the picture of the start.
-pub(super) fn instruction(pick: Named<'_>, place: Named<'_>, center: PixelPoint) -> String {
+pub(super) fn instruction(
+    pick: NamedPoint<'_>,
+    place: NamedPoint<'_>,
+    center: PixelPoint,
+) -> String {
     format!(
         "Pick {} and place it on {}",
         noun(pick, center),
@@ -34,7 +38,7 @@ pub(super) fn instruction(pick: Named<'_>, place: Named<'_>, center: PixelPoint)
 }
 
 /// Describes why the two points were chosen.
-pub(super) fn reason(pick: Named<'_>, place: Named<'_>, center: PixelPoint) -> String {
+pub(super) fn reason(pick: NamedPoint<'_>, place: NamedPoint<'_>, center: PixelPoint) -> String {
     format!(
         "Of the listed points {} is {}, and {} is {}.",
         pick.at,
@@ -44,7 +48,7 @@ pub(super) fn reason(pick: Named<'_>, place: Named<'_>, center: PixelPoint) -> S
     )
 }
 
-fn noun(named: Named<'_>, center: PixelPoint) -> String {
+fn noun(named: NamedPoint<'_>, center: PixelPoint) -> String {
     let on_side = |fraction: f64| fraction == 0.0 || fraction == 1.0;
     let kind = match *named.point {
         ClothPoint::Center => return "the center of the cloth".to_owned(),
@@ -94,11 +98,11 @@ mod tests {
             right: 0.0,
             front: 0.0,
         };
-        let pick = Named {
+        let pick = NamedPoint {
             point: &corner,
             at: PixelPoint::new(40, 50),
         };
-        let place = Named {
+        let place = NamedPoint {
             point: &ClothPoint::Center,
             at: PixelPoint::new(112, 112),
         };

@@ -1,6 +1,6 @@
 //! Tries folds between named points of the cloth, and takes the one with the result closest to the next picture.
 //!
-//! In: the cloth after the previous steps, and the outlines before and after one step. Out: a [`Found`]. Reflecting the
+//! In: the cloth after the previous steps, and the outlines before and after one step. Out: a [`FoldMatch`]. Reflecting the
 //! outline would be faster but often wrong: a cloth held down by another corner does not fold along the line between
 //! the two points, so each fold is simulated.
 
@@ -89,7 +89,7 @@ pub struct Step<'s> {
 }
 
 /// A fold and its result.
-pub struct Found {
+pub struct FoldMatch {
     /// The fold's ends in the straightened picture.
     pub arrow: ArrowPx,
     /// The fold between named points; `None` if a drawn arrow joins no named points.
@@ -120,7 +120,7 @@ struct Tried {
 
 impl Step<'_> {
     /// Finds the fold whose result is closest to the next picture; `None` if no pick or place is possible.
-    pub fn explain(&self, state: &State) -> Result<Option<Found>, DraftError> {
+    pub fn explain(&self, state: &State) -> Result<Option<FoldMatch>, DraftError> {
         let world = self.lay(state)?;
         let candidates = match self.arrow {
             Some(arrow) => self.drawn(arrow, world.as_ref())?,
@@ -144,7 +144,7 @@ impl Step<'_> {
             let fold = candidates[other.candidate].fold.clone()?;
             Some((fold, other.overlap))
         });
-        Ok(Some(Found {
+        Ok(Some(FoldMatch {
             arrow: *arrow,
             fold: fold.clone(),
             overlap: taken.overlap,

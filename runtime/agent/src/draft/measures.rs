@@ -26,7 +26,7 @@ const VIEWS_RAD: std::ops::RangeInclusive<f64> = 5.0 * PI / 180.0..=150.0 * PI /
 
 /// The measures stated by the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stated {
+pub struct StatedMeasures {
     /// The camera's height above the table, metres.
     pub height_m: Option<f64>,
     /// The flat cloth's longer side, metres.
@@ -41,7 +41,7 @@ pub struct Stated {
 pub fn of(
     sides_px: [f64; 2],
     side_px: u32,
-    stated: &Stated,
+    stated: &StatedMeasures,
 ) -> Result<(Camera, Cloth), DraftError> {
     let sides_px = sides_px.map(|side| side - RIM_PX);
     let longer_px = sides_px[0].max(sides_px[1]);
@@ -115,7 +115,7 @@ mod tests {
     fn what_is_stated_holds_and_the_rest_follows_from_the_pictures() {
         let close = |a: f64, b: f64| (a - b).abs() < 1e-6;
         let of = |height_m, longer_m| {
-            let stated = Stated { height_m, longer_m };
+            let stated = StatedMeasures { height_m, longer_m };
             super::of([140.7, 112.7], 224, &stated).map(|(camera, cloth)| {
                 let fov_deg = camera.fov_rad.to_degrees();
                 (camera.height_m, fov_deg, [cloth.dimx, cloth.dimy])

@@ -14,7 +14,7 @@ mod outline;
 mod symmetry;
 
 pub use fault::DraftError;
-pub use measures::Stated;
+pub use measures::StatedMeasures;
 pub use symmetry::symmetric;
 
 #[cfg(test)]
@@ -27,7 +27,7 @@ use fab_world::start::Start;
 use fab_world::{World, WorldError};
 use fold_search::{State, Step};
 use image::RgbImage;
-use outline::{Pose, Shown};
+use outline::{PictureParts, Pose};
 use std::ops::RangeInclusive;
 
 /// Permitted sides of a picture, pixels.
@@ -47,7 +47,7 @@ const ALIKE: f64 = 0.985;
 
 /// A picture and its name in messages.
 #[derive(Clone, Debug)]
-pub struct Named {
+pub struct NamedPicture {
     /// Its file, as the user named it.
     pub name: String,
     /// The picture.
@@ -128,8 +128,8 @@ pub type MakeWorld<'a> = dyn Fn(&program::Camera) -> Result<Box<dyn World>, Worl
 ///
 /// The same pictures give the same draft.
 pub fn draft(
-    pictures: &[Named],
-    stated: &Stated,
+    pictures: &[NamedPicture],
+    stated: &StatedMeasures,
     make_world: &MakeWorld<'_>,
     interrupt: &Interrupt,
     announce: &(dyn Fn(usize, usize) + Sync),
@@ -140,7 +140,10 @@ pub fn draft(
         });
     }
     let side_px = common_side(pictures)?;
-    let shown: Vec<Shown> = pictures.iter().map(Shown::of).collect::<Result<_, _>>()?;
+    let shown: Vec<PictureParts> = pictures
+        .iter()
+        .map(PictureParts::of)
+        .collect::<Result<_, _>>()?;
     let pose = Pose::of(&shown[0], &pictures[0].name)?;
     let (camera, cloth) = measures::of(pose.sides_px, side_px, stated)?;
     let compared = program::Camera {
@@ -196,9 +199,9 @@ pub fn draft(
     })
 }
 
-fn common_side(pictures: &[Named]) -> Result<u32, DraftError> {
+fn common_side(pictures: &[NamedPicture]) -> Result<u32, DraftError> {
     let first = &pictures[0];
-    for Named { name, picture } in pictures {
+    for NamedPicture { name, picture } in pictures {
         let size_px: [u32; 2] = picture.dimensions().into();
         if size_px[0] != size_px[1] || !SIDE_PX.contains(&size_px[0]) {
             let name = name.clone();

@@ -3,7 +3,7 @@
 //! In: pictures. Out: [`Outline`]s, normalised: the cloth's sides along the picture's, its middle in the middle, and
 //! the picture as large as those of worlds here.
 
-use super::{COMPARED_PX, DraftError, Named};
+use super::{COMPARED_PX, DraftError, NamedPicture};
 use crate::result::silhouette;
 use crate::subgoals::ArrowPx;
 use fab_picture::Mask;
@@ -25,7 +25,7 @@ const LEAST_SIDE: f64 = 0.125;
 const LARGEST_SIDE: f64 = 0.99;
 
 /// What a picture shows, in its own pixels.
-pub struct Shown {
+pub struct PictureParts {
     /// The cloth, without parts hidden by an arrow.
     cloth: Mask,
     /// An arrow and the pixels beside it, which may be cloth or table.
@@ -50,11 +50,11 @@ const LEAST_PLAIN: f64 = 0.8;
 /// How far an arrow's end on the cloth may lie outside the visible cloth, pixels of a compared picture.
 const ARROW_END_PX: f64 = 6.0;
 
-impl Shown {
+impl PictureParts {
     /// Analyses a square picture.
     ///
     /// Fails if there is no cloth on it.
-    pub fn of(named: &Named) -> Result<Shown, DraftError> {
+    pub fn of(named: &NamedPicture) -> Result<PictureParts, DraftError> {
         let picture = &named.picture;
         let (width, height) = picture.dimensions();
         let scale = (f64::from(width) / 224.0).max(1.0);
@@ -94,7 +94,7 @@ impl Shown {
                 n_colours: table.len(),
             });
         }
-        Ok(Shown {
+        Ok(PictureParts {
             cloth,
             hidden,
             arrow: found.map(|arrow| [arrow.tail, arrow.tip]),
@@ -158,7 +158,7 @@ pub struct Pose {
 
 impl Pose {
     /// Measures the flat cloth by its bounding rectangle.
-    pub fn of(flat: &Shown, name: &str) -> Result<Pose, DraftError> {
+    pub fn of(flat: &PictureParts, name: &str) -> Result<Pose, DraftError> {
         let cloth = flat.without_gaps();
         let found = fab_vision::rectangle_around(&cloth)?;
         let side_px = cloth.width();
@@ -231,7 +231,7 @@ impl Pose {
     }
 
     /// Returns a picture's outline with the flat cloth straightened and centred.
-    pub fn straight(&self, shown: &Shown) -> Outline {
+    pub fn straight(&self, shown: &PictureParts) -> Outline {
         let straight = |mask: &Mask| {
             Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
                 let at = [column, row].map(|at| f64::from(at) + 0.5);

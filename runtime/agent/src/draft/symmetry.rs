@@ -3,10 +3,10 @@
 use fab_program::{Cloth, ClothPoint, Fold, Sequence};
 
 /// A symmetry as a map of points: fractions from left to right and from back to front.
-type Seen = fn([f64; 2]) -> [f64; 2];
+type Symmetry = fn([f64; 2]) -> [f64; 2];
 
 /// The symmetries of a rectangle.
-const OF_A_RECTANGLE: [Seen; 4] = [
+const OF_A_RECTANGLE: [Symmetry; 4] = [
     |[right, front]| [right, front],
     |[right, front]| [1.0 - right, front],
     |[right, front]| [right, 1.0 - front],
@@ -14,7 +14,7 @@ const OF_A_RECTANGLE: [Seen; 4] = [
 ];
 
 /// The additional symmetries of a square.
-const OF_A_SQUARE: [Seen; 4] = [
+const OF_A_SQUARE: [Symmetry; 4] = [
     |[right, front]| [front, right],
     |[right, front]| [1.0 - front, right],
     |[right, front]| [front, 1.0 - right],
@@ -25,7 +25,7 @@ const OF_A_SQUARE: [Seen; 4] = [
 ///
 /// Equal sequences are listed once.
 pub fn symmetric(folds: &[Fold], cloth: &Cloth) -> Vec<Sequence> {
-    let square: &[Seen] = match cloth.dimx == cloth.dimy {
+    let square: &[Symmetry] = match cloth.dimx == cloth.dimy {
         true => &OF_A_SQUARE,
         false => &[],
     };

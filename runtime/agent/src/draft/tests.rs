@@ -13,17 +13,17 @@ fn make_world(camera: &program::Camera) -> Result<Box<dyn World>, WorldError> {
     Ok(Box::new(world))
 }
 
-fn drafted(pictures: &[Named]) -> Result<Draft, DraftError> {
-    drafted_with(pictures, &Stated::default())
+fn drafted(pictures: &[NamedPicture]) -> Result<Draft, DraftError> {
+    drafted_with(pictures, &StatedMeasures::default())
 }
 
-fn drafted_with(pictures: &[Named], stated: &Stated) -> Result<Draft, DraftError> {
+fn drafted_with(pictures: &[NamedPicture], stated: &StatedMeasures) -> Result<Draft, DraftError> {
     let interrupt = Interrupt::default();
     draft(pictures, stated, &make_world, &interrupt, &|_, _| {})
 }
 
-fn load(paths: &[PathBuf]) -> Vec<Named> {
-    let load = |path: &PathBuf| Named {
+fn load(paths: &[PathBuf]) -> Vec<NamedPicture> {
+    let load = |path: &PathBuf| NamedPicture {
         name: path.file_name().unwrap().to_str().unwrap().to_owned(),
         picture: png::load(path).unwrap(),
     };
@@ -42,7 +42,7 @@ const TASKS: [&str; 8] = [
 ];
 
 /// The pinned pictures of a shipped task, and the arrows of its steps.
-fn pinned(task: &str) -> (Vec<Named>, Vec<ArrowPx>) {
+fn pinned(task: &str) -> (Vec<NamedPicture>, Vec<ArrowPx>) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../tasks")
         .join(format!("{task}.subgoals"));
@@ -61,7 +61,7 @@ fn off_px(found: &ArrowPx, right: &ArrowPx) -> f64 {
 }
 
 /// Draws each step's arrow on its first picture.
-fn draw(pictures: &mut [Named], arrows: &[ArrowPx]) {
+fn draw(pictures: &mut [NamedPicture], arrows: &[ArrowPx]) {
     for (named, [tail, tip]) in pictures.iter_mut().zip(arrows) {
         fab_vision::draw_arrow(&mut named.picture, *tail, *tip).unwrap();
     }
@@ -123,7 +123,11 @@ fn folds_are_proposed_for_every_shipped_task() {
 }
 
 /// The recorded pictures of a fold: `rgb` without arrows, `rgbviz` with.
-fn recorded(test: &str, fold: &str, kind: &str) -> Option<(Vec<Named>, Vec<Option<ArrowPx>>)> {
+fn recorded(
+    test: &str,
+    fold: &str,
+    kind: &str,
+) -> Option<(Vec<NamedPicture>, Vec<Option<ArrowPx>>)> {
     let folder = crate::recorded::recorded_data(test)?.join("subgoals");
     let manifest = std::fs::read_to_string(folder.join("manifest.json")).unwrap();
     let manifest: serde_json::Value = serde_json::from_str(&manifest).unwrap();
@@ -242,10 +246,11 @@ fn a_cloth_that_lies_turned_in_larger_pictures_is_read_as_one_that_lies_straight
     let right = [motion.pick, motion.place].map(|at| before.camera.pixel_from_world(at).unwrap());
     world.act(&motion, &Interrupt::default()).unwrap();
     let after = world.observe().unwrap();
-    let pictures = [("a.png", before.rgb), ("b.png", after.rgb)].map(|(name, picture)| Named {
-        name: name.to_owned(),
-        picture,
-    });
+    let pictures =
+        [("a.png", before.rgb), ("b.png", after.rgb)].map(|(name, picture)| NamedPicture {
+            name: name.to_owned(),
+            picture,
+        });
     let draft = drafted(&pictures).unwrap();
     assert_eq!(draft.camera, camera);
     // Counter-clockwise from above is counter-clockwise in the picture.
@@ -259,12 +264,12 @@ fn a_cloth_that_lies_turned_in_larger_pictures_is_read_as_one_that_lies_straight
 }
 
 /// A table of one colour with a cloth of another, `[left, top, right, bottom]`, pixels.
-fn painted(name: &str, side_px: [u32; 2], [left, top, right, bottom]: [u32; 4]) -> Named {
+fn painted(name: &str, side_px: [u32; 2], [left, top, right, bottom]: [u32; 4]) -> NamedPicture {
     let picture = RgbImage::from_fn(side_px[0], side_px[1], |column, row| {
         let is_cloth = (left..right).contains(&column) && (top..bottom).contains(&row);
         image::Rgb(if is_cloth { [200, 60, 20] } else { [230; 3] })
     });
-    Named {
+    NamedPicture {
         name: name.to_owned(),
         picture,
     }
@@ -289,7 +294,7 @@ fn pictures_that_show_no_fold_are_refused_with_what_would_be_right() {
         let level = |step: u32| ((column * step + row * 89) % 256) as u8;
         *pixel = image::Rgb([level(53), level(97), level(151)]);
     }
-    let cases: [(Vec<&Named>, &str); 12] = [
+    let cases: [(Vec<&NamedPicture>, &str); 12] = [
         (vec![&cut, &cut], "that of a cloth that reaches it"),
         (
             vec![&nearly, &nearly],
@@ -334,7 +339,7 @@ fn pictures_that_show_no_fold_are_refused_with_what_would_be_right() {
         ),
     ];
     for (pictures, told) in cases {
-        let pictures: Vec<Named> = pictures.into_iter().cloned().collect();
+        let pictures: Vec<NamedPicture> = pictures.into_iter().cloned().collect();
         let message = drafted(&pictures).unwrap_err().to_string();
         assert!(message.contains(told), "{message}");
     }
@@ -355,7 +360,7 @@ fn any_pixels_give_a_draft_or_a_message() {
         })
     };
     for coarse in [1, 4, 16, 32] {
-        let pictures = ["a.png", "b.png"].map(|name| Named {
+        let pictures = ["a.png", "b.png"].map(|name| NamedPicture {
             name: name.to_owned(),
             picture: noise(coarse),
         });

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Existing lines, oldest first.
 #[derive(Debug, Default)]
-pub(super) struct Earlier {
+pub(super) struct ExistingLines {
     lines: VecDeque<String>,
     /// How many lines there were.
     count: usize,
@@ -20,15 +20,15 @@ pub(super) struct Earlier {
     bytes: u64,
 }
 
-impl Earlier {
+impl ExistingLines {
     /// Reads a journal.
-    pub(super) fn read(path: &Path) -> Result<Earlier, JournalError> {
+    pub(super) fn read(path: &Path) -> Result<ExistingLines, JournalError> {
         let unreadable = |why: String| JournalError::Unreadable {
             path: path.to_owned(),
             why,
         };
         let mut reader = Reader::open(path, MAX_BYTES).map_err(unreadable)?;
-        let mut earlier = Earlier::default();
+        let mut earlier = ExistingLines::default();
         while let Some(line) = reader.next_line().map_err(unreadable)? {
             let text = String::from_utf8_lossy(line).into_owned();
             if !is_taken(&text, earlier.count).map_err(unreadable)? {

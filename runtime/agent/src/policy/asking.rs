@@ -4,9 +4,9 @@
 //! then stored in the ledger and in the recording, if there is one.
 
 use super::PolicyError;
-use fab_model::calls::{Budget, CallRefused, Ledger, LedgerError, Spent, Unkept};
+use fab_model::calls::{Budget, CallRefused, Ledger, LedgerError, Spent, Unrecorded};
 use fab_model::recording::Recorder;
-use fab_model::{Model, ModelError, Nature, Reply, Request};
+use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
@@ -66,10 +66,10 @@ impl<'a> Asking<'a> {
 
     fn answer(&mut self, model: &dyn Model, request: &Request) -> Result<Reply, ModelError> {
         let Some(ledger) = &mut self.ledger else {
-            return model.ask(request, &mut Unkept);
+            return model.ask(request, &mut Unrecorded);
         };
         // A stand-in is asked again: it answers the same, and costs nothing.
-        if model.nature() == Nature::StandIn {
+        if model.nature() == ModelKind::StandIn {
             return model.ask(request, ledger);
         }
         let key = request.key();

@@ -3,19 +3,21 @@
 //! In: the stages, the step's pictures, the models. Out: every attempt as it happens, and a [`Decision`]. The program's
 //! `attempts` limit the number of questions per stage.
 
+mod attempts;
 mod conversation;
 mod rehearsal;
-mod talk;
 
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, RoleModels, StepView};
 use crate::outcome::Outcome;
-pub use conversation::{Conversation, PromptError, Spoken, SpokenPart, conversation, opening};
+use attempts::{Answer, Attempts, Missing, Next};
+pub use conversation::{
+    Conversation, MessagePart, PromptError, UndrawnMessage, conversation, opening,
+};
 use fab_model::{Description as ModelDescription, Models, lowering};
 use fab_program::Program;
 use fab_program::render::RenderError;
 pub use rehearsal::{Rehearsed, rehearse};
 use std::collections::BTreeMap;
-use talk::{Answer, Missing, Next, Talk};
 
 /// A policy that asks models.
 #[derive(Clone, Copy)]
@@ -57,11 +59,12 @@ impl Policy for Prompted<'_> {
         let mut decision = step.without_answer(Outcome::MalformedReply);
         for stage in &step.program.stages {
             let model = self.models.of(stage.model);
-            let mut talk = Talk::begin(*step, stage, &texts, model.lowering(), Missing::IsAnError)?;
+            let mut attempts =
+                Attempts::begin(*step, stage, &texts, model.lowering(), Missing::IsAnError)?;
             let answer = loop {
-                let attempt = talk.ask(model, exchange.asking, &texts)?;
+                let attempt = attempts.ask(model, exchange.asking, &texts)?;
                 (exchange.record)(&attempt)?;
-                match talk.conclude(attempt, &texts)? {
+                match attempts.conclude(attempt, &texts)? {
                     Next::AskAgain => {}
                     Next::Done(answer) => break answer,
                 }

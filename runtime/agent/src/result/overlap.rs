@@ -19,12 +19,12 @@ const SAMPLES: u32 = 128;
 pub struct Alignment {
     from: Rectangle,
     onto: Rectangle,
-    ways: Vec<Way>,
+    ways: Vec<AxisMap>,
 }
 
 /// A symmetry of a rectangle: the axes of one rectangle in those of the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Way {
+struct AxisMap {
     /// Whether the sides are swapped.
     sides: Sides,
     /// The signs of both axes.
@@ -57,7 +57,7 @@ impl Alignment {
         let signs = [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
         let ways = sides
             .iter()
-            .flat_map(|&sides| signs.map(|signs| Way { sides, signs }));
+            .flat_map(|&sides| signs.map(|signs| AxisMap { sides, signs }));
         Ok(Some(Alignment {
             from,
             onto,
@@ -66,7 +66,7 @@ impl Alignment {
     }
 
     /// Maps a point of the subgoal picture to the other one, both `[column, row]`, pixels.
-    fn back(&self, way: Way, [column, row]: [f64; 2]) -> [f64; 2] {
+    fn back(&self, way: AxisMap, [column, row]: [f64; 2]) -> [f64; 2] {
         let (from, onto) = (&self.from, &self.onto);
         let off = [column - onto.center[0], row - onto.center[1]];
         let across = |along: [f64; 2]| [-along[1], along[0]];

@@ -1,6 +1,6 @@
 //! The score of a rollout: its cloth's distance from the expert results, and its coverage.
 
-use super::writer::Keeper;
+use super::writer::RolloutWriter;
 use super::{Event, Job, RunError};
 use fab_program::{Goal, Metric};
 use fab_world::expert;
@@ -45,7 +45,7 @@ impl Scored {
 pub(super) fn score(
     job: &Job<'_>,
     world: &dyn World,
-    keeper: &mut Keeper,
+    keeper: &mut RolloutWriter,
     progress: &mut dyn FnMut(Event<'_>),
 ) -> Result<Scored, RunError> {
     let Some(particles) = world

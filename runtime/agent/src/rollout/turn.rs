@@ -3,7 +3,7 @@
 //! In: the job and the state left by the step before. Out: the step's line, and an outcome if the rollout ends with it.
 
 use super::timer::Timer;
-use super::writer::Keeper;
+use super::writer::RolloutWriter;
 use super::{Event, Job, RunError};
 use crate::action::Action;
 use crate::outcome::Outcome;
@@ -94,7 +94,7 @@ impl<'j> Turn<'j> {
         policy: &mut dyn Policy,
         world: &mut dyn World,
         memory: &mut Memory,
-        keeper: &mut Keeper,
+        keeper: &mut RolloutWriter,
         sheet: &mut Sheet,
         progress: &mut dyn FnMut(Event<'_>),
     ) -> Result<Option<Outcome>, RunError> {
@@ -148,7 +148,7 @@ impl<'j> Turn<'j> {
         let asking = Instant::now();
         let run = keeper.folder.path().to_owned();
         let mut aside = Duration::ZERO;
-        let Keeper {
+        let RolloutWriter {
             folder,
             asking: line,
             tally,

@@ -12,8 +12,8 @@ use crate::operator;
 use crate::outcome::Outcome;
 use crate::policy::{self, Asking};
 use crate::record::{
-    self, End, ExpertDistance, Header, JudgedBy, Line, Measures, Progress, Report, Spent,
-    StartFile, StepSpent, Took,
+    self, End, ExpertDistance, Header, JudgedBy, Line, Measures, Progress, Report, RunCosts, Spent,
+    StartFile, StepSpent,
 };
 use crate::sheet::{SHEET_FILE, Sheet};
 use fab_base::{digest, npy};
@@ -27,7 +27,7 @@ use sha2::{Digest, Sha256};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// Writes a rollout into its folder.
-pub(super) struct Keeper<'j> {
+pub(super) struct RolloutWriter<'j> {
     pub(super) folder: RunFolder,
     pub(super) timer: Timer,
     pub(super) asking: Asking<'j>,
@@ -43,7 +43,7 @@ pub(super) struct Keeper<'j> {
     final_positions: Option<String>,
 }
 
-impl<'j> Keeper<'j> {
+impl<'j> RolloutWriter<'j> {
     /// Writes program, start and header.
     pub(super) fn open(
         job: &Job<'_>,
@@ -51,7 +51,7 @@ impl<'j> Keeper<'j> {
         asking: Asking<'j>,
         policy: policy::Description,
         world: &dyn World,
-    ) -> Result<Keeper<'j>, RunError> {
+    ) -> Result<RolloutWriter<'j>, RunError> {
         let program = serde_json::to_vec_pretty(job.program)
             .expect("a program has string keys and finite numbers");
         let program_file = folder.keep("program.json", &program)?;
@@ -88,7 +88,7 @@ impl<'j> Keeper<'j> {
         folder.spend(&Spent::Begin {
             run_id: run_id.clone(),
         })?;
-        Ok(Keeper {
+        Ok(RolloutWriter {
             folder,
             asking,
             timer: Timer::default(),
@@ -259,7 +259,7 @@ impl<'j> Keeper<'j> {
             world: self.world.clone(),
             params: self.params.clone(),
         };
-        let took = Took {
+        let took = RunCosts {
             planning_s: self.tally.planning_s(),
             spent,
             calls: spent.calls,

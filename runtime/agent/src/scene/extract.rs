@@ -1,7 +1,7 @@
 //! Runs one extractor on an observation.
 
 use super::mask_counts::measured;
-use super::{Found, Scene, SceneError};
+use super::{Extracted, Scene, SceneError};
 use fab_picture::centroid;
 use fab_picture::depth_mask;
 use fab_picture::observation::Observation;
@@ -18,7 +18,7 @@ impl Scene {
         name: &str,
         extractor: &Extractor,
         observation: &Observation,
-    ) -> Result<Found, SceneError> {
+    ) -> Result<Extracted, SceneError> {
         let out_of_view = |mask: &str| SceneError::OutOfView {
             mask: mask.to_owned(),
             measured: format!("; `{name}` is taken from it"),
@@ -44,9 +44,9 @@ impl Scene {
                 seen(fab_vision::split_mask(rgb, *of, *keep, *blur_px, *contrast))?
             }
             Extractor::Closed { mask, by_px } => {
-                Found::Mask(fab_vision::closed(self.mask(mask)?, *by_px))
+                Extracted::Mask(fab_vision::closed(self.mask(mask)?, *by_px))
             }
-            Extractor::Largest { mask } => Found::Mask(fab_vision::largest(self.mask(mask)?)),
+            Extractor::Largest { mask } => Extracted::Mask(fab_vision::largest(self.mask(mask)?)),
             Extractor::Union { masks } => {
                 let masks = masks.iter().map(|mask| self.mask(mask));
                 let masks = masks.collect::<Result<Vec<_>, _>>()?;
@@ -96,35 +96,35 @@ impl Scene {
                         fab_vision::box_distance_px(corner.pixel, frame) <= *margin_px
                     });
                 }
-                Found::Points(found)
+                Extracted::Points(found)
             }
             Extractor::Centroid { mask } => centroid(self.mask(mask)?)
-                .map(Found::Point)
+                .map(Extracted::Point)
                 .ok_or_else(|| out_of_view(mask))?,
             Extractor::BoundingBox { mask } => fab_vision::bounding_box(self.mask(mask)?)
-                .map(Found::Box)
+                .map(Extracted::Box)
                 .ok_or_else(|| out_of_view(mask))?,
-            Extractor::BoxCenter { of } => Found::Point(Located::at_center_of(
+            Extractor::BoxCenter { of } => Extracted::Point(Located::at_center_of(
                 fab_vision::box_center(self.corners_of(of)?),
             )),
             Extractor::PictureCenter => {
                 let [right, low] = [observation.rgb.width(), observation.rgb.height()]
                     .map(|side| side.saturating_sub(1) as i32);
                 let around = [PixelPoint::new(0, 0), PixelPoint::new(right, low)];
-                Found::Point(Located::at_center_of(fab_vision::box_center(around)))
+                Extracted::Point(Located::at_center_of(fab_vision::box_center(around)))
             }
             Extractor::Contour { mask, tolerance_px } => {
                 let around = fab_vision::contour(self.mask(mask)?, *tolerance_px)?;
                 if around.is_empty() {
                     return Err(out_of_view(mask));
                 }
-                Found::Outline(around)
+                Extracted::Outline(around)
             }
             Extractor::EdgeMiddles { outline } => {
-                Found::Points(fab_vision::edge_middles(self.outline(outline)?))
+                Extracted::Points(fab_vision::edge_middles(self.outline(outline)?))
             }
             Extractor::Along { outline, count } => {
-                Found::Points(fab_vision::along(self.outline(outline)?, *count))
+                Extracted::Points(fab_vision::along(self.outline(outline)?, *count))
             }
             Extractor::Toward { points, to, share } => {
                 let to = self.points_of(to).first().map(|point| point.at);
@@ -133,16 +133,16 @@ impl Scene {
                     Located::at([0, 1].map(|axis| at[axis] + share * (to[axis] - at[axis])))
                 };
                 let moved = points.filter_map(|point| Some(moved(point.at, to?)));
-                Found::Points(moved.collect())
+                Extracted::Points(moved.collect())
             }
             Extractor::Outermost { points, side } => outermost(self.points_of(points), *side)
-                .map(Found::Point)
+                .map(Extracted::Point)
                 .ok_or_else(|| SceneError::NoCandidates {
                     keypoint: points.clone(),
                     measured: format!("; `{name}` is one of its points"),
                 })?,
             Extractor::Fixed { points } => {
-                Found::Points(points.iter().copied().map(Located::at_center_of).collect())
+                Extracted::Points(points.iter().copied().map(Located::at_center_of).collect())
             }
         })
     }
@@ -156,21 +156,21 @@ impl Scene {
         mask: Mask,
         extractor: &Extractor,
         observation: &Observation,
-    ) -> Result<Found, SceneError> {
+    ) -> Result<Extracted, SceneError> {
         if mask.is_empty() && self.cloth().is_none() {
             return Err(SceneError::OutOfView {
                 mask: name.to_owned(),
                 measured: measured(extractor, observation),
             });
         }
-        Ok(Found::Mask(mask))
+        Ok(Extracted::Mask(mask))
     }
 }
 
 /// Collects the pixels of the picture for which `is_inside` holds.
-fn of_pixels(observation: &Observation, is_inside: impl Fn(PixelPoint) -> bool) -> Found {
+fn of_pixels(observation: &Observation, is_inside: impl Fn(PixelPoint) -> bool) -> Extracted {
     let (width, height) = observation.rgb.dimensions();
-    Found::Mask(Mask::from_fn(width, height, |column, row| {
+    Extracted::Mask(Mask::from_fn(width, height, |column, row| {
         is_inside(PixelPoint::new(column as i32, row as i32))
     }))
 }

@@ -1,6 +1,6 @@
 //! Measures a picture that gives no scene, in words that end a message.
 
-use super::{Found, Scene};
+use super::{Extracted, Scene};
 use fab_picture::DepthImage;
 use fab_picture::depth_mask;
 use fab_picture::observation::Observation;
@@ -75,7 +75,7 @@ impl Scene {
     pub(super) fn looked_at(&self, program: &Program, keypoints: &[String]) -> String {
         let of_detector = |name: &String| match &program.keypoint(name)?.extractor {
             Extractor::Corners { mask, .. } => match self.get(mask)? {
-                Found::Mask(pixels) => Some((mask.clone(), pixels)),
+                Extracted::Mask(pixels) => Some((mask.clone(), pixels)),
                 _ => None,
             },
             _ => None,

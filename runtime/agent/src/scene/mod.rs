@@ -24,7 +24,7 @@ use serde_json::{Map, Value, json};
 /// The keypoints of one observation, in the program's order.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    found: Vec<(String, Found)>,
+    found: Vec<(String, Extracted)>,
     /// The name of the cloth's mask.
     cloth: Option<String>,
     /// Candidate points removed as unreachable, in the order in which the action's fields list them.
@@ -33,7 +33,7 @@ pub struct Scene {
 
 /// An extractor's result.
 #[derive(Clone, Debug)]
-enum Found {
+enum Extracted {
     Mask(Mask),
     Box([PixelPoint; 2]),
     Outline(Vec<PixelPoint>),
@@ -151,10 +151,10 @@ impl Scene {
     }
 
     /// Adds a result; the first mask is the cloth, and so is a cleaned version of it.
-    fn add(&mut self, keypoint: &Keypoint, found: Found) {
+    fn add(&mut self, keypoint: &Keypoint, found: Extracted) {
         let is_cloth = match (&found, &self.cloth) {
-            (Found::Mask(_), None) => true,
-            (Found::Mask(_), Some(cloth)) => keypoint.extractor.refines() == Some(cloth),
+            (Extracted::Mask(_), None) => true,
+            (Extracted::Mask(_), Some(cloth)) => keypoint.extractor.refines() == Some(cloth),
             _ => false,
         };
         if is_cloth {
@@ -163,7 +163,7 @@ impl Scene {
         self.found.push((keypoint.name.clone(), found));
     }
 
-    fn get(&self, name: &str) -> Option<&Found> {
+    fn get(&self, name: &str) -> Option<&Extracted> {
         self.found
             .iter()
             .find(|(known, _)| known == name)
@@ -172,14 +172,14 @@ impl Scene {
 
     fn mask(&self, name: &str) -> Result<&Mask, SceneError> {
         match self.get(name) {
-            Some(Found::Mask(mask)) => Ok(mask),
+            Some(Extracted::Mask(mask)) => Ok(mask),
             _ => Err(out_of_view(name)),
         }
     }
 
     fn outline(&self, name: &str) -> Result<&[PixelPoint], SceneError> {
         match self.get(name) {
-            Some(Found::Outline(points)) => Ok(points),
+            Some(Extracted::Outline(points)) => Ok(points),
             _ => Err(out_of_view(name)),
         }
     }
@@ -187,15 +187,15 @@ impl Scene {
     /// Returns the points of a keypoint: one for a single point, none for other shapes.
     fn points_of(&self, name: &str) -> &[Located] {
         match self.get(name) {
-            Some(Found::Points(points)) => points,
-            Some(Found::Point(point)) => std::slice::from_ref(point),
+            Some(Extracted::Points(points)) => points,
+            Some(Extracted::Point(point)) => std::slice::from_ref(point),
             _ => &[],
         }
     }
 
     fn corners_of(&self, name: &str) -> Result<[PixelPoint; 2], SceneError> {
         match self.get(name) {
-            Some(Found::Box(corners)) => Ok(*corners),
+            Some(Extracted::Box(corners)) => Ok(*corners),
             _ => Err(out_of_view(name)),
         }
     }
@@ -217,9 +217,9 @@ impl Scene {
     /// a pixel, the first one declared counts.
     pub fn located(&self, pixel: PixelPoint) -> Option<[f64; 2]> {
         let points = self.found.iter().map(|(_, found)| match found {
-            Found::Points(points) => points.as_slice(),
-            Found::Point(point) => std::slice::from_ref(point),
-            Found::Mask(_) | Found::Box(_) | Found::Outline(_) => &[],
+            Extracted::Points(points) => points.as_slice(),
+            Extracted::Point(point) => std::slice::from_ref(point),
+            Extracted::Mask(_) | Extracted::Box(_) | Extracted::Outline(_) => &[],
         });
         points
             .flatten()
@@ -233,11 +233,11 @@ impl Scene {
         let mut object = Map::new();
         for (name, found) in &self.found {
             let value = match found {
-                Found::Mask(mask) => json!({ "area_px": mask.area_px() }),
-                Found::Box(corners) => json!({ "box": corners }),
-                Found::Outline(points) => json!({ "outline": points }),
-                Found::Points(points) => json!(pixels(points)),
-                Found::Point(point) => json!([point.pixel]),
+                Extracted::Mask(mask) => json!({ "area_px": mask.area_px() }),
+                Extracted::Box(corners) => json!({ "box": corners }),
+                Extracted::Outline(points) => json!({ "outline": points }),
+                Extracted::Points(points) => json!(pixels(points)),
+                Extracted::Point(point) => json!([point.pixel]),
             };
             object.insert(name.clone(), value);
         }
@@ -265,31 +265,31 @@ fn pixels(points: &[Located]) -> Vec<PixelPoint> {
 impl SceneView for Scene {
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
         match self.get(keypoint)? {
-            Found::Points(points) => Some(pixels(points)),
-            Found::Point(point) => Some(vec![point.pixel]),
-            Found::Mask(_) | Found::Box(_) | Found::Outline(_) => None,
+            Extracted::Points(points) => Some(pixels(points)),
+            Extracted::Point(point) => Some(vec![point.pixel]),
+            Extracted::Mask(_) | Extracted::Box(_) | Extracted::Outline(_) => None,
         }
     }
 
     fn distance_px(&self, region: &str, point: PixelPoint) -> Option<f64> {
         match self.get(region)? {
-            Found::Mask(mask) if mask.is_empty() => None,
-            Found::Mask(mask) => Some(mask.distance_px(point)),
-            Found::Box(corners) => Some(fab_vision::box_distance_px(point, *corners)),
+            Extracted::Mask(mask) if mask.is_empty() => None,
+            Extracted::Mask(mask) => Some(mask.distance_px(point)),
+            Extracted::Box(corners) => Some(fab_vision::box_distance_px(point, *corners)),
             _ => None,
         }
     }
 
     fn area_px(&self, mask: &str) -> Option<f64> {
         match self.get(mask)? {
-            Found::Mask(mask) => Some(mask.area_px() as f64),
+            Extracted::Mask(mask) => Some(mask.area_px() as f64),
             _ => None,
         }
     }
 
     fn region_pixel(&self, mask: &str, number: u64) -> Option<PixelPoint> {
         match self.get(mask)? {
-            Found::Mask(mask) => mask.pixels().nth(usize::try_from(number).ok()?),
+            Extracted::Mask(mask) => mask.pixels().nth(usize::try_from(number).ok()?),
             _ => None,
         }
     }

@@ -3,7 +3,7 @@
 //! In: a scene, its observation, and the world's reach. Out: the scene without these points, with the reasons. Answers
 //! that lead elsewhere, by a direction or to any pixel of a mask, are judged later (`policy/reach.rs`).
 
-use super::{Found, Scene, SceneError};
+use super::{Extracted, Scene, SceneError};
 use crate::action;
 use fab_picture::observation::Observation;
 use fab_program::scene::{SceneView, Unreachable};
@@ -48,7 +48,7 @@ impl Scene {
         for (_, keypoints) in offered.clone() {
             let listed = self.found.iter_mut();
             for (_, found) in listed.filter(|(name, _)| keypoints.contains(name)) {
-                if let Found::Points(points) = found {
+                if let Extracted::Points(points) = found {
                     points.retain(|point| is_in_reach(point.pixel));
                 }
             }

@@ -3,7 +3,7 @@
 //! In: a scene, its program, the camera's picture. Out: pictures of that size, in the order in which a step makes them.
 //! Everything here is found and drawn as in a step.
 
-use super::{Found, Scene, SceneError, pixels};
+use super::{Extracted, Scene, SceneError, pixels};
 use fab_picture::Mask;
 use fab_picture::mask_picture;
 use fab_program::facts::ExecutedAction;
@@ -61,11 +61,11 @@ impl Scene {
     pub fn keypoints(&self) -> Vec<(&str, Vec<PixelPoint>)> {
         let listed = self.found.iter().filter_map(|(name, found)| {
             let points = match found {
-                Found::Mask(_) => return None,
-                Found::Box(corners) => corners.to_vec(),
-                Found::Outline(points) => points.clone(),
-                Found::Points(points) => pixels(points),
-                Found::Point(point) => vec![point.pixel],
+                Extracted::Mask(_) => return None,
+                Extracted::Box(corners) => corners.to_vec(),
+                Extracted::Outline(points) => points.clone(),
+                Extracted::Points(points) => pixels(points),
+                Extracted::Point(point) => vec![point.pixel],
             };
             Some((name.as_str(), points))
         });
@@ -75,14 +75,14 @@ impl Scene {
     /// Returns each keypoint that is a mask.
     pub fn masks(&self) -> Vec<(&str, &Mask)> {
         let listed = self.found.iter().filter_map(|(name, found)| match found {
-            Found::Mask(mask) => Some((name.as_str(), mask)),
+            Extracted::Mask(mask) => Some((name.as_str(), mask)),
             _ => None,
         });
         listed.collect()
     }
 }
 
-fn drawn(found: &Found, rgb: &RgbImage) -> Result<RgbImage, SceneError> {
+fn drawn(found: &Extracted, rgb: &RgbImage) -> Result<RgbImage, SceneError> {
     let numbered = |at: Vec<PixelPoint>| {
         let dots = DrawnShape::Dots {
             at: at.clone(),
@@ -91,7 +91,7 @@ fn drawn(found: &Found, rgb: &RgbImage) -> Result<RgbImage, SceneError> {
         vec![dots, DrawnShape::Numbers { at }]
     };
     let shapes = match found {
-        Found::Mask(mask) => {
+        Extracted::Mask(mask) => {
             let levels = mask_picture(mask);
             return Ok(RgbImage::from_fn(
                 mask.width(),
@@ -102,16 +102,16 @@ fn drawn(found: &Found, rgb: &RgbImage) -> Result<RgbImage, SceneError> {
                 },
             ));
         }
-        Found::Box(corners) => vec![DrawnShape::Box {
+        Extracted::Box(corners) => vec![DrawnShape::Box {
             corners: *corners,
             spacing_px: 1,
         }],
-        Found::Outline(points) => vec![DrawnShape::Outline {
+        Extracted::Outline(points) => vec![DrawnShape::Outline {
             points: points.clone(),
             width_px: 1,
         }],
-        Found::Points(points) => numbered(pixels(points)),
-        Found::Point(point) => vec![DrawnShape::Dots {
+        Extracted::Points(points) => numbered(pixels(points)),
+        Extracted::Point(point) => vec![DrawnShape::Dots {
             at: vec![point.pixel],
             radius_px: DOT_PX,
         }],

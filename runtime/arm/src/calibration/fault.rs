@@ -161,7 +161,7 @@ pub enum Fault {
         "point {point} is {off_mm:.1} mm off: according to the others its pixel shows {:.4}, {:.4}, {:.4}, but it \
          was given as {:.4}, {:.4}, {:.4}; {hint}", shown_m[0], shown_m[1], shown_m[2], base_m[0], base_m[1], base_m[2]
     )]
-    Slip {
+    Mistake {
         /// Its number.
         point: usize,
         /// Its error, millimetres.

@@ -6,18 +6,18 @@
 use super::accuracy::{Accuracy, errors_mm, left_out, root_mean_square};
 use super::fault::{Fault, MAX_GAIN, MAX_SCALE_OFF, MAX_TILT_DEG};
 use super::fit::{Fit, Solver};
-use super::{LEFT_OUT_SHARE, Pair, Refusal, Terms, rigid, slips, spread};
+use super::{LEFT_OUT_SHARE, Pair, Refusal, Terms, mistakes, rigid, spread};
 
 /// Fits points and judges the fit.
 pub(super) fn judge(terms: &Terms, pairs: &[Pair]) -> Result<(Fit, Accuracy), Refusal> {
-    slips::check(terms, pairs)?;
+    mistakes::check(terms, pairs)?;
     let solver = Solver::of(terms)?;
     let points = solver.sightings(pairs)?;
     let fit = solver.fit(&points);
     let residual_mm = fit.as_ref().and_then(|fit| errors_mm(fit, &points));
     let fits = |errors: &Vec<f64>| root_mean_square(errors) <= terms.limit_mm;
     if !residual_mm.as_ref().is_some_and(fits)
-        && let Some(refusal) = slips::find(terms, &solver, pairs)
+        && let Some(refusal) = mistakes::find(terms, &solver, pairs)
     {
         return Err(refusal);
     }
@@ -41,7 +41,7 @@ pub(super) fn judge(terms: &Terms, pairs: &[Pair]) -> Result<(Fit, Accuracy), Re
         Fit::Rigid { .. } => !fits(&residual_mm) && rigid::fits_mirrored(&points),
     };
     if is_mirrored || !fit.sees_from_above(terms.window.middle_px()) {
-        let hint = slips::why_mirrored(terms, pairs);
+        let hint = mistakes::why_mirrored(terms, pairs);
         return Err(against(Fault::Mirrored { hint }));
     }
     let spread = spread::measure(terms, &fit, &points).map_err(against)?;

@@ -11,6 +11,7 @@ mod fault;
 mod file;
 mod fit;
 mod judge;
+mod mistakes;
 mod moved;
 mod pairs;
 mod plane;
@@ -18,7 +19,6 @@ mod refusal;
 mod rigid;
 mod session;
 mod sighting;
-mod slips;
 mod spread;
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,7 @@
 use super::Calibration;
 use crate::rgbd::{Intrinsics, Shot};
 use crate::sight::Sight;
-use fab_picture::Found;
+use fab_picture::MovedMark;
 use image::GrayImage;
 use image::imageops::{self, FilterType};
 
@@ -219,16 +219,16 @@ struct Motion {
 
 impl Motion {
     /// Finds the least-squares motion; `None` if all positions coincide.
-    fn of(found: &[Found]) -> Option<Motion> {
+    fn of(found: &[MovedMark]) -> Option<Motion> {
         let n = found.len() as f64;
-        let mean = |of: fn(&Found) -> [f64; 2]| {
+        let mean = |of: fn(&MovedMark) -> [f64; 2]| {
             let sum = found
                 .iter()
                 .map(of)
                 .fold([0.0; 2], |sum, it| [sum[0] + it[0], sum[1] + it[1]]);
             sum.map(|sum| sum / n)
         };
-        let to = |it: &Found| [it.at_px[0] + it.moved_px[0], it.at_px[1] + it.moved_px[1]];
+        let to = |it: &MovedMark| [it.at_px[0] + it.moved_px[0], it.at_px[1] + it.moved_px[1]];
         let (from_mean, to_mean) = (mean(|it| it.at_px), mean(to));
         let (mut along, mut across, mut size) = (0.0, 0.0, 0.0);
         for it in found {
@@ -262,8 +262,8 @@ impl Motion {
     }
 
     /// Returns the marks whose found positions it predicts.
-    fn agreeing(&self, found: &[Found]) -> Vec<Found> {
-        let is_near = |it: &&Found| {
+    fn agreeing(&self, found: &[MovedMark]) -> Vec<MovedMark> {
+        let is_near = |it: &&MovedMark| {
             let [u, v] = self.apply(it.at_px);
             let off = [
                 u - it.at_px[0] - it.moved_px[0],
@@ -276,8 +276,8 @@ impl Motion {
 }
 
 /// Finds the motion shared by the most marks, and these marks; only small rotations and scalings are plausible.
-fn shared(found: &[Found]) -> Option<(Motion, Vec<Found>)> {
-    let mut best: Option<(Motion, Vec<Found>)> = None;
+fn shared(found: &[MovedMark]) -> Option<(Motion, Vec<MovedMark>)> {
+    let mut best: Option<(Motion, Vec<MovedMark>)> = None;
     for (index, one) in found.iter().enumerate() {
         for other in &found[index + 1..] {
             let Some(motion) = Motion::of(&[*one, *other]) else {

@@ -5,8 +5,8 @@
 //! is left to the caller.
 
 use super::fit::Solver;
+use super::mistakes::check_numbers_of;
 use super::pairs::{numbers, pair_of};
-use super::slips::check_numbers_of;
 use super::{MAX_PAIRS, Pair, Terms, Window};
 
 /// Returns the tool's position with the arm at rest, metres, base frame, or says why there is none.

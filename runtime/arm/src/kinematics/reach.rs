@@ -11,7 +11,7 @@
 //! `j2n6s300`), or 0.16 m and 0.72 m (`j2s6s200`).
 
 use super::chain::{Chain, JOINTS, nearest_turn};
-use super::tool_down::{Downwards, tool_down};
+use super::tool_down::{ToolDown, tool_down};
 use nalgebra::{Isometry3, Point3, Translation3};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -74,12 +74,12 @@ pub struct OutOfReach {
     /// The range reached at that height, contiguous up to the farthest; `None` if nothing is reached.
     pub range: Option<Range>,
     /// The reason.
-    pub why: WhyNot,
+    pub why: WhyUnreachable,
 }
 
 /// Why a point is out of reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WhyNot {
+pub enum WhyUnreachable {
     /// A coordinate is not finite, or a height is not finite or is negative.
     NotAPlace,
     /// It is too near to the base.
@@ -96,7 +96,7 @@ pub enum WhyNot {
 
 impl fmt::Display for OutOfReach {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.why == WhyNot::NotAPlace {
+        if self.why == WhyUnreachable::NotAPlace {
             return write!(
                 out,
                 "the point or a height over it is no place within {MAX_M} m of the arm's base"
@@ -117,8 +117,8 @@ impl fmt::Display for OutOfReach {
         let farthest_m = centimetre(range.farthest_m, f64::floor);
         write!(out, "it reaches {nearest_m:.2} to {farthest_m:.2} m")?;
         match self.why {
-            WhyNot::Gap => write!(out, ", but not there"),
-            WhyNot::WayUp => write!(out, ", but not straight up from there"),
+            WhyUnreachable::Gap => write!(out, ", but not there"),
+            WhyUnreachable::WayUp => write!(out, ", but not straight up from there"),
             _ => Ok(()),
         }
     }
@@ -130,7 +130,7 @@ impl std::error::Error for OutOfReach {}
 #[derive(Debug)]
 pub struct Reach {
     chain: Chain,
-    downwards: Downwards,
+    downwards: ToolDown,
     turn: Turn,
     ranges: Mutex<BTreeMap<i64, Option<Range>>>,
 }
@@ -140,7 +140,7 @@ impl Reach {
     pub fn tool_down(chain: &Chain, turn: Turn) -> Reach {
         Reach {
             chain: chain.clone(),
-            downwards: Downwards::new(chain),
+            downwards: ToolDown::new(chain),
             turn,
             ranges: Mutex::default(),
         }
@@ -168,7 +168,7 @@ impl Reach {
                 radius_m,
                 above_m: 0.0,
                 range: None,
-                why: WhyNot::NotAPlace,
+                why: WhyUnreachable::NotAPlace,
             });
         }
         let postures = self.best_first(radius_m, point.z);
@@ -298,19 +298,19 @@ impl Reach {
         };
         for above_m in above_m {
             let Some(range) = self.range(height_m + above_m) else {
-                return refused(above_m, None, WhyNot::Height);
+                return refused(above_m, None, WhyUnreachable::Height);
             };
             if radius_m > range.farthest_m {
-                return refused(above_m, Some(range), WhyNot::TooFar);
+                return refused(above_m, Some(range), WhyUnreachable::TooFar);
             }
             if radius_m < range.nearest_m {
-                return refused(above_m, Some(range), WhyNot::TooNear);
+                return refused(above_m, Some(range), WhyUnreachable::TooNear);
             }
         }
         let why = if self.postures(radius_m, height_m).is_empty() {
-            WhyNot::Gap
+            WhyUnreachable::Gap
         } else {
-            WhyNot::WayUp
+            WhyUnreachable::WayUp
         };
         refused(0.0, self.range(height_m), why)
     }

@@ -38,7 +38,7 @@ pub fn tool_down(point: &Point3<f64>, turn_rad: f64) -> Isometry3<f64> {
 
 /// An arm whose hand points down.
 #[derive(Clone, Debug)]
-pub(super) struct Downwards {
+pub(super) struct ToolDown {
     chain: Chain,
     plane: Plane,
     steps: [Vec<Side>; 2],
@@ -87,9 +87,9 @@ struct Side {
     fore_rad: f64,
 }
 
-impl Downwards {
-    pub(super) fn new(chain: &Chain) -> Downwards {
-        let mut downwards = Downwards {
+impl ToolDown {
+    pub(super) fn new(chain: &Chain) -> ToolDown {
+        let mut downwards = ToolDown {
             chain: chain.clone(),
             plane: Plane::of(chain),
             steps: Default::default(),

@@ -15,7 +15,7 @@ use crate::table::{ClothTable, TableCamera};
 use fab_base::files;
 use fab_base::interrupt::Interrupt;
 use fab_picture::png;
-use fab_world::{Around, Executed, Motion, World, WorldError};
+use fab_world::{Executed, Motion, World, WorldError, Wrapper};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -113,7 +113,7 @@ pub fn read_plan(folder: &Path) -> Result<Plan, String> {
     serde_json::from_str(&text).map_err(|error| format!("`{}`: {error}", path.display()))
 }
 
-impl Around for PlanningWorld {
+impl Wrapper for PlanningWorld {
     fn inner(&self) -> &dyn World {
         &self.world
     }

@@ -9,7 +9,7 @@ use crate::kinematics::reach::{Reach, Turn};
 use crate::kinematics::tool_down::tool_down;
 use crate::settings::Settings;
 use crate::{limits, route};
-use fab_world::{Around, World, WorldError, WorldPoint};
+use fab_world::{World, WorldError, WorldPoint, Wrapper};
 use nalgebra::{Isometry3, Point3};
 
 /// The reach of an arm with its hand pointing down.
@@ -98,7 +98,7 @@ impl WithinReach {
     }
 }
 
-impl Around for WithinReach {
+impl Wrapper for WithinReach {
     fn inner(&self) -> &dyn World {
         self.world.as_ref()
     }

@@ -182,12 +182,12 @@ fn folders_are_read_for_what_they_hold() {
     let step = step(Some(0.25));
     assert_eq!(
         super::find(&folder.path().join("none"), &identity()),
-        Found::Unfinished
+        FolderContents::Unfinished
     );
-    assert_eq!(find(&[]), Found::Unfinished);
-    assert_eq!(find(&[header(), step.clone()]), Found::Unfinished);
+    assert_eq!(find(&[]), FolderContents::Unfinished);
+    assert_eq!(find(&[header(), step.clone()]), FolderContents::Unfinished);
     let found = find(&[header(), step.clone(), end("horizon_reached", None)]);
-    let Found::Finished(rollout) = found else {
+    let FolderContents::Finished(rollout) = found else {
         panic!("a rollout with an end line has ended: {found:?}");
     };
     assert_eq!((rollout.steps.len(), rollout.last), (1, None));
@@ -198,15 +198,15 @@ fn folders_are_read_for_what_they_hold() {
     for stopped in ["interrupted", "budget_exhausted"] {
         assert_eq!(
             find(&[header(), end(stopped, None)]),
-            Found::Unfinished,
+            FolderContents::Unfinished,
             "{stopped}"
         );
     }
     let lost = end("horizon_reached", Some("gone.npy"));
-    assert_eq!(find(&[header(), step, lost]), Found::Unfinished);
+    assert_eq!(find(&[header(), step, lost]), FolderContents::Unfinished);
     let mut newer = header();
     newer["schema"] = json!(3);
-    let Found::Other(why) = find(&[newer]) else {
+    let FolderContents::Other(why) = find(&[newer]) else {
         panic!("lines of another version are not written over");
     };
     assert_eq!(

@@ -89,9 +89,9 @@ pub enum CallRefused {
 
 /// Accepts all calls and stores nothing: for questions outside any run.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Unkept;
+pub struct Unrecorded;
 
-impl Calls for Unkept {
+impl Calls for Unrecorded {
     fn begin(&mut self, _: &Call<'_>) -> Result<(), CallRefused> {
         Ok(())
     }

@@ -11,7 +11,7 @@ mod replay;
 pub use recorder::Recorder;
 pub use replay::Replay;
 
-use super::{Lowering, Nature, Reply};
+use super::{Lowering, ModelKind, Reply};
 use crate::calls::Fault;
 use fab_base::jsonl::Reader;
 use serde::{Deserialize, Serialize};
@@ -37,7 +37,7 @@ struct Exchange {
     /// [`super::Request::key`].
     key: String,
     model: String,
-    nature: Nature,
+    nature: ModelKind,
     lowering: Lowering,
     /// The request as JSON, with each picture replaced by the SHA-256 of its bytes.
     request: Value,

@@ -2,7 +2,7 @@
 
 use super::{Exchange, Outcome, RecordingError, difference, read};
 use crate::calls::Calls;
-use crate::{Lowering, Model, ModelError, ModelRole, Nature, Reply, Request};
+use crate::{Lowering, Model, ModelError, ModelKind, ModelRole, Reply, Request};
 use fab_base::cache::Cache;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -12,17 +12,17 @@ use std::path::{Path, PathBuf};
 pub struct Replay {
     name: String,
     path: PathBuf,
-    nature: Nature,
+    nature: ModelKind,
     lowering: Lowering,
     exchanges: Vec<Exchange>,
-    matching: Matching,
+    matching: MatchRule,
     /// Index of the exchange that answers a question.
     by_key: BTreeMap<String, usize>,
 }
 
 /// How a question is matched with a recorded one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Matching {
+enum MatchRule {
     /// By everything: [`Request::key`].
     Whole,
     /// By role and messages; settings, schema, repetition and action number may differ.
@@ -51,7 +51,7 @@ impl Replay {
         }
         let models: BTreeSet<&str> = own.iter().map(|it| it.model.as_str()).collect();
         let models: Vec<&str> = models.into_iter().collect();
-        let is_stand_in = own.iter().any(|it| it.nature == Nature::StandIn);
+        let is_stand_in = own.iter().any(|it| it.nature == ModelKind::StandIn);
         // One model has one lowering; with several models the first decides, and the others' questions differ by name.
         let lowering = own.first().map_or(Lowering::PIXELS, |it| it.lowering);
         let mut by_key = BTreeMap::new();
@@ -66,11 +66,11 @@ impl Replay {
             name: format!("replay({})", models.join(", ")),
             path: path.to_owned(),
             nature: match is_stand_in {
-                true => Nature::StandIn,
-                false => Nature::Model,
+                true => ModelKind::StandIn,
+                false => ModelKind::Model,
             },
             lowering,
-            matching: Matching::Whole,
+            matching: MatchRule::Whole,
             by_key,
             exchanges,
         })
@@ -79,7 +79,7 @@ impl Replay {
     /// Matches questions by words and pictures alone, for programs that know nothing about steps and schemas; for a
     /// question repeated in several steps the first answer counts.
     pub fn by_words(mut self) -> Replay {
-        self.matching = Matching::Words;
+        self.matching = MatchRule::Words;
         self.by_key.clear();
         for (index, exchange) in self.exchanges.iter().enumerate() {
             if let Outcome::Reply(_) = exchange.outcome {
@@ -93,8 +93,8 @@ impl Replay {
 
     fn key(&self, request: &Request) -> String {
         match self.matching {
-            Matching::Whole => request.key(),
-            Matching::Words => words_key(
+            MatchRule::Whole => request.key(),
+            MatchRule::Words => words_key(
                 &serde_json::to_value(request).expect("a request holds strings and finite numbers"),
             ),
         }
@@ -112,7 +112,7 @@ impl Model for Replay {
         &self.name
     }
 
-    fn nature(&self) -> Nature {
+    fn nature(&self) -> ModelKind {
         self.nature
     }
 

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use crate::calls::{CallRefused, Calls, Unkept, Usage, Usd};
-use crate::{Message, Model, ModelError, ModelRole, Nature, Part, Png, Request, Speaker};
+use crate::calls::{CallRefused, Calls, Unrecorded, Usage, Usd};
+use crate::{Message, Model, ModelError, ModelKind, ModelRole, Part, Png, Request, Speaker};
 use serde_json::json;
 use std::time::Duration;
 
@@ -15,8 +15,8 @@ impl Model for Silent {
         "silent"
     }
 
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
 
     fn ask(&self, _: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
@@ -86,10 +86,10 @@ fn a_replay_answers_byte_for_byte_and_costs_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let replay = Replay::load(&recorded(folder.path()), ModelRole::Vision).unwrap();
     assert_eq!(replay.name(), "replay(silent)");
-    assert_eq!(replay.nature(), Nature::StandIn);
+    assert_eq!(replay.nature(), ModelKind::StandIn);
     for text in TEXTS {
         let reply = replay
-            .ask(&request(&format!("about {text}")), &mut Unkept)
+            .ask(&request(&format!("about {text}")), &mut Unrecorded)
             .unwrap();
         assert_eq!(
             reply,
@@ -99,9 +99,9 @@ fn a_replay_answers_byte_for_byte_and_costs_nothing() {
             }
         );
     }
-    let reply = replay.ask(&request("again"), &mut Unkept).unwrap();
+    let reply = replay.ask(&request("again"), &mut Unrecorded).unwrap();
     assert_eq!(reply.text, "at last");
-    let error = replay.ask(&request("never"), &mut Unkept).unwrap_err();
+    let error = replay.ask(&request("never"), &mut Unrecorded).unwrap_err();
     assert!(
         matches!(
             error,
@@ -125,11 +125,14 @@ fn whoever_knows_no_steps_is_answered_by_words_and_pictures() {
         ..request("again")
     };
     let whole = Replay::load(&path, ModelRole::Vision).unwrap();
-    assert!(whole.ask(&asked, &mut Unkept).is_err());
+    assert!(whole.ask(&asked, &mut Unrecorded).is_err());
     let by_words = whole.by_words();
-    assert_eq!(by_words.ask(&asked, &mut Unkept).unwrap().text, "at last");
+    assert_eq!(
+        by_words.ask(&asked, &mut Unrecorded).unwrap().text,
+        "at last"
+    );
     let other = request("something else");
-    assert!(by_words.ask(&other, &mut Unkept).is_err());
+    assert!(by_words.ask(&other, &mut Unrecorded).is_err());
 }
 
 #[test]
@@ -232,7 +235,7 @@ fn a_question_that_was_not_recorded_names_what_changed() {
     let differs = |change: Change| {
         let mut changed = request("second line");
         change(&mut changed);
-        match replay.ask(&changed, &mut Unkept) {
+        match replay.ask(&changed, &mut Unrecorded) {
             Err(ModelError::Unsupported { why, .. }) => why,
             other => panic!("{other:?}"),
         }

@@ -31,7 +31,7 @@ pub struct Facts {
     /// What a picture costs.
     pub image_tokens: Option<ImageTokens>,
     /// How it states positions in a picture.
-    pub coordinates: Option<Habit>,
+    pub coordinates: Option<PositionFormat>,
     /// Token prices, earliest first.
     pub price: Option<Vec<Price>>,
     /// When it stops answering, or stopped.
@@ -43,7 +43,7 @@ pub struct Facts {
 /// How a model states positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Habit {
+pub struct PositionFormat {
     /// The unit of its numbers.
     pub unit: CoordinateUnit,
     /// Which coordinate comes first.

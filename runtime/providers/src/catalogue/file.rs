@@ -4,7 +4,7 @@
 //! [`super::Catalogue::overlaid`] merges files.
 
 use super::date::Date;
-use super::facts::{Accepted, Facts, Habit, MaxTokensField};
+use super::facts::{Accepted, Facts, MaxTokensField, PositionFormat};
 use super::price::Price;
 use super::provider::is_key_name;
 use super::tokens::ImageTokens;
@@ -63,7 +63,7 @@ struct ModelForm {
     largest_side_px: Option<u32>,
     largest_area_px: Option<u64>,
     image_tokens: Option<ImageTokens>,
-    coordinates: Option<Habit>,
+    coordinates: Option<PositionFormat>,
     price: Option<Vec<Price>>,
     shutdown: Option<Date>,
     moving: Option<bool>,
@@ -93,15 +93,15 @@ pub(super) struct ModelEntry {
 }
 
 /// An entry with its first line's number, from 1.
-pub(super) struct At<T> {
+pub(super) struct AtLine<T> {
     pub line: usize,
     pub entry: T,
 }
 
 /// The contents of a file.
 pub(super) struct Read {
-    pub providers: Vec<At<ProviderForm>>,
-    pub models: Vec<At<ModelEntry>>,
+    pub providers: Vec<AtLine<ProviderForm>>,
+    pub models: Vec<AtLine<ModelEntry>>,
 }
 
 impl ProviderForm {
@@ -149,12 +149,12 @@ pub(super) fn read(text: &str, name: &str) -> Result<Read, CatalogueError> {
                 format!("the provider `{}` is there twice", entry.name),
             ));
         }
-        read.providers.push(At { line, entry });
+        read.providers.push(AtLine { line, entry });
     }
     for spanned in form.model {
         let line = line_of(text, spanned.span().start);
         let entry = model(spanned.into_inner()).map_err(|why| wrong(line, why))?;
-        let is_same = |other: &At<ModelEntry>| {
+        let is_same = |other: &AtLine<ModelEntry>| {
             other.entry.provider == entry.provider && other.entry.subject == entry.subject
         };
         if read.models.iter().any(is_same) {
@@ -163,7 +163,7 @@ pub(super) fn read(text: &str, name: &str) -> Result<Read, CatalogueError> {
                 format!("{} is there twice", entry.subject.words()),
             ));
         }
-        read.models.push(At { line, entry });
+        read.models.push(AtLine { line, entry });
     }
     Ok(read)
 }

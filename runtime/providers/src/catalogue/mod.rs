@@ -18,7 +18,7 @@ pub mod tokens;
 
 pub use date::{Date, NoDate};
 pub use error::CatalogueError;
-pub use facts::{Accepted, Facts, Habit, MaxTokensField};
+pub use facts::{Accepted, Facts, MaxTokensField, PositionFormat};
 pub use notice::Notice;
 pub use price::{Price, Priced, SAFETY};
 pub(crate) use provider::is_key_name;
@@ -28,7 +28,7 @@ pub use tokens::{Flat, ImageTokens, Patches, Tiles, Tokens};
 use fab_base::files;
 use fab_compiler::diag::{among, nearest};
 use fab_model::Lowering;
-use file::{At, ModelEntry, ProviderForm, Subject};
+use file::{AtLine, ModelEntry, ProviderForm, Subject};
 use serde::Serialize;
 use std::path::Path;
 
@@ -49,7 +49,7 @@ pub struct Profile {
     /// The provider's id for it.
     pub id: String,
     /// How it was found.
-    pub listed: Listed,
+    pub listed: FactsSource,
     /// The known facts.
     pub facts: Facts,
     /// Sources of the facts, highest precedence first.
@@ -59,7 +59,7 @@ pub struct Profile {
 /// How the facts of a model were found.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Listed {
+pub enum FactsSource {
     /// An entry has its id.
     ById,
     /// An entry has a name that matches the id.
@@ -95,7 +95,7 @@ impl Catalogue {
             line,
             why,
         };
-        for At { line, entry } in read.providers {
+        for AtLine { line, entry } in read.providers {
             self.lay_provider(entry).map_err(|why| wrong(line, why))?;
         }
         if let Some(lost) = self.providers.iter().find_map(|provider| {
@@ -110,7 +110,7 @@ impl Catalogue {
                 format!("`{name}` has the models of `{other}`, which is not a provider"),
             ));
         }
-        for At { line, entry } in read.models {
+        for AtLine { line, entry } in read.models {
             if let Some(Err(error)) = entry.provider.as_deref().map(|name| self.provider(name)) {
                 return Err(wrong(line, error.to_string()));
             }
@@ -207,10 +207,10 @@ impl Catalogue {
         // More specific families take precedence.
         families.sort_by_key(|(_, length)| std::cmp::Reverse(*length));
         let listed = match own.map(|entry| &entry.subject) {
-            Some(Subject::Name(name)) => Listed::ByName(name.clone()),
-            Some(_) => Listed::ById,
-            None if !families.is_empty() => Listed::ByFamily,
-            None => Listed::Not {
+            Some(Subject::Name(name)) => FactsSource::ByName(name.clone()),
+            Some(_) => FactsSource::ById,
+            None if !families.is_empty() => FactsSource::ByFamily,
+            None => FactsSource::Not {
                 near: nearest(id, entries.iter().filter_map(|entry| entry.id())).map(str::to_owned),
             },
         };

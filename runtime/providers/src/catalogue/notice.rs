@@ -3,7 +3,7 @@
 //! In: a [`Profile`] and the date. Out: notices as data; the command prints them.
 
 use super::date::Date;
-use super::{Listed, Profile, names};
+use super::{FactsSource, Profile, names};
 use serde::Serialize;
 use std::fmt;
 
@@ -71,9 +71,9 @@ impl Profile {
             }
         }
         match &self.listed {
-            Listed::Not { near } => notices.push(Notice::Unlisted { near: near.clone() }),
-            Listed::ByName(name) => notices.push(Notice::ByName { name: name.clone() }),
-            Listed::ById | Listed::ByFamily => {}
+            FactsSource::Not { near } => notices.push(Notice::Unlisted { near: near.clone() }),
+            FactsSource::ByName(name) => notices.push(Notice::ByName { name: name.clone() }),
+            FactsSource::ById | FactsSource::ByFamily => {}
         }
         if self.price_on(today).is_none() {
             notices.push(Notice::PriceUnknown);

@@ -34,7 +34,7 @@ fn the_embedded_facts_are_read_and_every_entry_has_a_source() {
         assert_eq!(again, profile, "a listed model is found by its own title");
         assert!(!matches!(
             profile.listed,
-            Listed::ByFamily | Listed::Not { .. }
+            FactsSource::ByFamily | FactsSource::Not { .. }
         ));
     }
 }
@@ -42,7 +42,7 @@ fn the_embedded_facts_are_read_and_every_entry_has_a_source() {
 #[test]
 fn what_is_listed_is_found_with_all_that_is_known_and_nothing_else() {
     let sol = find("openai:gpt-6.2-sol");
-    assert_eq!(sol.listed, Listed::ById);
+    assert_eq!(sol.listed, FactsSource::ById);
     assert_eq!(
         (sol.facts.vision, sol.facts.structured_output),
         (Some(true), Some(true))
@@ -91,7 +91,7 @@ fn families_say_how_weights_answer_wherever_they_are_served() {
     }
     assert_eq!(find("vllm:InternVL3_5-8B").facts, Facts::default());
     let flash = find("google:gemini-3.5-flash");
-    assert_eq!(flash.listed, Listed::ByFamily);
+    assert_eq!(flash.listed, FactsSource::ByFamily);
     assert!(flash.facts.image_tokens.is_some() && flash.facts.price.is_none());
     assert!(
         find("google:gemini-4-argon").facts.image_tokens.is_none(),
@@ -132,11 +132,11 @@ fn dated_and_older_ids_are_found_by_alias_and_no_further() {
 fn of_an_unlisted_model_nothing_is_known_but_what_it_may_have_been() {
     let unlisted = find("anthropic:sonnet");
     assert_eq!(unlisted.facts, Facts::default());
-    assert_eq!(unlisted.listed, Listed::Not { near: None });
+    assert_eq!(unlisted.listed, FactsSource::Not { near: None });
     let o = find("openai:o4");
     assert_eq!(
         o.listed,
-        Listed::Not {
+        FactsSource::Not {
             near: Some("o3".to_owned())
         }
     );

@@ -5,7 +5,7 @@
 
 /// A relevant token of an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Found {
+enum Token {
     Name(usize),
     Number(f64),
 }
@@ -17,15 +17,15 @@ const MOST: usize = 100_000;
 pub(super) fn pairs<const N: usize>(text: &str, names: &[&str; N]) -> [Option<[f64; 2]>; N] {
     let mut found = found(text, names);
     // Numbers first, then names: read backwards, each name is followed by its numbers.
-    let backwards = matches!(found.first(), Some(Found::Number(_)))
-        && matches!(found.last(), Some(Found::Name(_)));
+    let backwards = matches!(found.first(), Some(Token::Number(_)))
+        && matches!(found.last(), Some(Token::Name(_)));
     if backwards {
         found.reverse();
     }
     let mut pairs = [None; N];
     for (index, thing) in found.iter().enumerate() {
-        let Found::Name(name) = *thing else { continue };
-        if let [Found::Number(one), Found::Number(other), ..] = found[index + 1..] {
+        let Token::Name(name) = *thing else { continue };
+        if let [Token::Number(one), Token::Number(other), ..] = found[index + 1..] {
             let pair = if backwards {
                 [other, one]
             } else {
@@ -37,7 +37,7 @@ pub(super) fn pairs<const N: usize>(text: &str, names: &[&str; N]) -> [Option<[f
     pairs
 }
 
-fn found(text: &str, names: &[&str]) -> Vec<Found> {
+fn found(text: &str, names: &[&str]) -> Vec<Token> {
     let text: String = text.chars().take(MOST).collect::<String>().to_lowercase();
     let bytes = text.as_bytes();
     let is_word = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_alphanumeric);
@@ -50,7 +50,7 @@ fn found(text: &str, names: &[&str]) -> Vec<Found> {
                 at += 1;
             }
             let word = &text[begun..at];
-            found.extend(names.iter().position(|name| *name == word).map(Found::Name));
+            found.extend(names.iter().position(|name| *name == word).map(Token::Name));
         } else if bytes[at].is_ascii_digit() {
             while bytes.get(at).is_some_and(|byte| byte.is_ascii_digit())
                 || (bytes.get(at) == Some(&b'.')
@@ -67,7 +67,7 @@ fn found(text: &str, names: &[&str]) -> Vec<Found> {
                 .parse::<f64>()
                 .ok()
                 .filter(|number| number.is_finite());
-            found.extend(number.map(|number| Found::Number(sign * number)));
+            found.extend(number.map(|number| Token::Number(sign * number)));
         } else {
             at += 1;
         }

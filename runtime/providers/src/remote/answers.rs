@@ -29,16 +29,16 @@ pub struct Answers {
 /// A cached answer.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Kept {
+pub(super) struct Cached {
     format: u32,
     pub text: String,
     pub usage: Option<Usage>,
 }
 
 /// The result of a lookup.
-pub(super) enum Found<'a> {
+pub(super) enum Lookup<'a> {
     /// The answer.
-    Kept(Kept),
+    Cached(Cached),
     /// No answer; this thread asks.
     Nothing(Claim<'a>),
     /// The user interrupted the wait.
@@ -67,30 +67,30 @@ impl Answers {
     }
 
     /// Returns the answer under `key`, a string of letters and digits; waits while another thread asks for it.
-    pub(super) fn find(&self, key: String, interrupt: &Interrupt) -> Found<'_> {
+    pub(super) fn find(&self, key: String, interrupt: &Interrupt) -> Lookup<'_> {
         let mut asked = self.asked();
         loop {
             if interrupt.is_raised() {
-                return Found::Interrupted;
+                return Lookup::Interrupted;
             }
             if !self.cache.is_kept() {
-                return Found::Nothing(Claim { answers: self, key });
+                return Lookup::Nothing(Claim { answers: self, key });
             }
             if !asked.contains(&key) {
                 // Under the lock, so nobody can ask between lookup and claim.
                 if let Some(kept) = self.read(&key) {
-                    return Found::Kept(kept);
+                    return Lookup::Cached(kept);
                 }
                 asked.insert(key.clone());
-                return Found::Nothing(Claim { answers: self, key });
+                return Lookup::Nothing(Claim { answers: self, key });
             }
             let waited = self.settled.wait_timeout(asked, GLANCE);
             asked = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
     }
 
-    fn read(&self, key: &str) -> Option<Kept> {
-        let kept: Kept = serde_json::from_slice(&self.cache.get(key)?).ok()?;
+    fn read(&self, key: &str) -> Option<Cached> {
+        let kept: Cached = serde_json::from_slice(&self.cache.get(key)?).ok()?;
         (kept.format == FORMAT).then_some(kept)
     }
 
@@ -102,7 +102,7 @@ impl Answers {
 impl Claim<'_> {
     /// Caches the answer.
     pub(super) fn keep(&self, text: &str, usage: Option<Usage>) {
-        let kept = Kept {
+        let kept = Cached {
             format: FORMAT,
             text: text.to_owned(),
             usage,

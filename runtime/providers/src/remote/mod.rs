@@ -27,15 +27,15 @@ pub use redact::Redactor;
 pub use retry::{Pause, RealTime, Retry, most_calls};
 pub use settings::{Pricing, Settings};
 
-use answers::{Claim, Found};
+use answers::{Claim, Lookup};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Call, CallEnd, Calls, Fault, Usd};
-use fab_model::{Lowering, Model, ModelError, Nature, Reply, Request};
+use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
 use gate::Load;
 use reqwest::Url;
 use reqwest::header::{CONTENT_TYPE, HeaderMap, HeaderName, HeaderValue};
-use retry::{Next, Tries};
+use retry::{Next, QuestionCalls};
 use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
@@ -61,28 +61,28 @@ pub struct Shared {
     /// Ends waiting calls.
     pub interrupt: Interrupt,
     /// Told why a question waits for a retry.
-    pub tell: Tell,
+    pub tell: MessageSink,
     /// Further keys to hide in replies, such as those of other providers.
     pub hidden: Vec<Key>,
 }
 
 /// Receives messages for the user while a question waits.
 #[derive(Clone)]
-pub struct Tell(Arc<dyn Fn(&str) + Send + Sync>);
+pub struct MessageSink(Arc<dyn Fn(&str) + Send + Sync>);
 
-impl Tell {
+impl MessageSink {
     /// Passes messages to `listener`.
-    pub fn to(listener: impl Fn(&str) + Send + Sync + 'static) -> Tell {
-        Tell(Arc::new(listener))
+    pub fn to(listener: impl Fn(&str) + Send + Sync + 'static) -> MessageSink {
+        MessageSink(Arc::new(listener))
     }
 
     /// Discards messages.
-    pub fn nobody() -> Tell {
-        Tell::to(|_| {})
+    pub fn nobody() -> MessageSink {
+        MessageSink::to(|_| {})
     }
 }
 
-impl fmt::Debug for Tell {
+impl fmt::Debug for MessageSink {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Tell")
     }
@@ -99,7 +99,7 @@ pub struct SetupError {
 }
 
 /// A call without an answer.
-struct Ended {
+struct FailedCall {
     fault: Fault,
     billing: Billing,
     why: String,
@@ -174,7 +174,7 @@ impl Remote {
         });
         let retry = &self.settings.retry;
         let interrupt = &self.shared.interrupt;
-        let mut tries = Tries::new(retry);
+        let mut tries = QuestionCalls::new(retry);
         loop {
             let pass = self.shared.gate.enter(interrupt);
             let pass = pass.ok_or(ModelError::Interrupted)?;
@@ -207,7 +207,7 @@ impl Remote {
                     fault,
                     billing,
                     why,
-                }) => Ended {
+                }) => FailedCall {
                     fault,
                     billing,
                     why,
@@ -255,7 +255,7 @@ impl Remote {
     }
 
     /// Reads a reply; the result holds no key.
-    fn read(&self, incoming: &Incoming) -> Result<Answer, Ended> {
+    fn read(&self, incoming: &Incoming) -> Result<Answer, FailedCall> {
         // A key that the server split over two pieces of text is whole once they are joined.
         let hide = |text: String| self.transport.redactor().text(&text);
         match self.decode(incoming) {
@@ -263,17 +263,17 @@ impl Remote {
                 text: hide(answer.text),
                 ..answer
             }),
-            Err(ended) => Err(Ended {
+            Err(ended) => Err(FailedCall {
                 why: hide(ended.why),
                 ..ended
             }),
         }
     }
 
-    fn decode(&self, incoming: &Incoming) -> Result<Answer, Ended> {
+    fn decode(&self, incoming: &Incoming) -> Result<Answer, FailedCall> {
         if !(200..300).contains(&incoming.status) {
             let refusal = status::judge(incoming.status, &incoming.body);
-            return Err(Ended {
+            return Err(FailedCall {
                 fault: refusal.fault,
                 billing: refusal.billing,
                 why: refusal.why,
@@ -282,7 +282,7 @@ impl Remote {
             });
         }
         let decoded = self.settings.wire.decode(&incoming.body);
-        decoded.map_err(|failure| Ended {
+        decoded.map_err(|failure| FailedCall {
             fault: failure.fault,
             billing: Billing::Possibly,
             why: failure.why,
@@ -340,8 +340,8 @@ impl Model for Remote {
         &self.name
     }
 
-    fn nature(&self) -> Nature {
-        Nature::Model
+    fn nature(&self) -> ModelKind {
+        ModelKind::Model
     }
 
     fn lowering(&self) -> Lowering {
@@ -357,13 +357,13 @@ impl Model for Remote {
         let encoded = self.encoded(request)?;
         let key = self.cache_key(request, &encoded);
         match self.shared.answers.find(key, &self.shared.interrupt) {
-            Found::Kept(kept) => Ok(Reply {
+            Lookup::Cached(kept) => Ok(Reply {
                 text: kept.text,
                 usage: kept.usage,
                 cost: Some(Usd::ZERO),
             }),
-            Found::Nothing(claim) => self.buy(request, &encoded, &claim, calls),
-            Found::Interrupted => Err(ModelError::Interrupted),
+            Lookup::Nothing(claim) => self.buy(request, &encoded, &claim, calls),
+            Lookup::Interrupted => Err(ModelError::Interrupted),
         }
     }
 }

@@ -93,7 +93,7 @@ pub(super) enum Next {
 }
 
 /// The calls of one question.
-pub(super) struct Tries<'a> {
+pub(super) struct QuestionCalls<'a> {
     retry: &'a Retry,
     made: u32,
     ended: BTreeMap<Fault, u32>,
@@ -101,8 +101,8 @@ pub(super) struct Tries<'a> {
     waited: Duration,
 }
 
-impl<'a> Tries<'a> {
-    pub(super) fn new(retry: &'a Retry) -> Tries<'a> {
+impl<'a> QuestionCalls<'a> {
+    pub(super) fn new(retry: &'a Retry) -> QuestionCalls<'a> {
         // With one seed for all, questions that failed together would be retried together.
         let seed = retry.seed.unwrap_or_else(|| RandomState::new().hash_one(0));
         let waits = ExponentialBuilder::new()
@@ -111,7 +111,7 @@ impl<'a> Tries<'a> {
             .without_max_times()
             .with_jitter()
             .with_jitter_seed(seed);
-        Tries {
+        QuestionCalls {
             retry,
             made: 0,
             ended: BTreeMap::new(),
@@ -166,7 +166,7 @@ mod tests {
             waits_in_all: Duration::MAX,
             ..seeded()
         };
-        let mut tries = Tries::new(&retry);
+        let mut tries = QuestionCalls::new(&retry);
         loop {
             let number = tries.begin();
             assert!(number < 100, "it never gives up");
@@ -196,7 +196,7 @@ mod tests {
             longest_wait: Duration::from_secs(4),
             ..seeded()
         };
-        let mut tries = Tries::new(&retry);
+        let mut tries = QuestionCalls::new(&retry);
         for expected in [1, 2, 4, 4, 4] {
             tries.begin();
             let Next::After(wait) = tries.after(Fault::RateLimited, None) else {
@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn a_longer_wait_that_the_provider_asks_for_is_kept_and_a_shorter_one_is_not() {
         let retry = seeded();
-        let mut tries = Tries::new(&retry);
+        let mut tries = QuestionCalls::new(&retry);
         tries.begin();
         let asked = Duration::from_secs(40);
         assert_eq!(
@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn waits_are_bounded_in_all() {
         let retry = seeded();
-        let mut tries = Tries::new(&retry);
+        let mut tries = QuestionCalls::new(&retry);
         tries.begin();
         let asked = Some(Duration::from_secs(400));
         assert_eq!(
@@ -240,7 +240,7 @@ mod tests {
         };
         assert!(why.contains("400.0 s") && why.contains("600.0 s"), "{why}");
         assert!(why.starts_with("after 2 calls; "), "{why}");
-        let mut tries = Tries::new(&retry);
+        let mut tries = QuestionCalls::new(&retry);
         tries.begin();
         let asked = Some(Duration::from_secs(601));
         let Next::GiveUp(why) = tries.after(Fault::RateLimited, asked) else {

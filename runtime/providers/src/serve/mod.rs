@@ -22,7 +22,7 @@ use axum::middleware::{Next, from_fn};
 use axum::response::{IntoResponse, Json, Response};
 use axum::routing::{get, post};
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::Unkept;
+use fab_model::calls::Unrecorded;
 use fab_model::{Model, Reply, Request};
 use fields::Fields;
 use refusal::Refusal;
@@ -204,7 +204,9 @@ async fn try_answer<F: Form>(
             return Err(Refusal::no_model(&asked, model.name()));
         }
         let (request, form) = F::read(fields)?;
-        let reply = model.ask(&request, &mut Unkept).map_err(Refusal::from)?;
+        let reply = model
+            .ask(&request, &mut Unrecorded)
+            .map_err(Refusal::from)?;
         Ok(form.write(&request, &reply, model.name()))
     };
     let worked = tokio::task::spawn_blocking(work).await;

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use fab_base::cache::Cache;
-use fab_model::calls::{Unkept, Usd};
+use fab_model::calls::{Unrecorded, Usd};
 use fab_model::{Model, Request};
 use fab_providers::remote::{Answers, Wire};
 use std::fs;
@@ -22,7 +22,7 @@ fn keeping(url: &str) -> (Trial, TempDir) {
 fn a_kept_answer_is_the_same_costs_nothing_and_tells_nothing() {
     let provider = Provider::playing(vec![good("first"), good("second")]);
     let (trial, _folder) = keeping(&provider.url());
-    let bought = trial.model().ask(&request(), &mut Unkept).unwrap();
+    let bought = trial.model().ask(&request(), &mut Unrecorded).unwrap();
     let mut notes = Notes::new();
     let kept = trial.model().ask(&request(), &mut notes).unwrap();
     assert_eq!((kept.text.as_str(), kept.usage), ("first", bought.usage));
@@ -40,7 +40,7 @@ fn whatever_an_answer_depends_on_makes_another_question_of_it() {
     let mut ask = |trial: &Trial, change: &dyn Fn(&mut Request)| {
         let mut changed = request();
         change(&mut changed);
-        texts.push(trial.model().ask(&changed, &mut Unkept).unwrap().text);
+        texts.push(trial.model().ask(&changed, &mut Unrecorded).unwrap().text);
     };
     ask(&trial, &|_| {});
     ask(&trial, &|request| request.repetition = 1);
@@ -74,8 +74,8 @@ fn whatever_an_answer_depends_on_makes_another_question_of_it() {
 fn failures_are_not_kept() {
     let provider = Provider::playing(vec![status(400), good("there")]);
     let (trial, _folder) = keeping(&provider.url());
-    trial.model().ask(&request(), &mut Unkept).unwrap_err();
-    let reply = trial.model().ask(&request(), &mut Unkept).unwrap();
+    trial.model().ask(&request(), &mut Unrecorded).unwrap_err();
+    let reply = trial.model().ask(&request(), &mut Unrecorded).unwrap();
     assert_eq!(reply.text, "there");
 }
 
@@ -83,11 +83,11 @@ fn failures_are_not_kept() {
 fn a_broken_file_costs_a_call_and_no_error() {
     let provider = Provider::playing(vec![good("first"), good("second")]);
     let (trial, folder) = keeping(&provider.url());
-    trial.model().ask(&request(), &mut Unkept).unwrap();
+    trial.model().ask(&request(), &mut Unrecorded).unwrap();
     for entry in fs::read_dir(folder.path().join("answers")).unwrap() {
         fs::write(entry.unwrap().path(), "{\"format\":1,\"text\":").unwrap();
     }
-    let reply = trial.model().ask(&request(), &mut Unkept).unwrap();
+    let reply = trial.model().ask(&request(), &mut Unrecorded).unwrap();
     assert_eq!(reply.text, "second");
 }
 
@@ -98,7 +98,7 @@ fn threads_with_one_question_make_one_call() {
     let (trial, _folder) = keeping(&provider.url());
     let texts: Vec<String> = std::thread::scope(|scope| {
         let asking = (0..4)
-            .map(|_| scope.spawn(|| trial.model().ask(&request(), &mut Unkept).unwrap().text));
+            .map(|_| scope.spawn(|| trial.model().ask(&request(), &mut Unrecorded).unwrap().text));
         let asking: Vec<_> = asking.collect();
         asking
             .into_iter()

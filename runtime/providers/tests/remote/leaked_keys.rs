@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use base64::Engine;
-use fab_model::calls::{Unkept, Usd};
+use fab_model::calls::{Unrecorded, Usd};
 use fab_model::{Model, Reply};
 use fab_providers::remote::{Answers, Key, Wire};
 use serde_json::{Value, json};
@@ -181,7 +181,7 @@ fn no_kept_answer_holds_a_key() {
     let mut trial = Trial::of(&provider.url());
     let cache = fab_base::cache::Cache::at(folder.path().to_owned());
     trial.shared.answers = Arc::new(Answers::kept_in(cache));
-    let reply: Reply = trial.model().ask(&request(), &mut Unkept).unwrap();
+    let reply: Reply = trial.model().ask(&request(), &mut Unrecorded).unwrap();
     assert_eq!(
         (reply.text.as_str(), reply.cost),
         ("it is [key]", Some(Usd::from_nano(150)))
@@ -223,7 +223,7 @@ fn no_panic_message_holds_a_key() {
     assert!(text.contains("a-model"), "{text}");
     check(&text);
     // The gate and the claim were released despite the panic.
-    assert!(model.ask(&request(), &mut Unkept).is_ok());
+    assert!(model.ask(&request(), &mut Unrecorded).is_ok());
 }
 
 #[test]

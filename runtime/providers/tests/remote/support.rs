@@ -6,7 +6,7 @@ use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usage, Usd};
 use fab_model::{Message, ModelRole, Request, Speaker};
 use fab_providers::remote::{
-    Answers, BaseUrl, Gate, Key, Pause, Pricing, Remote, Retry, Settings, Shared, Tell, Wire,
+    Answers, BaseUrl, Gate, Key, MessageSink, Pause, Pricing, Remote, Retry, Settings, Shared, Wire,
 };
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -337,7 +337,7 @@ impl Trial {
             ..Settings::new("provider", "a-model", Wire::OpenaiChat, base)
         };
         let shared = Shared {
-            tell: Tell::nobody(),
+            tell: MessageSink::nobody(),
             gate: Arc::new(Gate::new(4)),
             answers: Arc::new(Answers::none()),
             interrupt: Interrupt::default(),

@@ -20,13 +20,13 @@ mod words;
 mod tests;
 
 use fab_model::calls::Calls;
-use fab_model::{Message, Model, ModelError, Nature, Part, Reply, Request, Speaker};
+use fab_model::{Message, Model, ModelError, ModelKind, Part, Reply, Request, Speaker};
 use fab_picture::hull;
 use fab_program::PixelPoint;
 pub use smooth::{FEATURES, Offer, offers};
 
 use frame::Frame;
-use plan::{Candidate, Listed};
+use plan::{Candidate, ListedPoints};
 use prompt::AnswerLine;
 use see::Sighting;
 use words::{Compass, Instruction, Sides, Spot};
@@ -40,8 +40,8 @@ impl Model for Geometric {
         "geometric"
     }
 
-    fn nature(&self) -> Nature {
-        Nature::StandIn
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
     }
 
     fn varies(&self) -> bool {
@@ -202,7 +202,7 @@ fn choice(messages: &[Message]) -> Result<String, String> {
     if corners.is_empty() {
         return Err("no corners are listed".to_owned());
     }
-    let listed = Listed {
+    let listed = ListedPoints {
         corners,
         others: prompt::other_points(&text),
         center: prompt::center(&text),
@@ -252,12 +252,12 @@ struct Refused(Vec<Refusal>);
 struct Refusal {
     pick: PixelPoint,
     place: PixelPoint,
-    blamed: Blamed,
+    blamed: Criticism,
 }
 
 /// What a correction criticises.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Blamed {
+enum Criticism {
     Pick,
     Place,
     Pair,
@@ -273,9 +273,9 @@ impl Refused {
             let answer = spoken(&pair[0]);
             let correction = spoken(&pair[1]).to_lowercase();
             let blamed = match (correction.contains("pick"), correction.contains("place")) {
-                (true, false) => Blamed::Pick,
-                (false, true) => Blamed::Place,
-                _ => Blamed::Pair,
+                (true, false) => Criticism::Pick,
+                (false, true) => Criticism::Place,
+                _ => Criticism::Pair,
             };
             let pick = prompt::answered("pick", &answer)?;
             Some(Refusal {
@@ -293,9 +293,9 @@ impl Refused {
 
     fn leaves(&self, candidate: &Candidate) -> bool {
         self.0.iter().all(|refusal| match refusal.blamed {
-            Blamed::Pick => candidate.pick != refusal.pick,
-            Blamed::Place => candidate.place != refusal.place,
-            Blamed::Pair => (candidate.pick, candidate.place) != (refusal.pick, refusal.place),
+            Criticism::Pick => candidate.pick != refusal.pick,
+            Criticism::Place => candidate.place != refusal.place,
+            Criticism::Pair => (candidate.pick, candidate.place) != (refusal.pick, refusal.place),
         })
     }
 }

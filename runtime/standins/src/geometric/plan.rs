@@ -77,7 +77,7 @@ const MAX_CHOICES: usize = 24;
 
 /// The points that a prompt lists.
 #[derive(Clone, Debug)]
-pub struct Listed {
+pub struct ListedPoints {
     /// Current corners of the cloth; they can be picked, and show the cloth's pose.
     pub corners: Vec<PixelPoint>,
     /// Other points that can be placed on.
@@ -87,8 +87,8 @@ pub struct Listed {
 }
 
 /// Ranks the choices for an instruction, given the listed points.
-pub fn plan(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPlan> {
-    let Listed {
+pub fn plan(instruction: &Instruction, listed: &ListedPoints) -> Result<Plan, NoPlan> {
+    let ListedPoints {
         corners,
         others,
         center,
@@ -144,7 +144,7 @@ pub fn plan(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPlan> 
 ///
 /// The detector may find only two corners of a sharp triangle; the direction between the points in the words tells
 /// which is which.
-fn by_direction(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPlan> {
+fn by_direction(instruction: &Instruction, listed: &ListedPoints) -> Result<Plan, NoPlan> {
     let in_words = |spot: Spot| match spot {
         Spot::Center => [4.0, 4.0],
         Spot::At { along, across } => [f64::from(along), f64::from(across)],

@@ -1,7 +1,7 @@
 //! Analyses two subgoal pictures: the cloth's outline and the arrow of the step between them.
 //!
 //! In: two encoded pictures, the cloth before a step with the arrow drawn on it and the cloth after it. Out: a
-//! [`Sighting`], or an [`Unseen`] that says what is missing. Colours are not known in advance: the table's are taken
+//! [`Sighting`], or an [`Unrecognised`] that says what is missing. Colours are not known in advance: the table's are taken
 //! from the pictures' borders, cloth is everything else, and the arrow is black. `super::words` puts folds into words.
 
 use fab_picture::arrow::{self, Arrow, ArrowFault};
@@ -25,7 +25,7 @@ pub struct Sighting {
 
 /// Why a step cannot be recognised in the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Unseen {
+pub enum Unrecognised {
     /// There are not two pictures.
     #[error(
         "I need two pictures, the cloth before the step and after it, and I was given {n_pictures}"
@@ -36,16 +36,16 @@ pub enum Unseen {
     },
     /// A picture is damaged or of an unknown format.
     #[error("the {0} picture cannot be read")]
-    Unreadable(Which),
+    Unreadable(PictureOf),
     /// A picture is too small or too large.
     #[error("a side of the {0} picture is shorter than 32 pixels or longer than 4096")]
-    Size(Which),
+    Size(PictureOf),
     /// The pictures have different sizes, so they cannot be compared.
     #[error("the two pictures have different sizes")]
     SizesDiffer,
     /// Everything has the border's colours.
     #[error("I see no cloth on the {0} picture")]
-    Cloth(Which),
+    Cloth(PictureOf),
     /// The first picture has no arrow.
     #[error("I see no arrow on the first picture")]
     Arrow,
@@ -68,18 +68,18 @@ pub enum Unseen {
 
 /// One of the two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Which {
+pub enum PictureOf {
     /// The cloth before the step.
     First,
     /// The cloth after the step.
     Second,
 }
 
-impl std::fmt::Display for Which {
+impl std::fmt::Display for PictureOf {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Which::First => "first",
-            Which::Second => "second",
+            PictureOf::First => "first",
+            PictureOf::Second => "second",
         })
     }
 }
@@ -100,31 +100,32 @@ const GROWTH: f64 = 1.05;
 const LEAST_CHANGE: f64 = 0.005;
 
 /// Recognises a step from exactly two pictures.
-pub fn see(pictures: &[&[u8]]) -> Result<Sighting, Unseen> {
+pub fn see(pictures: &[&[u8]]) -> Result<Sighting, Unrecognised> {
     let [first, second] = pictures else {
-        return Err(Unseen::Count {
+        return Err(Unrecognised::Count {
             n_pictures: pictures.len(),
         });
     };
-    let first = decode(first, Which::First)?;
-    let second = decode(second, Which::Second)?;
+    let first = decode(first, PictureOf::First)?;
+    let second = decode(second, PictureOf::Second)?;
     if first.dimensions() != second.dimensions() {
-        return Err(Unseen::SizesDiffer);
+        return Err(Unrecognised::SizesDiffer);
     }
     // Smaller pictures have arrows of the same size, for legibility.
     let scale = (f64::from(first.width().max(first.height())) / 224.0).max(1.0);
     let ink = arrow::near_black(&first);
     let drawn = arrow::find(&ink, scale).map_err(|fault| match fault {
-        ArrowFault::Many => Unseen::Arrows,
+        ArrowFault::Many => Unrecognised::Arrows,
         ArrowFault::None => match arrow::find(&arrow::near_black(&second), scale) {
-            Ok(_) => Unseen::ArrowOnSecond,
-            Err(_) => Unseen::Arrow,
+            Ok(_) => Unrecognised::ArrowOnSecond,
+            Err(_) => Unrecognised::Arrow,
         },
     })?;
     let table = regions::border_colours(&[&first, &second]);
-    let before = cloth(&first, &table, &drawn.stroke).ok_or(Unseen::Cloth(Which::First))?;
+    let before =
+        cloth(&first, &table, &drawn.stroke).ok_or(Unrecognised::Cloth(PictureOf::First))?;
     let nothing = Grid::new(second.width(), second.height());
-    let after = cloth(&second, &table, &nothing).ok_or(Unseen::Cloth(Which::Second))?;
+    let after = cloth(&second, &table, &nothing).ok_or(Unrecognised::Cloth(PictureOf::Second))?;
     let outline = outline_with_arrow(&before, &drawn, scale)?;
     check_change(&before, &after, &drawn)?;
     let up = |[column, row]: [f64; 2]| [column, f64::from(first.height()) - row];
@@ -136,23 +137,23 @@ pub fn see(pictures: &[&[u8]]) -> Result<Sighting, Unseen> {
     })
 }
 
-fn decode(bytes: &[u8], which: Which) -> Result<RgbImage, Unseen> {
+fn decode(bytes: &[u8], which: PictureOf) -> Result<RgbImage, Unrecognised> {
     let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
         .with_guessed_format()
-        .map_err(|_| Unseen::Unreadable(which))?;
+        .map_err(|_| Unrecognised::Unreadable(which))?;
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(*SIDE_PX.end());
     limits.max_image_height = Some(*SIDE_PX.end());
     reader.limits(limits);
     let picture = match reader.decode() {
         Ok(picture) => picture.into_rgb8(),
-        Err(image::ImageError::Limits(_)) => return Err(Unseen::Size(which)),
-        Err(_) => return Err(Unseen::Unreadable(which)),
+        Err(image::ImageError::Limits(_)) => return Err(Unrecognised::Size(which)),
+        Err(_) => return Err(Unrecognised::Unreadable(which)),
     };
     if SIDE_PX.contains(&picture.width()) && SIDE_PX.contains(&picture.height()) {
         Ok(picture)
     } else {
-        Err(Unseen::Size(which))
+        Err(Unrecognised::Size(which))
     }
 }
 
@@ -179,7 +180,7 @@ fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Grid) -> Option<Grid> 
 }
 
 /// The cloth's hull. The ring hides the corner below it, so the arrow's ends count as cloth if they are close to it.
-fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Point>, Unseen> {
+fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Point>, Unrecognised> {
     let height = f64::from(cloth.height());
     let up = |[column, row]: [f64; 2]| [column, height - row];
     let rims = (0..cloth.height()).flat_map(|row| {
@@ -197,7 +198,7 @@ fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Poi
     };
     let (tail, tip) = (up(arrow.tail), up(arrow.tip));
     if !is_near(tail) {
-        return Err(Unseen::TailBesideCloth);
+        return Err(Unrecognised::TailBesideCloth);
     }
     let ends = [Some(tail), Some(tip).filter(|&tip| is_near(tip))];
     Ok(hull::around(
@@ -206,7 +207,7 @@ fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Poi
 }
 
 /// Rejects pairs in which the second picture does not follow from the first by the arrow.
-fn check_change(before: &Grid, after: &Grid, arrow: &Arrow) -> Result<(), Unseen> {
+fn check_change(before: &Grid, after: &Grid, arrow: &Arrow) -> Result<(), Unrecognised> {
     let area = before.area_px() as f64;
     let left: Vec<[f64; 2]> = before
         .points()
@@ -220,16 +221,16 @@ fn check_change(before: &Grid, after: &Grid, arrow: &Arrow) -> Result<(), Unseen
         .filter(|&(column, row)| after.contains(column, row))
         .count();
     if after.area_px() as f64 > (area + 2.0 * hidden as f64) * GROWTH {
-        return Err(Unseen::Backwards);
+        return Err(Unrecognised::Backwards);
     }
     if (left.len() as f64) < area * LEAST_CHANGE {
-        return Err(Unseen::NoChange);
+        return Err(Unrecognised::NoChange);
     }
     let n_left = left.len() as f64;
     let middle = [0, 1].map(|axis| left.iter().map(|point| point[axis]).sum::<f64>() / n_left);
     if hull::distance(middle, arrow.tail) < hull::distance(middle, arrow.tip) {
         Ok(())
     } else {
-        Err(Unseen::Backwards)
+        Err(Unrecognised::Backwards)
     }
 }

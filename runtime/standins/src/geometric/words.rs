@@ -172,12 +172,15 @@ impl Instruction {
         let (fold, rest) = sentence.split_once(';').unwrap_or((&sentence, ""));
         let (_, picked) = fold.split_once("pick")?;
         let (picked, placed) = picked.split_once("place")?;
-        let spots = [Told::read(picked)?, Told::read(placed)?];
-        let bare: Vec<Told> = match rest.split_once("does not reach") {
-            Some((_, list)) => list.split("nor").filter_map(Told::read).collect(),
+        let spots = [DescribedPlace::read(picked)?, DescribedPlace::read(placed)?];
+        let bare: Vec<DescribedPlace> = match rest.split_once("does not reach") {
+            Some((_, list)) => list.split("nor").filter_map(DescribedPlace::read).collect(),
             None => Vec::new(),
         };
-        let heading = spots.iter().chain(&bare).find_map(Told::heading)?;
+        let heading = spots
+            .iter()
+            .chain(&bare)
+            .find_map(DescribedPlace::heading)?;
         let mut is_bare = [false; 4];
         for told in &bare {
             let Spot::At { along, across } = told.spot(heading)? else {
@@ -201,56 +204,56 @@ impl Instruction {
 
 /// A place as described by a phrase, before all directions of a sentence are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Told {
+enum DescribedPlace {
     Center,
     /// The corner in that direction from the middle.
     Corner(Compass),
     Crossing {
-        along: Way,
-        across: Way,
+        along: AxisFraction,
+        across: AxisFraction,
     },
 }
 
 /// A fraction of the distance from one side of the frame to the opposite one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Way {
+struct AxisFraction {
     /// The target side, if the phrase names one.
     towards: Option<Compass>,
     eighths: u8,
 }
 
-impl Told {
-    fn read(phrase: &str) -> Option<Told> {
+impl DescribedPlace {
+    fn read(phrase: &str) -> Option<DescribedPlace> {
         if let Some((point, line)) = phrase
             .split_once("end of")
             .or(phrase.split_once("middle of"))
         {
             let along = if phrase.contains("end of") {
-                Way::read(point)?
+                AxisFraction::read(point)?
             } else {
-                Way::MIDDLE
+                AxisFraction::MIDDLE
             };
-            return Some(Told::Crossing {
+            return Some(DescribedPlace::Crossing {
                 along,
-                across: Way::read(line)?,
+                across: AxisFraction::read(line)?,
             });
         }
         if phrase.contains("corner") {
             return directions(phrase)
                 .first()
-                .map(|&corner| Told::Corner(corner));
+                .map(|&corner| DescribedPlace::Corner(corner));
         }
         (phrase.contains("center") || phrase.contains("centre") || phrase.contains("middle"))
-            .then_some(Told::Center)
+            .then_some(DescribedPlace::Center)
     }
 
     /// The heading that this phrase implies, oriented to point right or straight up.
     fn heading(&self) -> Option<Compass> {
         let heading = match *self {
-            Told::Center => return None,
+            DescribedPlace::Center => return None,
             // Between two sides: one step back from the corner's direction.
-            Told::Corner(corner) => corner.turned(7),
-            Told::Crossing { along, across } => match (along.towards, across.towards) {
+            DescribedPlace::Corner(corner) => corner.turned(7),
+            DescribedPlace::Crossing { along, across } => match (along.towards, across.towards) {
                 (Some(ahead), _) => ahead,
                 (None, Some(left)) => left.turned(6),
                 (None, None) => return None,
@@ -258,7 +261,7 @@ impl Told {
         };
         // A corner does not tell which of its two sides is meant; take the one that runs more to the right.
         let heading = match self {
-            Told::Corner(_) if matches!(heading.0, 2 | 3 | 6) => heading.turned(6),
+            DescribedPlace::Corner(_) if matches!(heading.0, 2 | 3 | 6) => heading.turned(6),
             _ => heading,
         };
         Some(if heading.is_in_reading_order() {
@@ -270,8 +273,8 @@ impl Told {
 
     fn spot(&self, heading: Compass) -> Option<Spot> {
         match *self {
-            Told::Center => Some(Spot::Center),
-            Told::Corner(corner) => {
+            DescribedPlace::Center => Some(Spot::Center),
+            DescribedPlace::Corner(corner) => {
                 let (along, across) = match (corner.0 + 8 - heading.0) % 8 {
                     1 => (8, 8),
                     3 => (0, 8),
@@ -281,7 +284,7 @@ impl Told {
                 };
                 Some(Spot::At { along, across })
             }
-            Told::Crossing { along, across } => Some(Spot::At {
+            DescribedPlace::Crossing { along, across } => Some(Spot::At {
                 along: along.seen_along(heading)?,
                 across: across.seen_along(heading.turned(2))?,
             }),
@@ -289,28 +292,28 @@ impl Told {
     }
 }
 
-impl Way {
-    const MIDDLE: Way = Way {
+impl AxisFraction {
+    const MIDDLE: AxisFraction = AxisFraction {
         towards: None,
         eighths: 4,
     };
 
     /// Reads `the left`, `the top long side`, `the line one quarter from the left to the right side`.
-    fn read(phrase: &str) -> Option<Way> {
+    fn read(phrase: &str) -> Option<AxisFraction> {
         let named = directions(phrase);
         if phrase.contains("middle") {
-            return Some(Way {
+            return Some(AxisFraction {
                 towards: named.get(1).copied(),
                 eighths: 4,
             });
         }
         let fraction = EIGHTHS.iter().find(|(_, words)| phrase.contains(words));
         match (fraction, named.as_slice()) {
-            (Some(&(eighths, _)), [_, towards, ..]) => Some(Way {
+            (Some(&(eighths, _)), [_, towards, ..]) => Some(AxisFraction {
                 towards: Some(*towards),
                 eighths,
             }),
-            (None, [towards, ..]) => Some(Way {
+            (None, [towards, ..]) => Some(AxisFraction {
                 towards: Some(*towards),
                 eighths: 8,
             }),

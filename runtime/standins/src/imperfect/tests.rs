@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use fab_model::calls::Unkept;
+use fab_model::calls::Unrecorded;
 use fab_model::{Message, ModelRole};
 use serde_json::json;
 
@@ -39,7 +39,7 @@ const TURNS: &[&str] = &[
 const PULL: &str = "Pick Point = (90, 10)\nDirection = 45 deg\nDistance = 0.25 edge";
 
 /// Spoils the answer [`PULL`] to a prompt that states the last place.
-fn spoil(slip: Slip, said: &str) -> Option<String> {
+fn spoil(slip: AnswerMistake, said: &str) -> Option<String> {
     let fields = fields(&[
         ("pick", CORNERS),
         ("direction", TURNS),
@@ -55,33 +55,37 @@ fn spoil(slip: Slip, said: &str) -> Option<String> {
 #[test]
 fn each_slip_is_what_it_is_called() {
     let near = spoil(
-        Slip::NearLastPlace,
+        AnswerMistake::NearLastPlace,
         "The corners are (10, 10), (90, 10), (90, 90).\nThe red rings are where the last pull\nended, (85, 95), and its mirror (15, 5).",
     );
     assert_eq!(
         near.unwrap(),
         r#"{"pick":"(90, 90)","direction":"45 deg","distance":"0.25 edge"}"#
     );
-    let opposite = spoil(Slip::Opposite, "");
+    let opposite = spoil(AnswerMistake::Opposite, "");
     assert_eq!(
         opposite.unwrap(),
         r#"{"pick":"(90, 10)","direction":"225 deg","distance":"0.25 edge"}"#
     );
     let astray: serde_json::Value =
-        serde_json::from_str(&spoil(Slip::OffTheList, "").unwrap()).unwrap();
+        serde_json::from_str(&spoil(AnswerMistake::OffTheList, "").unwrap()).unwrap();
     let pick = astray["pick"].as_str().unwrap();
     assert!(
         choices::point(pick).is_some() && !CORNERS.contains(&pick),
         "{pick}"
     );
-    assert_eq!(spoil(Slip::Malformed, ""), None);
+    assert_eq!(spoil(AnswerMistake::Malformed, ""), None);
 }
 
 #[test]
 fn without_a_direction_pick_and_place_are_swapped() {
     let fields = fields(&[("pick", CORNERS), ("place", CORNERS)]);
     let answer = Answer::read("Pick Point = (90, 10)\nPlace Point = (10, 10)", fields).unwrap();
-    let swapped = answer.spoilt(Slip::Opposite, &question(0), &mut Chance::seeded(1));
+    let swapped = answer.spoilt(
+        AnswerMistake::Opposite,
+        &question(0),
+        &mut Chance::seeded(1),
+    );
     assert_eq!(
         swapped.unwrap(),
         r#"{"pick":"(10, 10)","place":"(90, 10)"}"#
@@ -94,14 +98,14 @@ fn it_errs_as_often_as_declared() {
         let model = Imperfect::new(rate, 5).unwrap();
         let differs = |number: &usize| {
             let request = question(*number);
-            model.ask(&request, &mut Unkept).unwrap()
-                != Geometric.ask(&request, &mut Unkept).unwrap()
+            model.ask(&request, &mut Unrecorded).unwrap()
+                != Geometric.ask(&request, &mut Unrecorded).unwrap()
         };
         (0..400).filter(differs).count()
     };
     assert!(
         Geometric
-            .ask(&question(0), &mut Unkept)
+            .ask(&question(0), &mut Unrecorded)
             .unwrap()
             .text
             .contains("Pick Point = (")
@@ -121,7 +125,7 @@ fn a_repetition_and_a_seed_draw_anew_and_equal_questions_do_not() {
             ..question(number)
         };
         (0..20)
-            .map(|number| model.ask(&request(number), &mut Unkept).unwrap().text)
+            .map(|number| model.ask(&request(number), &mut Unrecorded).unwrap().text)
             .collect()
     };
     assert_eq!(ask(1, 0), ask(1, 0));
@@ -137,7 +141,7 @@ fn a_question_that_comes_again_in_the_next_step_draws_anew() {
             step,
             ..question(3)
         };
-        model.ask(&request, &mut Unkept).unwrap().text
+        model.ask(&request, &mut Unrecorded).unwrap().text
     });
     let answers: std::collections::BTreeSet<String> = answers.collect();
     assert!(answers.len() > 1, "{answers:?}");
@@ -151,8 +155,8 @@ fn questions_for_words_are_passed_on() {
     };
     let model = Imperfect::new(1.0, 1).unwrap();
     assert_eq!(
-        model.ask(&request, &mut Unkept).unwrap(),
-        Geometric.ask(&request, &mut Unkept).unwrap()
+        model.ask(&request, &mut Unrecorded).unwrap(),
+        Geometric.ask(&request, &mut Unrecorded).unwrap()
     );
 }
 

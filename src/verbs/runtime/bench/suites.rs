@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 const FOLDER: &str = "tasks/suites";
 
 /// A suite that was found.
-pub struct Found {
+pub struct SuiteFile {
     /// The file's name without its extension.
     pub name: String,
     /// The folder of the file; the suite's task paths are relative to it.
@@ -19,7 +19,7 @@ pub struct Found {
 }
 
 /// Finds a suite by its name or path, and reads it.
-pub fn find(wanted: &str) -> Result<Found, Failure> {
+pub fn find(wanted: &str) -> Result<SuiteFile, Failure> {
     let is_path = wanted.ends_with(".toml") || wanted.contains(['/', '\\']);
     let path = match is_path {
         true => PathBuf::from(wanted),
@@ -39,7 +39,7 @@ pub fn find(wanted: &str) -> Result<Found, Failure> {
     let text = String::from_utf8(bytes).map_err(|_| wrong("it is not UTF-8 text".to_owned()))?;
     let suite = Suite::parse(&text).map_err(|error| wrong(error.to_string()))?;
     let name = path.file_stem().unwrap_or_default();
-    Ok(Found {
+    Ok(SuiteFile {
         name: name.to_string_lossy().into_owned(),
         folder: path.parent().map(Path::to_owned).unwrap_or_default(),
         suite,

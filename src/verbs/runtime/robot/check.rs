@@ -29,7 +29,7 @@ pub struct CheckArguments {
 }
 
 /// A place, and why it is out of reach if it is.
-struct Place {
+struct NamedPose {
     name: &'static str,
     at_m: [f64; 3],
     why_not: Option<String>,
@@ -67,11 +67,11 @@ pub fn run(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-fn is_corner(place: &Place) -> bool {
+fn is_corner(place: &NamedPose) -> bool {
     place.name.starts_with("corner")
 }
 
-fn places(settings: &Settings, chain: &Chain) -> Vec<Place> {
+fn places(settings: &Settings, chain: &Chain) -> Vec<NamedPose> {
     let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
     let reach = Reach::tool_down(chain, turn);
     let [x, y, z] = settings.table.center_m;
@@ -83,7 +83,7 @@ fn places(settings: &Settings, chain: &Chain) -> Vec<Place> {
         motion.retreat_m,
         motion.travel_m,
     ];
-    let place = |name, at_m: [f64; 3], above_m: &[f64]| Place {
+    let place = |name, at_m: [f64; 3], above_m: &[f64]| NamedPose {
         name,
         at_m,
         why_not: reach
@@ -93,14 +93,14 @@ fn places(settings: &Settings, chain: &Chain) -> Vec<Place> {
     };
     let top_m = over_table.into_iter().fold(0.0, f64::max);
     // The corners are those of the workspace, so only the other places are checked against it.
-    let in_box = |place: Place, above_m: f64| {
+    let in_box = |place: NamedPose, above_m: f64| {
         let [x, y, z] = place.at_m;
         let ends = [z, z + above_m].map(|z| Point3::new(x, y, z));
         let margin_m = settings.tolerance.position_m;
         let mut why = ends
             .iter()
             .filter_map(|end| limits::check_goal(&settings.workspace, margin_m, end).err());
-        Place {
+        NamedPose {
             why_not: place.why_not.clone().or_else(|| why.next()),
             ..place
         }
@@ -141,7 +141,7 @@ fn measured(robot: &Path, settings: &Settings) -> CalibrationState {
     }
 }
 
-fn as_text(settings: &Settings, places: &[Place], measured: &CalibrationState) -> String {
+fn as_text(settings: &Settings, places: &[NamedPose], measured: &CalibrationState) -> String {
     let mut lines = vec![format!(
         "settings     {}, {}: can be used",
         settings.name, settings.model
@@ -168,7 +168,7 @@ fn as_text(settings: &Settings, places: &[Place], measured: &CalibrationState) -
 
 fn as_json(
     settings: &Settings,
-    places: &[Place],
+    places: &[NamedPose],
     measured: &CalibrationState,
     exit: Exit,
 ) -> Value {

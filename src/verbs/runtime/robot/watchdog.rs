@@ -49,12 +49,12 @@ pub fn run(arguments: &WatchdogArguments, io: &Io) -> Result<Exit, Failure> {
     io.data("ready");
     let timeout = Duration::from_secs_f64(arguments.timeout);
     match keep_watch(&lines, timeout, &mut stop) {
-        Ended::AtRest => Ok(Exit::Done),
-        Ended::Stopped => {
+        WatchEnd::AtRest => Ok(Exit::Done),
+        WatchEnd::Stopped => {
             io.data("stopped: there was no sign of life");
             Ok(Exit::Environment)
         }
-        Ended::NotStopped(why) => {
+        WatchEnd::NotStopped(why) => {
             io.data(&format!("not stopped: {why}"));
             Err(Failure::environment(format!(
                 "there is no sign of life, and the arm could not be stopped: {why}"
@@ -100,7 +100,7 @@ fn stopper(settings: &Settings) -> Result<Stop, String> {
 
 /// How a watch ended.
 #[derive(Debug, PartialEq)]
-enum Ended {
+enum WatchEnd {
     AtRest,
     Stopped,
     NotStopped(String),
@@ -128,7 +128,7 @@ fn keep_watch(
     lines: &Receiver<String>,
     timeout: Duration,
     stop: &mut dyn FnMut() -> Result<(), String>,
-) -> Ended {
+) -> WatchEnd {
     let mut deadline: Option<Instant> = None;
     loop {
         let line = match deadline {
@@ -140,21 +140,21 @@ fn keep_watch(
             (Ok("rest"), _) => deadline = None,
             // An unknown line is no heartbeat.
             (Ok(_), _) => {}
-            (Err(_), None) => return Ended::AtRest,
+            (Err(_), None) => return WatchEnd::AtRest,
             (Err(_), Some(_)) => return stopped(stop),
         }
     }
 }
 
-fn stopped(stop: &mut dyn FnMut() -> Result<(), String>) -> Ended {
+fn stopped(stop: &mut dyn FnMut() -> Result<(), String>) -> WatchEnd {
     let mut last = String::new();
     for _ in 0..ATTEMPTS {
         match stop() {
-            Ok(()) => return Ended::Stopped,
+            Ok(()) => return WatchEnd::Stopped,
             Err(why) => last = why,
         }
     }
-    Ended::NotStopped(last)
+    WatchEnd::NotStopped(last)
 }
 
 #[cfg(test)]
@@ -169,7 +169,7 @@ mod tests {
     const SHORT: Duration = Duration::from_millis(60);
 
     /// Watches these lines, then end of input; returns how it ended and how often the arm was stopped.
-    fn watch_lines(typed: &'static str, timeout: Duration) -> (Ended, u32) {
+    fn watch_lines(typed: &'static str, timeout: Duration) -> (WatchEnd, u32) {
         let mut n_stops = 0;
         let ended = keep_watch(&lines_of(typed.as_bytes()), timeout, &mut || {
             n_stops += 1;
@@ -181,10 +181,14 @@ mod tests {
     #[test]
     fn lines_that_end_while_it_watches_stop_the_arm() {
         for typed in ["watch\n", "watch\nbeat\nbeat", "rest\nwatch\nhello\n"] {
-            assert_eq!(watch_lines(typed, LONG), (Ended::Stopped, 1), "{typed:?}");
+            assert_eq!(
+                watch_lines(typed, LONG),
+                (WatchEnd::Stopped, 1),
+                "{typed:?}"
+            );
         }
         for typed in ["", "beat\n", "watch\nbeat\nrest\n", "watch\nrest\nbeat\n"] {
-            assert_eq!(watch_lines(typed, LONG), (Ended::AtRest, 0), "{typed:?}");
+            assert_eq!(watch_lines(typed, LONG), (WatchEnd::AtRest, 0), "{typed:?}");
         }
     }
 
@@ -195,7 +199,7 @@ mod tests {
             writer.write_all(typed.as_bytes()).unwrap();
             let begun = Instant::now();
             let ended = keep_watch(&lines_of(reader), SHORT, &mut || Ok(()));
-            assert_eq!(ended, Ended::Stopped, "{typed:?}");
+            assert_eq!(ended, WatchEnd::Stopped, "{typed:?}");
             assert!(begun.elapsed() >= SHORT);
             drop(writer);
         }
@@ -211,10 +215,10 @@ mod tests {
                 _ => Err("no answer".to_owned()),
             }
         });
-        assert_eq!((ended, n_tries), (Ended::Stopped, 3));
+        assert_eq!((ended, n_tries), (WatchEnd::Stopped, 3));
         let ended = keep_watch(&lines_of("watch".as_bytes()), LONG, &mut || {
             Err("no answer".to_owned())
         });
-        assert_eq!(ended, Ended::NotStopped("no answer".to_owned()));
+        assert_eq!(ended, WatchEnd::NotStopped("no answer".to_owned()));
     }
 }

@@ -217,16 +217,16 @@ pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
 }
 
 /// The model for which messages are shown.
-pub struct Told {
+pub struct TargetModel {
     /// The form in which it gets points and pictures.
     pub lowering: Lowering,
     /// Its profile; `None` for embedded models, and if no model is named.
     pub profile: Option<Profile>,
 }
 
-impl Told {
+impl TargetModel {
     /// Finds the model that the command line names.
-    pub fn of(shown: &ShownArguments, io: &Io) -> Result<Told, Failure> {
+    pub fn of(shown: &ShownArguments, io: &Io) -> Result<TargetModel, Failure> {
         let (known, profile) = match &shown.model {
             None => (Lowering::PIXELS, None),
             Some(name) => match embedded(name, ModelRole::Text)? {
@@ -244,7 +244,7 @@ impl Told {
             },
             false => known,
         };
-        Ok(Told { lowering, profile })
+        Ok(TargetModel { lowering, profile })
     }
 }
 

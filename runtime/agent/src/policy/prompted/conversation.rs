@@ -5,7 +5,7 @@
 //! size. `fabc render`, `fabc snap` and rollouts all call this, so they show and send the same messages.
 
 use crate::demos::DemosError;
-use crate::examples::{Examples, Told};
+use crate::examples::{AnsweredExample, Examples};
 use crate::pictures::Pictures;
 use fab_model::{Lowering, Message, Part, Png, Speaker};
 use fab_program::render::{
@@ -26,16 +26,16 @@ pub enum PromptError {
 
 /// One message, before its pictures are drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Spoken {
+pub struct UndrawnMessage {
     /// Who speaks.
     pub speaker: Speaker,
     /// Its pieces, in order.
-    pub parts: Vec<SpokenPart>,
+    pub parts: Vec<MessagePart>,
 }
 
 /// A piece of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum SpokenPart {
+pub enum MessagePart {
     /// Text with its source positions.
     Text(PromptText),
     /// A picture that the task shows.
@@ -48,7 +48,7 @@ pub enum SpokenPart {
 #[derive(Clone, Debug, Default)]
 pub struct Conversation {
     /// The messages with their origin.
-    pub spoken: Vec<Spoken>,
+    pub spoken: Vec<UndrawnMessage>,
     /// The messages as sent.
     pub messages: Vec<Message>,
 }
@@ -58,9 +58,9 @@ impl Conversation {
     pub(super) fn say(&mut self, speaker: Speaker, said: PromptText) {
         self.messages
             .push(Message::text(speaker, said.text.clone()));
-        self.spoken.push(Spoken {
+        self.spoken.push(UndrawnMessage {
             speaker,
-            parts: vec![SpokenPart::Text(said)],
+            parts: vec![MessagePart::Text(said)],
         });
     }
 
@@ -68,7 +68,7 @@ impl Conversation {
     pub(super) fn add(&mut self, said: PromptText) {
         if let (Some(spoken), Some(message)) = (self.spoken.last_mut(), self.messages.last_mut()) {
             message.parts.push(Part::Text(said.text.clone()));
-            spoken.parts.push(SpokenPart::Text(said));
+            spoken.parts.push(MessagePart::Text(said));
         }
     }
 
@@ -76,7 +76,7 @@ impl Conversation {
     pub(super) fn add_refused_action(&mut self, png: Png) {
         if let (Some(spoken), Some(message)) = (self.spoken.last_mut(), self.messages.last_mut()) {
             message.parts.push(Part::Image(png));
-            spoken.parts.push(SpokenPart::RefusedAction);
+            spoken.parts.push(MessagePart::RefusedAction);
         }
     }
 }
@@ -91,7 +91,7 @@ pub fn opening(
     values: Values<'_>,
     examples: &Examples,
     step: u32,
-) -> Result<Vec<Spoken>, PromptError> {
+) -> Result<Vec<UndrawnMessage>, PromptError> {
     let notation = values.notation(program);
     let mut spoken = Vec::new();
     for prompt in render::messages(program, stage, values)? {
@@ -104,25 +104,27 @@ pub fn opening(
             matches!(picture, PromptPicture::Drawn(Picture::Scene { .. }))
         };
         let is_numbered = !notation.marks().is_empty() && prompt.pictures.iter().any(is_scene);
-        let mut parts = vec![SpokenPart::Text(prompt.content)];
-        parts.extend(prompt.pictures.into_iter().map(SpokenPart::Picture));
+        let mut parts = vec![MessagePart::Text(prompt.content)];
+        parts.extend(prompt.pictures.into_iter().map(MessagePart::Picture));
         if is_numbered {
-            parts.push(SpokenPart::Text(PromptText::by_fabc(NUMBERED_POINTS)));
+            parts.push(MessagePart::Text(PromptText::by_fabc(NUMBERED_POINTS)));
         }
-        spoken.push(Spoken { speaker, parts });
+        spoken.push(UndrawnMessage { speaker, parts });
     }
     let question = spoken.len().saturating_sub(1);
     let told = examples.told(program, &stage.name, step, values.pointing(program))?;
-    let told = told.into_iter().flat_map(|Told { question, answer }| {
-        let turn = |speaker, said| Spoken {
-            speaker,
-            parts: vec![SpokenPart::Text(said)],
-        };
-        [
-            turn(Speaker::User, question),
-            turn(Speaker::Assistant, answer),
-        ]
-    });
+    let told = told
+        .into_iter()
+        .flat_map(|AnsweredExample { question, answer }| {
+            let turn = |speaker, said| UndrawnMessage {
+                speaker,
+                parts: vec![MessagePart::Text(said)],
+            };
+            [
+                turn(Speaker::User, question),
+                turn(Speaker::Assistant, answer),
+            ]
+        });
     spoken.splice(question..question, told);
     Ok(spoken)
 }
@@ -148,13 +150,13 @@ pub fn conversation(
         })
     };
     let mut messages = Vec::with_capacity(spoken.len());
-    for Spoken { speaker, parts } in &spoken {
+    for UndrawnMessage { speaker, parts } in &spoken {
         let mut sent = Vec::with_capacity(parts.len());
         for part in parts {
             match part {
-                SpokenPart::Text(said) => sent.push(Part::Text(said.text.clone())),
-                SpokenPart::Picture(picture) => sent.push(Part::Image(drawn(picture)?)),
-                SpokenPart::RefusedAction => {}
+                MessagePart::Text(said) => sent.push(Part::Text(said.text.clone())),
+                MessagePart::Picture(picture) => sent.push(Part::Image(drawn(picture)?)),
+                MessagePart::RefusedAction => {}
             }
         }
         messages.push(Message {

@@ -4,7 +4,7 @@
 //! each answer, by the same code as a rollout. When the answers run out, later stages are shown with placeholders for a
 //! model's texts.
 
-use super::talk::{Answer, Missing, Next, Talk};
+use super::attempts::{Answer, Attempts, Missing, Next};
 use super::{Conversation, PromptError};
 use crate::policy::{Finding, StepView};
 use fab_model::{Lowering, Reply};
@@ -43,16 +43,16 @@ pub fn rehearse(
     let mut rehearsed = Vec::with_capacity(stages.len());
     for stage in stages {
         let lowering = lowering(stage.model);
-        let mut talk = Talk::begin(view, stage, &texts, lowering, Missing::IsShown)?;
-        let n_asked_first = talk.conversation().messages.len();
+        let mut attempts = Attempts::begin(view, stage, &texts, lowering, Missing::IsShown)?;
+        let n_asked_first = attempts.conversation().messages.len();
         let mut findings = Vec::new();
         let mut read = None;
         while let Some(text) = answers.pop_front() {
-            let request = talk.request();
+            let request = attempts.request();
             let reply = Reply::text(text);
-            let attempt = talk.answered(request, reply, Duration::ZERO, &texts)?;
+            let attempt = attempts.answered(request, reply, Duration::ZERO, &texts)?;
             findings.push(attempt.finding.clone());
-            if let Next::Done(answer) = talk.conclude(attempt, &texts)? {
+            if let Next::Done(answer) = attempts.conclude(attempt, &texts)? {
                 read = Some(answer);
                 break;
             }
@@ -60,7 +60,7 @@ pub fn rehearse(
         rehearsed.push(Rehearsed {
             stage: stage.name.clone(),
             n_asked_first,
-            conversation: talk.conversation().clone(),
+            conversation: attempts.conversation().clone(),
             findings,
         });
         match read {

@@ -4,7 +4,7 @@
 mod errors;
 mod files;
 mod lines;
-mod slips;
+mod mistakes;
 mod touches;
 mod views;
 

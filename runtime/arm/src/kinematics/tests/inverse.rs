@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::kinematics::inverse::{NoSolution, Obstacle};
-use crate::kinematics::tool_down::{Downwards, tool_down};
+use crate::kinematics::tool_down::{ToolDown, tool_down};
 use nalgebra::{Point3, UnitQuaternion};
 use std::time::{Duration, Instant};
 
@@ -115,7 +115,7 @@ fn a_refusal_says_what_was_reached() {
 fn all_postures_pointing_down_bring_the_hand_there() {
     for model in MODELS {
         let chain = chain_of(model);
-        let downwards = Downwards::new(&chain);
+        let downwards = ToolDown::new(&chain);
         let mut count = 0;
         for (radius_cm, height_cm) in
             (11..80).flat_map(|radius| (-2..6).map(move |height| (radius, height * 5)))

@@ -1,7 +1,7 @@
 //! Tests of the reach of a hand pointing down, and of refusal messages.
 
 use super::*;
-use crate::kinematics::reach::{OutOfReach, Range, Reach, Turn, WhyNot};
+use crate::kinematics::reach::{OutOfReach, Range, Reach, Turn, WhyUnreachable};
 use crate::kinematics::tool_down::tool_down;
 use nalgebra::Point3;
 
@@ -76,7 +76,7 @@ proptest! {
         let joints = match reach.check(&point, &[]) {
             Ok(joints) => joints,
             Err(refused) => {
-                prop_assert!(refused.why == WhyNot::Gap && refused.radius_m < 0.2, "{}", refused);
+                prop_assert!(refused.why == WhyUnreachable::Gap && refused.radius_m < 0.2, "{}", refused);
                 return Ok(());
             }
         };
@@ -87,10 +87,10 @@ proptest! {
         prop_assert_eq!(chain.joint_past_limit(&joints), None);
         prop_assert!(chain.frames(&joints).unwrap()[2].translation.z > height_m + 0.049);
         let refused = reach.check(&at(range.farthest_m + 0.002 + part, azimuth, height_m), &[]).unwrap_err();
-        prop_assert_eq!(refused.why, WhyNot::TooFar);
+        prop_assert_eq!(refused.why, WhyUnreachable::TooFar);
         let near_m = (range.nearest_m - 0.002) * (1.0 - part * part);
         if let Err(refused) = reach.check(&at(near_m, azimuth, height_m), &[]) {
-            prop_assert_eq!(refused.why, WhyNot::TooNear);
+            prop_assert_eq!(refused.why, WhyUnreachable::TooNear);
         }
     }
 
@@ -161,7 +161,7 @@ fn a_refusal_says_how_far_and_what_is_reached() {
             nearest_m: 0.1781,
             farthest_m: 0.7058,
         }),
-        why: WhyNot::WayUp,
+        why: WhyUnreachable::WayUp,
     };
     let said = "0.40 m from the arm's base; at this height it reaches 0.18 to 0.70 m, but not straight up from there";
     assert_eq!(stuck.to_string(), said);
@@ -176,5 +176,5 @@ fn the_elbow_does_not_go_below_the_point() {
     let refused = Reach::tool_down(&chain, Turn::Fixed(0.0))
         .check(&point, &[])
         .unwrap_err();
-    assert_eq!(refused.why, WhyNot::TooFar);
+    assert_eq!(refused.why, WhyUnreachable::TooFar);
 }

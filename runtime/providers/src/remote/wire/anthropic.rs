@@ -4,7 +4,7 @@
 
 use super::content::{base64, framed, words};
 use super::error::ErrorBody;
-use super::{Answer, Failure, Stated, Unfit, answer, if_readable, tool_called, truncated};
+use super::{Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Speaker};
 use serde::{Deserialize, Serialize};
@@ -69,7 +69,7 @@ enum Format<'a> {
 ///
 /// The current version has no sampling parameters and answers 400 to them; the previous one accepts them for models
 /// that still have them.
-pub(super) fn version(stated: &Stated<'_>) -> &'static str {
+pub(super) fn version(stated: &SentSettings<'_>) -> &'static str {
     if stated.temperature.is_some() || stated.top_p.is_some() {
         "2023-06-01"
     } else {
@@ -80,7 +80,7 @@ pub(super) fn version(stated: &Stated<'_>) -> &'static str {
 pub(super) fn body<'a>(
     model: &'a str,
     messages: &'a [Message],
-    stated: &Stated<'a>,
+    stated: &SentSettings<'a>,
     max_tokens: u32,
 ) -> Result<Body<'a>, Unfit> {
     let (system, turns) = framed(messages)?;
@@ -122,7 +122,7 @@ fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
 
 #[derive(Deserialize)]
 struct Reply {
-    content: Option<Vec<Said>>,
+    content: Option<Vec<ContentBlock>>,
     stop_reason: Option<String>,
     stop_details: Option<Details>,
     #[serde(default, deserialize_with = "if_readable")]
@@ -137,7 +137,7 @@ struct Details {
 
 #[derive(Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-enum Said {
+enum ContentBlock {
     Text {
         text: String,
     },
@@ -192,9 +192,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     let mut text = String::new();
     for said in reply.content.unwrap_or_default() {
         match said {
-            Said::Text { text: more } => text.push_str(&more),
-            Said::ToolUse {} => return Err(tool_called(usage)),
-            Said::Other => {}
+            ContentBlock::Text { text: more } => text.push_str(&more),
+            ContentBlock::ToolUse {} => return Err(tool_called(usage)),
+            ContentBlock::Other => {}
         }
     }
     answer(text, usage)

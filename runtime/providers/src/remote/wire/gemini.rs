@@ -4,7 +4,7 @@
 
 use super::content::{base64, framed, words};
 use super::error::ErrorBody;
-use super::{Answer, Failure, Stated, Unfit, answer, if_readable, tool_called, truncated};
+use super::{Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Speaker};
 use serde::{Deserialize, Serialize};
@@ -64,7 +64,10 @@ struct Config<'a> {
     response_json_schema: Option<&'a Value>,
 }
 
-pub(super) fn body<'a>(messages: &'a [Message], stated: &Stated<'a>) -> Result<Body<'a>, Unfit> {
+pub(super) fn body<'a>(
+    messages: &'a [Message],
+    stated: &SentSettings<'a>,
+) -> Result<Body<'a>, Unfit> {
     let (frame, turns) = framed(messages)?;
     Ok(Body {
         contents: turns.iter().map(content).collect::<Result<_, _>>()?,
@@ -114,19 +117,19 @@ struct Reply {
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Candidate {
-    content: Option<Said>,
+    content: Option<AnswerContent>,
     finish_reason: Option<String>,
     finish_message: Option<String>,
 }
 
 #[derive(Deserialize)]
-struct Said {
-    parts: Option<Vec<SaidPart>>,
+struct AnswerContent {
+    parts: Option<Vec<AnswerPart>>,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct SaidPart {
+struct AnswerPart {
     text: Option<String>,
     thought: Option<bool>,
     function_call: Option<Value>,

@@ -56,7 +56,7 @@ impl Wire {
     ///
     /// Fails if the model is known not to support something in the request.
     pub fn encode(self, request: &Request, settings: &Settings) -> Result<Encoded, Unfit> {
-        let stated = Stated::of(request, settings)?;
+        let stated = SentSettings::of(request, settings)?;
         let (model, messages) = (settings.model.as_str(), &request.messages);
         let body = match self {
             Wire::OpenaiResponses => bytes(&openai_responses::body(model, messages, &stated)?),
@@ -118,15 +118,15 @@ impl Wire {
 }
 
 /// The request's settings that are sent.
-struct Stated<'a> {
+struct SentSettings<'a> {
     temperature: Option<f64>,
     top_p: Option<f64>,
     max_tokens: Option<u32>,
     schema: Option<&'a Value>,
 }
 
-impl<'a> Stated<'a> {
-    fn of(request: &'a Request, settings: &Settings) -> Result<Stated<'a>, Unfit> {
+impl<'a> SentSettings<'a> {
+    fn of(request: &'a Request, settings: &Settings) -> Result<SentSettings<'a>, Unfit> {
         let sent = |parameter| !settings.omit.contains(&parameter);
         let sampling = |value: Option<f64>, parameter: Parameter| {
             let Some(value) = value.filter(|_| sent(parameter)) else {
@@ -154,7 +154,7 @@ impl<'a> Stated<'a> {
             ));
         }
         let structured = settings.structured_output == Some(true);
-        Ok(Stated {
+        Ok(SentSettings {
             temperature: sampling(request.temperature, Parameter::Temperature)?,
             top_p: sampling(request.top_p, Parameter::TopP)?,
             max_tokens: request.max_tokens.filter(|_| sent(Parameter::MaxTokens)),

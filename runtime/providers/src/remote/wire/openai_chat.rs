@@ -5,7 +5,7 @@
 
 use super::content::{data_url, refuse_no_question, words};
 use super::error::ErrorBody;
-use super::{Answer, Failure, Stated, Unfit, answer, if_readable, tool_called, truncated};
+use super::{Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated};
 use crate::catalogue::MaxTokensField;
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Speaker};
@@ -69,7 +69,7 @@ struct Schema<'a> {
 pub(super) fn body<'a>(
     model: &'a str,
     messages: &'a [Message],
-    stated: &Stated<'a>,
+    stated: &SentSettings<'a>,
     field: MaxTokensField,
 ) -> Result<Body<'a>, Unfit> {
     refuse_no_question(messages)?;
@@ -124,12 +124,12 @@ struct Completion {
 
 #[derive(Deserialize)]
 struct Choice {
-    message: Option<Said>,
+    message: Option<AnswerMessage>,
     finish_reason: Option<String>,
 }
 
 #[derive(Deserialize)]
-struct Said {
+struct AnswerMessage {
     content: Option<Text>,
     refusal: Option<String>,
     tool_calls: Option<Vec<Value>>,

@@ -4,7 +4,7 @@
 
 use super::content::{data_url, refuse_no_question, words};
 use super::error::ErrorBody;
-use super::{Answer, Failure, Stated, Unfit, answer, if_readable, tool_called, truncated};
+use super::{Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Speaker};
 use serde::{Deserialize, Serialize};
@@ -68,7 +68,7 @@ enum Format<'a> {
 pub(super) fn body<'a>(
     model: &'a str,
     messages: &'a [Message],
-    stated: &Stated<'a>,
+    stated: &SentSettings<'a>,
 ) -> Result<Body<'a>, Unfit> {
     refuse_no_question(messages)?;
     Ok(Body {
@@ -128,12 +128,12 @@ struct Incomplete {
 #[derive(Deserialize)]
 struct Item {
     r#type: String,
-    content: Option<Vec<Said>>,
+    content: Option<Vec<ContentPart>>,
 }
 
 #[derive(Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-enum Said {
+enum ContentPart {
     OutputText {
         text: String,
     },
@@ -199,11 +199,11 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     let mut text = String::new();
     for said in messages.flat_map(|message| message.content.unwrap_or_default()) {
         match said {
-            Said::OutputText { text: more } => text.push_str(&more),
-            Said::Refusal { refusal } => {
+            ContentPart::OutputText { text: more } => text.push_str(&more),
+            ContentPart::Refusal { refusal } => {
                 return Err(Failure::new(Fault::Refused, refusal, usage));
             }
-            Said::Other => {}
+            ContentPart::Other => {}
         }
     }
     answer(text, usage)

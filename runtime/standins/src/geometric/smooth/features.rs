@@ -91,7 +91,7 @@ pub struct Corner {
 }
 
 /// A corner with a direction to pull it in.
-pub struct Way<'c> {
+pub struct Pull<'c> {
     cloth: &'c Cloth<'c>,
     corner: &'c Corner,
     /// The features that do not depend on the distance.
@@ -140,7 +140,7 @@ impl<'a> Cloth<'a> {
     }
 
     /// Measures how much of the circles around a point satisfies a condition; radii in sides.
-    fn around(&self, at: Point, radii: &[f64], is_it: impl Fn(Face) -> bool) -> Around {
+    fn around(&self, at: Point, radii: &[f64], is_it: impl Fn(Face) -> bool) -> Distribution {
         let (mut seen, mut sum) = (0.0_f64, [0.0_f64; 2]);
         for (angle, radius) in circles(radii) {
             if is_it(self.view.at(self.beside(at, angle, radius))) {
@@ -148,7 +148,7 @@ impl<'a> Cloth<'a> {
                 sum = [sum[0] + angle.cos(), sum[1] + angle.sin()];
             }
         }
-        Around {
+        Distribution {
             share: seen / f64::from(N_DIRECTIONS) / radii.len() as f64,
             one_sided: sum[0].hypot(sum[1]) / seen.max(1.0),
         }
@@ -161,7 +161,7 @@ impl<'a> Cloth<'a> {
     }
 
     /// Measures a corner with a direction; `angle` in radians, clockwise from the picture's right.
-    pub fn way<'c>(&'c self, corner: &'c Corner, angle: f64) -> Way<'c> {
+    pub fn way<'c>(&'c self, corner: &'c Corner, angle: f64) -> Pull<'c> {
         let from = corner.at;
         let square = self.side * self.side;
         let back = self.beside(from, angle, -HELD_BACK);
@@ -191,7 +191,7 @@ impl<'a> Cloth<'a> {
             self.cloth_along(from, angle),
             left.max(right),
         ];
-        Way {
+        Pull {
             cloth: self,
             corner,
             fixed,
@@ -245,7 +245,7 @@ impl<'a> Cloth<'a> {
     }
 }
 
-impl Way<'_> {
+impl Pull<'_> {
     /// Returns the features of a pull to a place, in the order of [`NAMES`].
     pub fn pull(&self, to: Point) -> [f64; NAMES.len()] {
         let length = hull::distance(self.corner.at, to) / self.cloth.side;
@@ -256,7 +256,7 @@ impl Way<'_> {
 }
 
 /// How a property is distributed around a point.
-struct Around {
+struct Distribution {
     /// Its share of the circles.
     share: f64,
     /// 0 if it is on all sides, up to 1.

@@ -11,7 +11,7 @@ mod shortcuts;
 mod vocabulary;
 
 use super::{Geometric, prompt};
-use fab_model::calls::Unkept;
+use fab_model::calls::Unrecorded;
 use fab_model::{Message, Model, ModelRole, Part, Png, Request, Speaker};
 use fab_picture::hull;
 use fab_program::PixelPoint;
@@ -176,7 +176,7 @@ fn user(parts: Vec<Part>) -> Message {
 
 fn ask(role: ModelRole, messages: Vec<Message>) -> String {
     let request = Request::new(role, messages);
-    Geometric.ask(&request, &mut Unkept).unwrap().text
+    Geometric.ask(&request, &mut Unrecorded).unwrap().text
 }
 
 /// Asks for the step between pictures in words.

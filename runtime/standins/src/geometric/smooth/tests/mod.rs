@@ -7,7 +7,7 @@ mod words;
 
 use super::prompt;
 use crate::Geometric;
-use fab_model::calls::Unkept;
+use fab_model::calls::Unrecorded;
 use fab_model::{Message, Model, ModelRole, Part, Png, Request, Speaker};
 use fab_program::PixelPoint;
 use image::{Rgb, RgbImage};
@@ -103,7 +103,7 @@ impl Question {
 
 fn asked(messages: Vec<Message>) -> String {
     let request = Request::new(ModelRole::Vision, messages);
-    Geometric.ask(&request, &mut Unkept).unwrap().text
+    Geometric.ask(&request, &mut Unrecorded).unwrap().text
 }
 
 /// Pick, direction in degrees, distance in edges.

@@ -48,7 +48,7 @@ pub(super) enum Missing {
 }
 
 /// The conversation of one stage in one step.
-pub(super) struct Talk<'a> {
+pub(super) struct Attempts<'a> {
     view: StepView<'a>,
     stage: &'a Stage,
     lowering: Lowering,
@@ -62,7 +62,7 @@ pub(super) struct Talk<'a> {
     refused: Vec<(u32, Proposal)>,
 }
 
-impl<'a> Talk<'a> {
+impl<'a> Attempts<'a> {
     pub(super) fn begin(
         view: StepView<'a>,
         stage: &'a Stage,
@@ -87,7 +87,7 @@ impl<'a> Talk<'a> {
         }
         let notation = facts.notation(program);
         let reads_action = matches!(stage.read, Read::Action);
-        Ok(Talk {
+        Ok(Attempts {
             view,
             stage,
             lowering,

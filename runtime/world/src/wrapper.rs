@@ -9,7 +9,7 @@ use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 
 /// A wrapper around another world; methods that are not overridden are delegated to it.
-pub trait Around {
+pub trait Wrapper {
     /// Returns the inner world.
     fn inner(&self) -> &dyn World;
 
@@ -42,9 +42,9 @@ pub trait Around {
     }
 }
 
-impl<W: Around> World for W {
+impl<W: Wrapper> World for W {
     fn name(&self) -> &str {
-        Around::name(self)
+        Wrapper::name(self)
     }
 
     fn parameters(&self) -> String {
@@ -68,7 +68,7 @@ impl<W: Around> World for W {
     }
 
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
-        Around::act(self, motion, interrupt)
+        Wrapper::act(self, motion, interrupt)
     }
 
     fn crumple(
@@ -81,14 +81,14 @@ impl<W: Around> World for W {
     }
 
     fn particles(&self) -> Option<Vec<[f32; 3]>> {
-        Around::particles(self)
+        Wrapper::particles(self)
     }
 
     fn flat_cloth(&self) -> Option<Observation> {
-        Around::flat_cloth(self)
+        Wrapper::flat_cloth(self)
     }
 
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
-        Around::out_of_reach(self, point)
+        Wrapper::out_of_reach(self, point)
     }
 }

@@ -214,7 +214,7 @@ fn many_points_with_several_slips_are_sorted_in_time() {
         .faults
         .iter()
         .filter_map(|fault| match fault {
-            Fault::Slip { point, .. } => Some(*point),
+            Fault::Mistake { point, .. } => Some(*point),
             _ => None,
         })
         .collect();

@@ -257,7 +257,7 @@ fn slip(terms: &Terms, solver: &Solver, fit: &Fit, point: usize, pairs: &[Pair])
     let error = fit.error(&solver.sighting(pair)?)?;
     let within_m = terms.limit_mm * AGREES / 1000.0;
     let base = nalgebra::Vector3::from(pair.base_m);
-    Some(Fault::Slip {
+    Some(Fault::Mistake {
         point,
         off_mm: error.norm() * 1000.0,
         shown_m: (base + error).into(),

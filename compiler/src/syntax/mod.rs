@@ -2,12 +2,12 @@
 //!
 //! In: a fault from the grammar. Out: a diagnostic, with a repair if one is likely.
 
-mod slips;
+mod mistakes;
 
 use crate::diag::{Code, Diagnostic, among, nearest};
 use fab_grammar::Span;
 use fab_grammar::{Fault, Problem};
-use slips::listed;
+use mistakes::listed;
 
 /// Makes the diagnostic for a fault of `text`, a whole file.
 pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
@@ -73,9 +73,9 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
 
 fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) -> Diagnostic {
     if let Some(found) = found
-        && let Some(slip) = slips::recognise(found, span, expected, text)
+        && let Some(mistake) = mistakes::recognise(found, span, expected, text)
     {
-        return slip;
+        return mistake;
     }
     let found_words = found.map_or("the end of the line".to_owned(), |found| {
         format!("`{found}`")
