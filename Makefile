@@ -32,9 +32,10 @@ run: deps
 	@$(WITH_ENV) sh scripts/run.sh tasks/double_straight.fab $(ARGS)
 
 test: deps
-	@$(WITH_ENV) sh scripts/test.sh --workspace --exclude fab-arm-ros --locked --lib --bins --tests
+	@$(WITH_ENV) sh scripts/test.sh
 
-test-all: test test-long
+test-all: deps
+	@$(WITH_ENV) sh scripts/test-long.sh --with-fast
 
 # What `make test` leaves out.
 test-long: deps

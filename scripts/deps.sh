@@ -94,10 +94,13 @@ has() {
 
 # Searches where the build searches: LIBCLANG_PATH, then the system's folders.
 has_libclang() {
-    # Nobody sets these without a reason, and they may hold a list.
-    [ -z "${LD_LIBRARY_PATH:-}${LIBRARY_PATH:-}${LLVM_CONFIG_PATH:-}" ] || return 0
+    # Nobody names a configuration without a reason.
+    [ -z "${LLVM_CONFIG_PATH:-}" ] || return 0
     xcode=$(xcode-select --print-path 2>/dev/null)
-    for file in ${LIBCLANG_PATH:+"$LIBCLANG_PATH" "$LIBCLANG_PATH"/libclang*} \
+    # Lists of folders, one a line. Cargo sets the first for every build script.
+    lists=$(printf '%s\n%s' "${LD_LIBRARY_PATH:-}" "${LIBRARY_PATH:-}" | tr : '\n' | sed -n 's|^/.*|&/libclang[.-]*|p')
+    # shellcheck disable=SC2086  # patterns
+    for file in $lists ${LIBCLANG_PATH:+"$LIBCLANG_PATH" "$LIBCLANG_PATH"/libclang*} \
         ${xcode:+"$xcode"/Toolchains/XcodeDefault.xctoolchain/usr/lib/libclang[.-]*} \
         /usr/lib*/libclang[.-]* /usr/lib*/*/libclang[.-]* /usr/lib*/*/*/libclang[.-]* \
         /usr/local/lib*/libclang[.-]* /usr/local/lib*/*/libclang[.-]* \

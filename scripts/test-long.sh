@@ -1,5 +1,6 @@
 #!/bin/sh
-# Runs the tests that `make test` leaves out, and ends with: N passed, N failed, N skipped.
+# Runs the tests that `make test` leaves out, and ends with: N passed, N failed, N skipped. With --with-fast it runs
+# those of `make test` first, and counts them too.
 #
 # Tests that take long are `#[ignore = "long"]`; those that compare with a program by others are `#[ignore = "needs ..."]`
 # and named peer_. The peers are in a Python environment under the target folder (peers-requirements.txt); tests find it
@@ -54,7 +55,9 @@ export FABC_PEER_CARGO_INSTA
 without_insta=
 if [ "$("$FABC_PEER_CARGO_INSTA" --version 2>/dev/null)" != "cargo-insta $insta_version" ]; then
     echo "installing cargo-insta $insta_version, which takes some minutes" >&2
-    cargo install --quiet --locked --root "$insta_root" cargo-insta --version "$insta_version" ||
+    # An unoptimised build takes half the time, and still reads a snapshot in no time.
+    cargo install --locked --quiet --debug --root "$insta_root" --target-dir "$insta_root/build" \
+        "cargo-insta@$insta_version" ||
         without_insta="cargo could not install cargo-insta $insta_version"
 fi
 without_mdbook=
@@ -67,9 +70,14 @@ run() {
     shift
     log=$(mktemp) || exit
     sh "$here/test.sh" "$@" | tee "$log" | sed "s/^[0-9]* passed, .* skipped\$/$words: &/"
-    FABC_EARLIER=$(tail -n 1 "$log" | tr -dc '0-9 ')
-    export FABC_EARLIER
+    sums=$(sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed, \([0-9]*\) skipped$/\1 \2 \3/p' "$log" | tail -n 1)
     rm -f "$log"
+    if [ -z "$sums" ]; then
+        echo "$words: the run ended without its sums"
+        exit 1
+    fi
+    FABC_EARLIER=$sums
+    export FABC_EARLIER
 }
 
 # Counts the tests that are left out: leave_out NAME_PART REASON
@@ -88,6 +96,7 @@ skipped="--skip peer_ros_"
 [ -z "$without_insta" ] || leave_out peer_cargo_insta_ "$without_insta"
 [ -z "$without_mdbook" ] || leave_out peer_mdbook_ "$without_mdbook"
 
+[ "${1:-}" != --with-fast ] || run "the fast tests"
 without_ros=$(sh "$here/ros-parts.sh")
 if [ -z "$without_ros" ]; then
     cargo build --locked --package fab-arm --example arm_engine || exit

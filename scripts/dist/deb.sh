@@ -40,13 +40,9 @@ mkdir -p "$bash" "$zsh" "$fish"
 "$fabc" completions zsh >"$zsh/_fabc"
 "$fabc" completions fish >"$fish/fabc.fish"
 
-if "$fabc" manual --help >/dev/null 2>&1; then
-    mkdir -p "$package/usr/share/man/man1"
-    "$fabc" manual "$package/usr/share/man/man1"
-    gzip -9n "$package"/usr/share/man/man1/*.1
-else
-    echo "left out: manual pages, because this fabc has no verb \`manual\`"
-fi
+mkdir -p "$package/usr/share/man/man1"
+"$fabc" manual "$package/usr/share/man/man1"
+gzip -9n "$package"/usr/share/man/man1/*.1
 
 # Debian has the text of Apache-2.0 in /usr/share/common-licenses.
 cat >"$documentation/copyright" <<COPYRIGHT
@@ -74,7 +70,15 @@ done
 
 # dpkg-shlibdeps reads debian/control of the folder it runs in.
 printf 'Source: fabc\n\nPackage: fabc\nArchitecture: amd64\n' >"$stage/debian/control"
-libraries=$(cd "$stage" && dpkg-shlibdeps -O --warnings=0 -e"$fabc" | sed -n 's/^shlibs:Depends=//p')
+(cd "$stage" && dpkg-shlibdeps -O --warnings=0 -e"$fabc" >shlibs)
+libraries=$(sed -n 's/^shlibs:Depends=//p' "$stage/shlibs")
+case $libraries in
+*libopencv-core*libopencv-imgproc*) ;;
+*)
+    echo "fabc must link OpenCV from Debian's packages, and depends on: $libraries" >&2
+    exit 2
+    ;;
+esac
 cat >"$package/DEBIAN/control" <<CONTROL
 Package: fabc
 Version: $FABC_VERSION-1

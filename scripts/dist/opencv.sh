@@ -58,6 +58,10 @@ ninja -C "$folder/build" install >"$folder/build.log" 2>&1 || {
 cp "$zlib" "$folder/installed/lib/libz.a"
 cp "$folder/source/LICENSE" "$folder/licences/opencv-LICENSE"
 cp "$folder/source/COPYRIGHT" "$folder/licences/opencv-COPYRIGHT"
+# OpenCV installs the texts of what it carries along.
+for text in "$folder"/installed/share/licenses/opencv4/*; do
+    cp "$text" "$folder/licences/opencv-${text##*/}"
+done
 cp /usr/share/doc/zlib1g-dev/copyright "$folder/licences/zlib-copyright"
 rm -rf "$folder/source" "$folder/build"
 cp "$here/opencv.sh" "$folder/built-by.sh"

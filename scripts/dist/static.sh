@@ -17,6 +17,14 @@ if has_library x86_64-unknown-linux-musl && command -v musl-gcc >/dev/null; then
 fi
 RUSTFLAGS="$RUSTFLAGS -C target-feature=+crt-static"
 export RUSTFLAGS
+case $triple in
+*-gnu) libc_licence=/usr/share/doc/libc6-dev/copyright ;;
+*-musl) libc_licence=/usr/share/doc/musl-dev/copyright ;;
+esac
+if [ ! -e "$libc_licence" ]; then
+    echo "the C library's licence is missing: $libc_licence (Debian's packages libc6-dev and musl-dev have it)" >&2
+    exit 2
+fi
 cargo build --profile dist --locked --package fabc --bin fabc --no-default-features \
     --target $triple --target-dir "$FABC_DIST/build"
 rm -f "$FABC_DIST"/fabc-authoring-*
@@ -25,8 +33,4 @@ cp "$FABC_DIST/build/$triple/dist/fabc" "$FABC_DIST/fabc-authoring-$FABC_VERSION
 # The texts that go with the binary. glibc's licence asks for them where it is linked statically.
 share=$FABC_DIST/build/share/licences
 licences=$FABC_DIST/fabc-authoring-$FABC_VERSION-x86_64-linux.licences.txt
-cat "$share/LICENSE-MIT" "$share/LICENSE-APACHE" "$share/rust-crates.txt" >"$licences"
-case $triple in
-*-gnu) cat /usr/share/doc/libc6-dev/copyright >>"$licences" ;;
-*-musl) cat /usr/share/doc/musl-dev/copyright >>"$licences" ;;
-esac
+cat "$share/LICENSE-MIT" "$share/LICENSE-APACHE" "$share/rust-crates.txt" "$libc_licence" >"$licences"

@@ -20,9 +20,14 @@ has_no_libraries() {
 has_licences() {
     folder=$(echo $environment/lib/python3*/site-packages/fabc-*.dist-info/licenses)
     find "$folder" -type f
-    for text in LICENSE-MIT LICENSE-APACHE rust-crates.txt opencv-LICENSE opencv-COPYRIGHT zlib-copyright libstdc++-copyright; do
+    for text in LICENSE-MIT LICENSE-APACHE rust-crates.txt opencv-LICENSE opencv-COPYRIGHT opencv-SoftFloat-COPYING.txt zlib-copyright libstdc++-copyright; do
         find "$folder" -name "$text" -size +0 | grep -q . || return
     done
+}
+
+names_its_task() {
+    as_user $environment/bin/fabc check double_straight 2>&1 |
+        grep -F "shipped with fabc ($environment/share/fabc/tasks/double_straight.fab)"
 }
 
 make_user_home
@@ -31,11 +36,8 @@ step "the user makes a virtual environment" as_user python3 -m venv $environment
 list >before
 step "pip installs the wheel without a network" as_user $environment/bin/pip install --no-index /tmp/check/fabc-*.whl
 step "fabc run on a shipped task" folds $environment/bin/fabc $environment/share/fabc/tasks/double_straight.fab
-if as_user $environment/bin/fabc check double_straight >/dev/null 2>&1; then
-    step "fabc run double_straight" folds $environment/bin/fabc double_straight
-else
-    skip "fabc run double_straight" "this fabc does not look for tasks where they are installed"
-fi
+step "fabc run double_straight" folds $environment/bin/fabc double_straight
+step "the name means the installed task" names_its_task
 step "fabc test on the shipped tasks" as_user sh -c "$environment/bin/fabc test $environment/share/fabc/tasks/*.fab"
 step "the licences are in the wheel" has_licences
 step "pip removes the wheel" as_user $environment/bin/pip uninstall -y fabc
