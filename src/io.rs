@@ -461,41 +461,94 @@ fn signals() -> Result<Interrupt, Failure> {
     }
 }
 
-/// Runs work in its own working folder.
-#[cfg(target_os = "linux")]
+/// Runs work in another working folder than the process's.
 mod folder {
-    use nix::sched::{CloneFlags, unshare};
-    use std::path::Path;
+    use std::cell::Cell;
+    use std::path::{Path, PathBuf};
+    use std::sync::{Mutex, PoisonError};
 
     /// Runs work on a thread whose working folder is shared only with the threads that it starts.
+    #[cfg(target_os = "linux")]
     pub fn with<T: Send>(folder: &Path, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
-        std::thread::scope(|scope| {
-            let thread = scope.spawn(|| {
-                unshare(CloneFlags::CLONE_FS)?;
-                std::env::set_current_dir(folder)?;
-                Ok(work())
-            });
-            let done = thread.join();
-            done.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-        })
-    }
-}
+        use nix::sched::{CloneFlags, unshare};
 
-/// Runs work in its own working folder, one job at a time: here a process has only one working folder.
-#[cfg(not(target_os = "linux"))]
-mod folder {
-    use std::path::Path;
-    use std::sync::{Mutex, PoisonError};
+        let tried = std::thread::scope(|scope| {
+            // As large as the stack of a main thread.
+            let builder = std::thread::Builder::new().stack_size(8 << 20);
+            let thread =
+                builder.spawn_scoped(scope, move || match unshare(CloneFlags::CLONE_FS) {
+                    Ok(()) => Ok(std::env::set_current_dir(folder).map(|()| work())),
+                    // Docker forbids it unless a container is privileged.
+                    Err(_) => Err(work),
+                })?;
+            let done = thread.join();
+            std::io::Result::Ok(done.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        })?;
+        match tried {
+            Ok(done) => done,
+            Err(work) => in_turn(folder, work),
+        }
+    }
+
+    /// Runs work in another working folder while no other work does.
+    #[cfg(not(target_os = "linux"))]
+    pub fn with<T: Send>(folder: &Path, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
+        in_turn(folder, work)
+    }
 
     static ENTERED: Mutex<()> = Mutex::new(());
 
-    /// Runs work in another working folder while no other work does.
-    pub fn with<T: Send>(folder: &Path, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
-        let _one = ENTERED.lock().unwrap_or_else(PoisonError::into_inner);
-        let before = std::env::current_dir()?;
+    thread_local! {
+        /// Whether this thread has its turn already.
+        static HAS_TURN: Cell<bool> = const { Cell::new(false) };
+    }
+
+    /// Returns to the earlier folder when dropped, even after a panic.
+    struct Return {
+        folder: PathBuf,
+        had_turn: bool,
+    }
+
+    impl Drop for Return {
+        fn drop(&mut self) {
+            // The earlier folder may have been deleted, and nobody is left to be told.
+            let _ = std::env::set_current_dir(&self.folder);
+            HAS_TURN.set(self.had_turn);
+        }
+    }
+
+    /// Changes the process's only working folder for a while.
+    fn in_turn<T>(folder: &Path, work: impl FnOnce() -> T) -> std::io::Result<T> {
+        let had_turn = HAS_TURN.get();
+        let _turn = (!had_turn).then(|| ENTERED.lock().unwrap_or_else(PoisonError::into_inner));
+        let _return = Return {
+            folder: std::env::current_dir()?,
+            had_turn,
+        };
         std::env::set_current_dir(folder)?;
-        let done = work();
-        std::env::set_current_dir(before)?;
-        Ok(done)
+        HAS_TURN.set(true);
+        Ok(work())
+    }
+
+    #[cfg(test)]
+    mod tests {
+        use super::in_turn;
+        use std::env::current_dir;
+
+        #[test]
+        fn a_folder_can_be_entered_from_within_another_and_is_left_after_a_panic() {
+            let before = current_dir().unwrap();
+            let [outer, inner] = [(), ()].map(|()| tempfile::tempdir().unwrap());
+            let real = |folder: &tempfile::TempDir| folder.path().canonicalize().unwrap();
+            let seen = in_turn(outer.path(), || {
+                let within = in_turn(inner.path(), || current_dir().unwrap()).unwrap();
+                (within, current_dir().unwrap())
+            });
+            assert_eq!(seen.unwrap(), (real(&inner), real(&outer)));
+            let panicked =
+                std::panic::catch_unwind(|| in_turn(outer.path(), || panic!("on purpose")));
+            assert!(panicked.is_err());
+            assert_eq!(current_dir().unwrap(), before);
+        }
     }
 }

@@ -88,9 +88,11 @@ pub fn check_own(file: &str, io: &Io) -> Result<(), Failure> {
     if !is_shipped(file, io) {
         return Ok(());
     }
-    let folder = Path::new(file).parent().unwrap_or(Path::new("."));
+    let folder = Path::new(file).parent();
+    let folder = folder.filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
     Err(Failure::environment(format!(
-        "`{file}` is shipped with fabc, and nothing is written into its folder; work on a copy: `cp -r {} my_tasks`",
+        "`{file}` is shipped with fabc, and fabc writes nothing into its folder; work on a copy: `cp -r {} my_tasks`",
         folder.display()
     )))
 }

@@ -49,8 +49,14 @@ pub enum Verb {
 impl Verb {
     /// Resolves the names of tasks, and runs the verb.
     pub fn run(&mut self, io: &Io) -> Result<Exit, Failure> {
+        // These two report a name that means nothing beside their findings in the other files.
+        let reports_each = matches!(self, Verb::Author(Author::Check(_) | Author::Test(_)));
         for file in self.files() {
-            *file = shipped::find(file, io)?;
+            match shipped::find(file, io) {
+                Ok(found) => *file = found,
+                Err(_) if reports_each => {}
+                Err(failure) => return Err(failure),
+            }
         }
         match self {
             Verb::Author(verb) => verb.run(io),
@@ -96,7 +102,7 @@ macro_rules! verbs {
         }
 
         impl $enum {
-            /// Does it.
+            /// Runs the verb.
             pub fn run(&self, io: &$crate::io::Io) -> Result<$crate::exit::Exit, $crate::exit::Failure> {
                 match self {
                     $($enum::$name(arguments) => $module::run(arguments, io),)*
@@ -113,17 +119,17 @@ verbs! {
     Author:
     /// Writes a commented task that runs at once.
     New(new::NewArguments),
-    /// Says what is wrong with .fab files, and repairs what is certain.
+    /// Reports mistakes in .fab files; `--fix` applies corrections that are certain.
     Check(check::CheckArguments),
-    /// Runs the tests that tasks carry: what comes of an answer, without a model or a camera.
+    /// Runs the tests in task files: is an answer accepted or rejected? Needs no model or camera.
     Test(test::TestArguments),
-    /// Says what a diagnostic means and what to do, by an example.
+    /// Explains a diagnostic and how to fix it, with an example.
     Explain(explain::ExplainArguments),
     /// Lists every word of the language with its arguments, ranges and meaning.
     Vocabulary(vocabulary::VocabularyArguments),
     /// Prints the exact messages that a model gets, without asking one.
     Render(render::RenderArguments),
-    /// Pins what tasks say to models as snapshots beside their files; `--check` fails where they differ.
+    /// Pins the prompts of tasks as snapshots beside their files; `--check` fails if they differ.
     Snap(snap::SnapArguments),
     /// Writes tasks as prompt templates, an answer schema and verifiers for other systems.
     Build(build::BuildArguments),
@@ -134,7 +140,7 @@ verbs! {
 verbs! {
     /// Verbs about the command line itself.
     Shell:
-    /// Writes what a shell needs to complete words of this command line.
+    /// Prints a completion script for a shell.
     Completions(completions::CompletionsArguments),
     /// Writes manual pages for `man`, one for each verb.
     Manual(manual::ManualArguments),

@@ -44,7 +44,11 @@ pub fn run(
         // Taken before the verb reads the files, so that a change during its run counts.
         let seen = stamps(&files);
         io.clear();
-        if let Err(failure) = verb() {
+        let ended = verb();
+        if interrupt.is_raised() {
+            return Ok(Exit::Interrupted);
+        }
+        if let Err(failure) = ended {
             io.talk(&format!("error: {failure}"));
         }
         say_watching(&seen, io);

@@ -4,7 +4,7 @@ mod fix;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::{sources, watch};
+use crate::{shipped, sources, watch};
 use clap::Args;
 use clap::ValueHint;
 use fab_compiler::diag;
@@ -17,10 +17,10 @@ pub struct CheckArguments {
     /// The files to check, or names of shipped tasks.
     #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<String>,
-    /// Repair what can be meant in one way only; the rest is reported.
+    /// Apply the corrections that are certain; report the rest.
     #[arg(long)]
     pub fix: bool,
-    /// Do it again whenever a file that it used changes, until Ctrl-C.
+    /// Run again whenever a file that was read changes, until Ctrl-C.
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
     /// Print one JSON document.
@@ -44,11 +44,10 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     let mut errors = Vec::new();
     let mut left_out = 0;
     for file in &arguments.files {
-        let compiled = if arguments.fix {
-            fix::run(file, io)
-        } else {
-            sources::compile(file)
-        };
+        let compiled = shipped::find(file, io).and_then(|file| match arguments.fix {
+            true => fix::run(&file, io),
+            false => sources::compile(&file),
+        });
         let compiled = match compiled {
             Ok(compiled) => compiled,
             Err(failure) => {
@@ -74,7 +73,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
             let calls = u64::from(per_step) * u64::from(program.horizon);
             if !arguments.json && program.variant.is_none() {
                 io.data(&format!(
-                    "{file}: task `{}` is right; at most {per_step} model calls per step, {calls} in {} steps{}{}",
+                    "{file}: task `{}` has no errors; at most {per_step} model calls per step, {calls} in {} steps{}{}",
                     program.task,
                     program.horizon,
                     notes(program),
@@ -97,7 +96,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
         }
         if !arguments.json && compiled.programs.is_empty() && !compiled.has_errors() {
             io.data(&format!(
-                "{file}: right, and declares no task that can run by itself"
+                "{file}: no errors; it declares no task that can run by itself"
             ));
         }
     }
@@ -126,6 +125,6 @@ fn variants(following: &[Program]) -> String {
     if names.is_empty() {
         String::new()
     } else {
-        format!("\n  so are its variants: {}", names.join(", "))
+        format!("\n  likewise its variants: {}", names.join(", "))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::{sources, watch};
+use crate::{shipped, sources, watch};
 use clap::Args;
 use clap::ValueHint;
 use fab_compiler::{Compiled, diag};
@@ -20,7 +20,7 @@ pub struct TestArguments {
     /// Only tests whose name contains this.
     #[arg(long, value_name = "WORDS")]
     pub only: Option<String>,
-    /// Do it again whenever a file that it used changes, until Ctrl-C.
+    /// Run again whenever a file that was read changes, until Ctrl-C.
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
     /// Print one JSON document.
@@ -43,7 +43,7 @@ fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
     let mut diagnostics = Vec::new();
     let (mut n_passed, mut n_failed) = (0, 0);
     for file in &arguments.files {
-        let compiled = match sources::compile(file) {
+        let compiled = match shipped::find(file, io).and_then(|file| sources::compile(&file)) {
             Ok(compiled) => compiled,
             Err(failure) => {
                 io.talk(&format!("error: {failure}"));

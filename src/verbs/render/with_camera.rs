@@ -60,7 +60,7 @@ pub struct ShownArguments {
     /// Show what this `PROVIDER:NAME` would be sent, with points as it writes them; default: in the task's pixels.
     #[arg(long, value_name = "MODEL")]
     pub model: Option<String>,
-    /// Show what a model would be sent that chooses numbered points.
+    /// Show what a model that chooses numbered points would be sent.
     #[arg(long)]
     pub marks: bool,
     #[command(flatten)]
@@ -83,7 +83,7 @@ pub fn fitted(
     }
     let world = setting::world(declared).map_err(Failure::environment)?;
     let folder = sources::folder_of(&arguments.task.file);
-    let interrupt = Interrupt::default();
+    let interrupt = interrupt(arguments, io)?;
     let start = setting::start(
         declared,
         &folder,
@@ -93,6 +93,14 @@ pub fn fitted(
         io,
     )?;
     setting::fitted(&arguments.task, declared, &start, io)
+}
+
+/// Returns what ends a simulation early. Ctrl-C ends the whole program, unless `--watch` listens to it.
+fn interrupt(arguments: &RenderArguments, io: &Io) -> Result<Interrupt, Failure> {
+    match arguments.watch {
+        true => io.interrupt(),
+        false => Ok(Interrupt::default()),
+    }
 }
 
 /// A scene and everything that can be displayed of it.
@@ -116,11 +124,12 @@ impl View {
         io: &Io,
     ) -> Result<View, Failure> {
         if arguments.scene.is_some() && arguments.camera.start.start.is_some() {
-            let both = "`--scene` gives the points and `--start` lets the camera find them; give one of them";
+            let both = "`--scene` and `--start` exclude each other: `--scene` gives the points, with `--start` the \
+                camera finds them";
             return Err(Failure::usage(both));
         }
         let told = TargetModel::of(&arguments.camera.shown, io)?;
-        let interrupt = Interrupt::default();
+        let interrupt = interrupt(arguments, io)?;
         let mut world = setting::world(program).map_err(Failure::environment)?;
         let folder = sources::folder_of(&arguments.task.file);
         let subgoals = SubgoalSet::obtain(declared, &folder, world.as_mut(), &interrupt)

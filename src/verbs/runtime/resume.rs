@@ -64,9 +64,11 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
     wanted.spend.max_calls = arguments.max_calls.or(wanted.spend.max_calls);
     // Paths on the command line are relative to the folder where it was run.
     let io = io.within(&directory);
-    shipped::restore(&wanted.task.file, &io)?;
-    io.in_folder(|| run::play(&wanted, Into::Again(&folder), &io))
-        .map_err(|failure| failure.saying("the run was begun there"))?
+    io.in_folder(|| {
+        shipped::restore(&wanted.task.file, &io)?;
+        run::play(&wanted, Into::Again(&folder), &io)
+    })
+    .map_err(|failure| failure.saying("the run was begun there"))?
 }
 
 /// Reads how the run was started.
@@ -74,7 +76,7 @@ fn begun(folder: &Path, named: &Path) -> Result<Begun, Failure> {
     let path: PathBuf = folder.join(RUN_FILE);
     let wrong = |why: String| {
         Failure::environment(format!(
-            "`{}` cannot be gone on with: {why}; rollouts of a suite are gone on with by `fabc bench SUITE --out DIR`",
+            "`{}` cannot be resumed: {why}; `fabc bench SUITE --out DIR` resumes the rollouts of a suite",
             named.display()
         ))
     };
@@ -100,7 +102,7 @@ fn ended(folder: &Path) -> Option<(Report, Option<RunCosts>)> {
 /// Reports how the rollout had ended; the exit code is the run's.
 fn said(report: Report, took: Option<RunCosts>, arguments: &ResumeArguments, io: &Io) -> Exit {
     io.talk(&format!(
-        "the rollout in `{}` has ended ({}); there is nothing to go on with",
+        "the rollout in `{}` has already ended ({}); there is nothing to resume",
         arguments.run.display(),
         report.outcome.name()
     ));
