@@ -8,7 +8,7 @@
 //! let io = fabc::Io::new(env!("CARGO_MANIFEST_DIR"));
 //! let code = fabc::run(["fabc", "check", "tasks/double_triangle.fab"], &io);
 //! assert_eq!(code, 0);
-//! assert!(io.captured().stdout.contains("task `double_triangle` is right"));
+//! assert!(io.captured().stdout.contains("task `double_triangle` has no errors"));
 //! ```
 
 // A build with only the authors' verbs does not use all shared code.

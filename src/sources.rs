@@ -91,7 +91,7 @@ pub fn inside(folder: &Path, path: &Path) -> Result<PathBuf, String> {
         return Ok(real);
     }
     Err(format!(
-        "it lies at `{}`, outside of the first file's folder `{}`",
+        "it is at `{}`, outside the first file's folder `{}`",
         real.display(),
         folder.display()
     ))
@@ -114,7 +114,7 @@ fn inside_or_library(folder: &Path, path: &Path) -> Result<PathBuf, String> {
 pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
     let information = fs::metadata(path).map_err(|error| error.to_string())?;
     if information.is_dir() {
-        return Err("it is a directory, and a file is wanted".to_owned());
+        return Err("it is a directory, not a file".to_owned());
     }
     // A device or a pipe has no length and may never end.
     if !information.is_file() {
@@ -300,7 +300,7 @@ mod tests {
             assert!(message.starts_with("F0002"), "{message}");
             assert!(message.contains(path), "{message}");
             assert!(
-                message.contains("outside of the first file's folder"),
+                message.contains("outside the first file's folder"),
                 "{message}"
             );
         }

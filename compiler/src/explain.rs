@@ -89,7 +89,7 @@ fn file_of(entry: &CodeEntry) -> String {
 
 fn index() -> String {
     let mut text = "# Diagnostics\n\nWhat the compiler says, by its codes. `fabc explain CODE` shows the same in a \
-                    terminal. An *error* keeps a task\nfrom running; with a *warning* it runs, but hardly as it is meant; \
+                    terminal. An *error* keeps a task\nfrom running; with a *warning* it runs, but probably not as intended; \
                     a *note* is good to know.\n"
         .to_owned();
     for (prefix, about) in GROUPS {

@@ -33,7 +33,7 @@ pub fn run(arguments: &ExplainArguments, io: &Io) -> Result<Exit, Failure> {
 fn known(code: &str) -> Result<Code, Failure> {
     Code::parse(code).ok_or_else(|| {
         Failure::usage(format!(
-            "there is no diagnostic `{code}`; a code looks like `F0203` and stands in every message"
+            "there is no diagnostic `{code}`; every diagnostic prints its code, such as `F0203`"
         ))
     })
 }

@@ -139,7 +139,7 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     let mut files = Vec::new();
     match present {
         Some(text) if text != shipped => io.talk(&format!(
-            "note: `{}` is not as fabc ships it; it is left as it is, and the new task uses it",
+            "note: `{}` differs from the shipped version; the new task uses your version",
             shown(&folder.join(path))
         )),
         Some(_) => {}
@@ -153,7 +153,7 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
         let place = folder.join(path);
         if place.symlink_metadata().is_ok() {
             return Err(Failure::environment(format!(
-                "`{}` exists already and is left as it is; choose another name, or remove it",
+                "`{}` already exists; choose another name, or remove it",
                 shown(&place)
             )));
         }
@@ -187,7 +187,7 @@ fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
         let place = folder_of(arguments).join(format!("{}.{ending}", arguments.name));
         if place.symlink_metadata().is_ok() {
             return Err(Failure::environment(format!(
-                "`{}` exists already and is left as it is; choose another name, or another folder with `--in DIR`",
+                "`{}` already exists; choose another name, or another folder with `--in DIR`",
                 shown(&place)
             )));
         }

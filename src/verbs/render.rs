@@ -48,7 +48,7 @@ pub struct RenderArguments {
     /// Write the messages and the pictures into this folder.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
-    /// Do it again whenever a file that it used changes, until Ctrl-C.
+    /// Run again whenever a file that was read changes, until Ctrl-C.
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
     /// Print one JSON document.
@@ -154,7 +154,7 @@ fn say_placeholders(program: &Program, shown: &[ShownStage], io: &Io) {
         let mut texts = shown.iter().flat_map(ShownStage::texts);
         if texts.any(|said| said.text.contains(&placeholder)) {
             io.talk(&format!(
-                "note: `{name}` is what a model answers in stage `{}`; it stands as a placeholder",
+                "note: `{name}` is the model's answer in stage `{}`; it is shown as a placeholder",
                 stage.name
             ));
         }

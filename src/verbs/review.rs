@@ -42,16 +42,16 @@ path of a snapshot, pending or accepted.";
 #[derive(Args)]
 #[command(after_help = KEYS)]
 pub struct ReviewArguments {
-    /// Folders in and below which snapshots are looked for, or files whose snapshots are meant; default: the current folder.
+    /// Folders to search for snapshots, with their subfolders, or task files; default: the current folder.
     #[arg(value_name = "FOLDER|FILE.fab")]
     pub places: Vec<PathBuf>,
-    /// Only snapshots whose id has this in it, or fits it where it has `*` or `?`.
+    /// Only snapshots whose id contains this, or matches it as a pattern with `*` and `?`.
     #[arg(long, value_name = "PATTERN")]
     pub only: Option<String>,
     /// Accept a group or a snapshot; may be given again.
     #[arg(long, value_name = "ID")]
     pub accept: Vec<String>,
-    /// Reject a group or a snapshot: what is pending goes, what was accepted stays; may be given again.
+    /// Reject a group or a snapshot: delete the pending version, keep the accepted one; repeatable.
     #[arg(long, value_name = "ID")]
     pub reject: Vec<String>,
     /// Accept all that --reject does not name.
@@ -104,7 +104,7 @@ pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     }
     if found.n_foreign > 0 {
         io.talk(&format!(
-            "left alone: {} pending snapshots that fabc did not write",
+            "ignored: {} pending snapshots that fabc did not write",
             found.n_foreign
         ));
     }

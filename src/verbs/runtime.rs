@@ -29,29 +29,29 @@ super::verbs! {
     See(see::SeeArguments),
     /// Draws the subgoal pictures of a task from its demonstration and pins them beside the file.
     Subgoals(subgoals::SubgoalsArguments),
-    /// Folds as the scripted expert does, and writes what a model would have answered as in-context examples.
+    /// Runs the scripted expert and writes its actions as in-context examples.
     Demos(demos::DemosArguments),
     /// Runs one rollout of a task.
     Run(run::RunArguments),
-    /// Goes on with a rollout that was cut off or stopped, from its last whole step; no answer is bought twice.
+    /// Resumes a rollout that was interrupted or stopped, after its last complete step; no answer is bought twice.
     Resume(resume::ResumeArguments),
-    /// Runs a suite of many rollouts, and prints its table with others' figures beside ours.
+    /// Runs a suite of many rollouts, and prints its table, with published figures beside it.
     Bench(bench::BenchArguments),
-    /// Measures where the camera's pixels lie for the arm, from points that it touched.
+    /// Calibrates the camera to the arm's base frame, from points that the arm touched.
     Calibrate(calibrate::CalibrateArguments),
-    /// Looks after an arm: whether its settings can be used, and what a run left it in.
+    /// Checks an arm's settings, and recovers the arm after a run.
     Robot(robot::RobotArguments),
     /// Lists what is known of models: prices, pictures, coordinates, shutdown dates, each with its source.
     Models(models::ModelsArguments),
-    /// Says what is set up, what is missing, and how to set it up.
+    /// Checks the setup: what works, what is missing, and how to install it.
     Doctor(doctor::DoctorArguments),
-    /// Finds out how a model says where something is in a picture, with two questions.
+    /// Finds out how a model states positions in a picture, with two questions.
     Probe(probe::ProbeArguments),
     /// Offers an embedded model or a recording as an OpenAI-compatible endpoint on this machine.
     Serve(serve::ServeArguments),
     /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.
     Sim(sim::SimArguments),
-    /// Checks a world of yours, a program in any language, against what every world promises.
+    /// Checks that your own world, a program in any language, meets the requirements of a world.
     World(world::WorldArguments),
 }
 

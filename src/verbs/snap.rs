@@ -31,22 +31,22 @@ pub struct SnapArguments {
     /// The files whose prompts are pinned.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<String>,
-    /// Write nothing; exit 1 where a snapshot differs, waits for review, or belongs to nothing.
+    /// Write nothing; exit 1 if a snapshot differs, waits for review, or is an orphan.
     #[arg(long, conflicts_with_all = ["prune", "scene"])]
     pub check: bool,
-    /// Remove accepted snapshots of what the files no longer declare.
+    /// Remove accepted snapshots that no file declares any more (orphans).
     #[arg(long)]
     pub prune: bool,
-    /// Draw every picture, also where nothing that it is drawn from has changed.
+    /// Redraw every picture, even if its inputs are unchanged.
     #[arg(long)]
     pub redraw: bool,
     /// Pin one more scene, under this name; it is kept from then on.
     #[arg(long, value_name = "NAME")]
     pub scene: Option<String>,
-    /// How the cloth of that scene lies at first: a seed; default: as the task says.
+    /// Seed of the scene's crumpled start; default: the task's own start.
     #[arg(long, value_name = "SEED", requires = "scene")]
     pub start: Option<u64>,
-    /// The step that it is of; steps before are done as demonstrated, or as the stand-in decides.
+    /// The step to pin; earlier steps are executed as demonstrated, or as the stand-in decides.
     #[arg(long, value_name = "N", requires = "scene", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub step: u32,
     /// Print one JSON document.
@@ -202,23 +202,23 @@ fn report(found: &[SnapshotState], arguments: &SnapArguments, io: &Io) {
     let [same, changed, new, orphaned] = [State::Same, State::Changed, State::New, State::Orphaned]
         .map(|state| counted(state).count());
     io.talk(&format!(
-        "{same} as accepted, {changed} changed, {new} new, {orphaned} orphaned"
+        "{same} unchanged, {changed} changed, {new} new, {orphaned} orphaned"
     ));
     let unseen = counted(State::Unseen).count();
     if unseen > 0 {
         io.talk(&format!(
-            "{unseen} were not looked at by this build of fabc"
+            "{unseen} could not be checked by this build of fabc"
         ));
     }
     let waits = found.iter().filter(|found| found.is_pending).count();
     let places = places(found);
     match arguments.check {
         true if changed + new > 0 => io.talk(&format!(
-            "`fabc snap {}` proposes what is new, `fabc review{places}` shows it and accepts or rejects it",
+            "run `fabc snap {}` to write the new snapshots, then `fabc review{places}` to accept or reject them",
             arguments.files.join(" ")
         )),
         true if waits > 0 => io.talk(&format!(
-            "{waits} are pending and no longer needed; `fabc snap` takes them away"
+            "{waits} are pending but no longer needed; `fabc snap` removes them"
         )),
         false if waits > 0 => io.talk(&format!(
             "`fabc review{places}` shows what waits, and accepts or rejects it"

@@ -53,7 +53,7 @@ fn peer_ros_what_is_missing_is_named() {
         (
             "j2n6s200_driver",
             MODEL,
-            "`arm` is `j2n6s200_driver`, and would be right as `/j2n6s200_driver`",
+            "`arm` is `j2n6s200_driver`; expected `/j2n6s200_driver`",
         ),
         (
             "/arm",

@@ -91,7 +91,7 @@ fn peer_ros_an_arm_whose_program_was_killed_is_refused_until_a_person_has_seen_t
     );
     assert_eq!(code, Some(0), "{text}");
     assert!(
-        text.contains("let go: the arm takes motion again"),
+        text.contains("enabled: the arm accepts motion again"),
         "{text}"
     );
     let now = lab.truth();

@@ -94,7 +94,7 @@ fn what_was_cut_off_is_named_and_an_arm_left_in_a_motion_is_not_moved() {
             serde_json::json!(["out/tiny/plain/start-001-1"])
         );
         assert!(
-            said.stderr.contains("was cut off earlier"),
+            said.stderr.contains("was interrupted earlier"),
             "{}",
             said.stderr
         );

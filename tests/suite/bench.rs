@@ -237,8 +237,8 @@ fn the_table_says_what_its_figures_are() {
         "geometric (stand-in)",
         "quoted: somebody",
         "a comparison and not a ranking",
-        "measured as it lay last",
-        "nothing of any vision-language model",
+        "the last state of the cloth is measured",
+        "nothing about any vision-language model",
     ] {
         assert!(said.stdout.contains(wanted), "{wanted}: {}", said.stdout);
     }
@@ -322,7 +322,10 @@ fn an_interrupt_ends_with_what_has_finished_and_130() {
     assert_eq!(document["interrupted"], true);
     let finished = document["rollouts"]["finished"].as_u64().unwrap();
     assert!((1..48).contains(&finished), "{finished}");
-    assert!(stderr.contains("goes on from there"), "{stderr}");
+    assert!(
+        stderr.contains("run again with the same `--out`"),
+        "{stderr}"
+    );
     let again = bench(folder.path(), &["--out", "out"]);
     assert_eq!(again["rollouts"]["found"], finished);
     assert_eq!(again["rollouts"]["finished"], 48);

@@ -141,7 +141,7 @@ fn a_start_that_is_an_example_is_no_test() {
     assert_eq!(said.code, 2, "{}", said.stderr);
     assert!(
         said.stderr
-            .contains("is that of demonstration 1, which the model is told"),
+            .contains("is that of demonstration 1, which the model is shown"),
         "{}",
         said.stderr
     );
@@ -182,7 +182,7 @@ fn a_suite_with_a_start_that_is_an_example_is_refused() {
     assert_eq!(said.code, 2, "{}", said.stderr);
     assert!(
         said.stderr
-            .contains("is that of demonstration 1, which `told` tells the model"),
+            .contains("is that of demonstration 1, which `told` shows the model"),
         "{}",
         said.stderr
     );

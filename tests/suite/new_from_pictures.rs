@@ -37,7 +37,7 @@ fn a_fold_drafted_from_pictures_says_what_it_guessed_and_runs_to_its_goal() {
     assert_eq!(guesses.len(), 4, "{guesses:?}");
     let bare = guesses[1].as_str().unwrap();
     assert!(
-        bare.starts_with("no arrow found in `") && bare.contains("black, with a ring at its tail"),
+        bare.starts_with("no arrow found in `") && bare.contains("black, with a ring at the tail"),
         "{bare}"
     );
     let second = guesses[3].as_str().unwrap();
@@ -265,8 +265,7 @@ fn a_file_in_the_folders_place_and_a_picture_in_a_pictures_place_are_named() {
     let mut arguments = vec!["new", "fold", "ii", "--from-images"];
     arguments.extend(pictures.iter().map(String::as_str));
     let ended = said(folder.path(), &arguments);
-    let told =
-        "`ii.images/0.png` exists already and is left as it is; choose another name, or remove it";
+    let told = "`ii.images/0.png` already exists; choose another name, or remove it";
     assert!(ended.stderr.contains(told), "{}", ended.stderr);
 }
 

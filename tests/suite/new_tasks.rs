@@ -99,7 +99,7 @@ fn what_exists_is_left_and_nothing_is_written_beside_it() {
         std::fs::write(folder.path().join(taken), "mine").unwrap();
         let ended = said(folder.path(), &["new", "fold", "napkin"]);
         assert_eq!(ended.code, 2, "{}", ended.stderr);
-        let told = format!("`{taken}` exists already and is left as it is; choose another name");
+        let told = format!("`{taken}` already exists; choose another name");
         assert!(ended.stderr.contains(&told), "{}", ended.stderr);
         assert_eq!(files(folder.path()), [PathBuf::from(taken)]);
         let kept = std::fs::read_to_string(folder.path().join(taken)).unwrap();
@@ -134,7 +134,7 @@ fn a_library_of_the_users_is_used_and_one_that_does_not_fit_stops_it() {
     std::fs::write(&library, format!("{shipped}\n# mine\n")).unwrap();
     let begun = said(folder.path(), &["new", "fold", "one"]);
     assert_eq!(begun.code, 0, "{}", begun.stderr);
-    assert!(begun.stderr.contains("is not as fabc ships it"));
+    assert!(begun.stderr.contains("differs from the shipped version"));
     assert!(!begun.stdout.contains("folding.fab"), "{}", begun.stdout);
     assert!(
         std::fs::read_to_string(&library)

@@ -282,7 +282,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
         "NI, picture",
         "not reached for",
         "3 hardware",
-        "not SoftGym's measure",
+        "neither SoftGym's measure",
     ] {
         assert!(text.contains(wanted), "{wanted}: {text}");
     }

@@ -244,7 +244,7 @@ fn the_command_goes_on_with_a_run_and_notices_a_changed_task() {
     let resumed = finish(fabc(&elsewhere).args(["resume", "../run", "--json"]));
     assert_eq!(resumed.code, 0, "{}", resumed.stderr);
     assert!(
-        resumed.stderr.contains("going on after step 1"),
+        resumed.stderr.contains("resuming after step 1"),
         "{}",
         resumed.stderr
     );
@@ -253,7 +253,7 @@ fn the_command_goes_on_with_a_run_and_notices_a_changed_task() {
     let ended = finish(fabc(&elsewhere).args(["resume", "../run"]));
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     assert!(
-        ended.stderr.contains("has ended (goal_reached)"),
+        ended.stderr.contains("has already ended (goal_reached)"),
         "{}",
         ended.stderr
     );

@@ -186,5 +186,5 @@ fn a_picture_of_something_else_is_refused() {
     let mut empty = flat(&program, 28);
     empty.depth_m.fill(0.0);
     let message = play(&program, Some(empty)).unwrap_err().to_string();
-    assert!(message.contains("takes no pixel of it"), "{message}");
+    assert!(message.contains("finds no cloth in it"), "{message}");
 }

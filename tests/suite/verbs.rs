@@ -43,7 +43,7 @@ fn check_reports_every_file_and_exits_with_1() {
     assert_eq!(said.code, 1);
     assert!(said.stdout.contains("wrong.fab:1:"), "{}", said.stdout);
     assert!(
-        said.stdout.contains("`double_triangle` is right"),
+        said.stdout.contains("`double_triangle` has no errors"),
         "{}",
         said.stdout
     );

@@ -96,7 +96,7 @@ fn check_runs_again_after_each_change_of_the_task_and_of_what_it_uses() {
     bring_task(folder.path());
     let watching = Watching::begin(folder.path(), &["check", "house.fab", "--watch"]);
     watching.until("watching 2 files; Ctrl-C ends", 1);
-    assert_eq!(watching.count("`house` is right"), 1);
+    assert_eq!(watching.count("`house` has no errors"), 1);
 
     let task = folder.path().join("house.fab");
     let text = fs::read_to_string(&task).unwrap();
@@ -108,13 +108,13 @@ fn check_runs_again_after_each_change_of_the_task_and_of_what_it_uses() {
     let other = folder.path().join("house.fab~");
     fs::write(&other, &text).unwrap();
     fs::rename(&other, &task).unwrap();
-    watching.until("`house` is right", 2);
+    watching.until("`house` has no errors", 2);
     watching.until("Ctrl-C ends", 3);
 
     let library = folder.path().join("lib/folding.fab");
     fs::write(&library, "task folding { }\n").unwrap();
     watching.until("Ctrl-C ends", 4);
-    assert_eq!(watching.count("`house` is right"), 2);
+    assert_eq!(watching.count("`house` has no errors"), 2);
     assert_eq!(watching.interrupt(), Some(130));
 }
 
@@ -129,9 +129,9 @@ fn a_deleted_file_is_told_of_once_and_waited_for() {
     watching.until("`lib/folding.fab` is gone; waiting until it is back", 1);
     fs::write(folder.path().join("another"), "of no use").unwrap();
     fs::rename(folder.path().join("elsewhere"), &library).unwrap();
-    watching.until("`house` is right", 2);
+    watching.until("`house` has no errors", 2);
     assert_eq!(watching.count("is gone"), 1);
-    assert_eq!(watching.count("error"), 0);
+    assert_eq!(watching.count("error:") + watching.count("error["), 0);
     assert_eq!(watching.interrupt(), Some(130));
 }
 

@@ -124,7 +124,7 @@ codes! {
     "Paths are relative, with `/` between folders, without `{{ … }}`, and not empty. They stay in the folder of the first file and in those below. This way a task works on every machine, and reads no other files."
 
     "F0101" Unexpected Error
-    "something else belongs here"
+    "unexpected text"
     "The marked place does not fit the form of the language. The message lists what would fit."
 
     "F0102" UnknownWord Error
@@ -241,7 +241,8 @@ codes! {
 
     "F0305" NeedsLast Error
     "the previous action is not known in the first step"
-    "`last.pick` and `last.place` are the points of the previous action, and the first step has none. Use the component or the check only `when last`."
+    "`last.pick` and `last.place` are the points of the previous action, and the first step has none. Add `when \
+     last` to the component or the check."
 
     "F0401" CircularExtends Error
     "tasks extend each other in a circle"
@@ -364,7 +365,7 @@ codes! {
     "A check is a condition: comparisons of lengths in pixels and `P within N of MASK`, joined by `and`, `or`, `not`. The message says what is expected and what is found."
 
     "F0704" MissingMessage Error
-    "a check does not say why it refuses"
+    "a check has no message"
     "A check ends with `else \"…\"`: the message for the model if the check fails."
 
     "F0705" MixedChoices Error

@@ -6,9 +6,9 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RequiredIn {
-    /// Each task that runs must declare or inherit it; without it a task is a base.
+    /// Needed to run. A task without it compiles as a base, with a note (F0408) unless other tasks extend it.
     ByEachTask,
-    /// Each task that runs needs it; most inherit it.
+    /// Needed to run. If only such a section is missing, it is an error (F0407); most tasks inherit it.
     ByARun,
     /// No task.
     Never,
@@ -39,7 +39,7 @@ pub struct Section {
     pub needed: RequiredIn,
     /// What happens to it when a task extends another.
     pub merges: Merges,
-    /// What it says, one line.
+    /// Its meaning in one line, for the reference and `fabc vocabulary`.
     pub doc: &'static str,
 }
 

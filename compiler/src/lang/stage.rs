@@ -20,17 +20,17 @@ pub(crate) const SETTINGS: &[Arg] = &[
     setting(
         "temperature",
         Kind::Quantity(Range::plain("a number", 0.0, 2.0)),
-        "how freely words are sampled; at 0 the likeliest word is taken",
+        "sampling temperature; at 0 the likeliest token is always chosen",
     ),
     setting(
         "top_p",
         Kind::Quantity(Range::plain("a fraction", 0.0, 1.0)),
-        "the share of the likeliest words that are sampled from",
+        "nucleus sampling: the probability mass of the likeliest tokens that are sampled from",
     ),
     setting(
         "tokens",
         Kind::Whole(Range::plain("a count", 1.0, 100_000.0)),
-        "the longest answer, tokens",
+        "the maximum length of the answer, in tokens",
     ),
 ];
 

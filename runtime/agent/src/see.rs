@@ -48,9 +48,7 @@ pub struct SeeOutput {
 #[derive(Debug, thiserror::Error)]
 pub enum SeeError {
     /// A keypoint needs depth.
-    #[error(
-        "`{keypoint}` is found by depth, and the picture comes without it ({right} needs none)"
-    )]
+    #[error("`{keypoint}` needs depth, but the picture has none; use {right} instead")]
     NeedsDepth {
         /// The keypoint.
         keypoint: String,

@@ -81,7 +81,7 @@ fn names(settings: &RosSettings, model: &str) -> Result<Names, RosError> {
     let setting = |message: String| Err(RosError::Setting(message));
     if !settings.arm.starts_with('/') {
         return setting(format!(
-            "`arm` is `{}`, and would be right as `/{model}_driver`",
+            "`arm` is `{}`; expected `/{model}_driver`",
             settings.arm
         ));
     }

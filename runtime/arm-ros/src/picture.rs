@@ -58,7 +58,7 @@ pub(super) fn depth(message: &Image) -> Result<DepthImage, String> {
         },
         other => {
             return Err(format!(
-                "its depth is encoded as `{other}`, and would be right as `16UC1` or `32FC1`"
+                "its depth is encoded as `{other}`; expected `16UC1` or `32FC1`"
             ));
         }
     };
@@ -92,7 +92,8 @@ pub(super) fn intrinsics(
     }
     let (binned, part) = ([message.binning_x, message.binning_y], &message.roi);
     if binned.iter().any(|n_pixels| *n_pixels > 1) || part.x_offset != 0 || part.y_offset != 0 {
-        return Err("its `camera_info` speaks of a part of the picture, or of joined pixels: set the camera to whole ones".to_owned());
+        return Err("its `camera_info` has a region of interest or binning: set the camera to full frames without \
+            binning".to_owned());
     }
     let [focal_x, _, middle_x, _, focal_y, middle_y, ..] = message.K;
     if focal_x == 0.0 {

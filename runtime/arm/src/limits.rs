@@ -93,7 +93,8 @@ pub fn check(
     let keeps = turn_rad <= MAX_TILT_RAD;
     if !keeps {
         return Err(format!(
-            "the hand would be turned by {:.0} degrees, and at most {:.0} are allowed; bring it by hand to where it points straight down, turned as `motion.hand_turn_deg` says",
+            "the hand would turn by {:.0} degrees; the limit is {:.0}; move it by hand until it points straight down \
+             with the rotation `motion.hand_turn_deg`",
             turn_rad.to_degrees(),
             MAX_TILT_RAD.to_degrees()
         ));

@@ -1,6 +1,6 @@
 //! The interface of cameras that deliver colour with depth: from ROS topics, a folder, or the simulator.
 //!
-//! In: nothing but the camera. Out: a [`Shot`] in the camera's full size; the world cuts out the task's square picture.
+//! Out: a [`Shot`] at the camera's full resolution; the world crops the task's square picture from it.
 
 use fab_picture::DepthImage;
 use image::RgbImage;

@@ -198,7 +198,7 @@ pub enum BenchError {
     },
     /// A start is one of the examples in the prompts.
     #[error(
-        "the start `{start}` of `{task}` is that of demonstration {demonstration}, which `{method}` tells the model: a result from it would be no test; make the demonstrations again with another `--seed`"
+        "the start `{start}` of `{task}` is that of demonstration {demonstration}, which `{method}` shows the model: a result from it would not be a test; make the demonstrations again with another `--seed`"
     )]
     Demonstrated {
         /// The task.

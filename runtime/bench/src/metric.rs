@@ -118,7 +118,7 @@ pub const METRICS: &[Row] = &[
         digits: 1,
         fold_fraction: Some(1.0),
         read: distance_mm,
-        about: "mean distance of particles to the nearest expert end whose folds go the whole way",
+        about: "mean distance of particles from the nearest expert result with complete folds",
         ..PLAIN
     },
     Row {
@@ -214,7 +214,7 @@ pub const METRICS: &[Row] = &[
             let is_judged = reading.played.rollout.report.goal_reached.is_some();
             is_judged.then(|| share(reading.outcome == Outcome::GoalReached))
         },
-        about: "whether the task's goal was reached; none where the world does not know what it is judged on",
+        about: "whether the task's goal was reached; none if the world cannot measure it",
         caption: Some("Goal reached: share of rollouts [Wilson's 95 % interval over starts]."),
         ..SHARE
     },

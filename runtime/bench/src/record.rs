@@ -170,7 +170,7 @@ impl Identity {
         ];
         let different = pairs.into_iter().find(|(_, there, wanted)| there != wanted);
         different.map(|(what, there, wanted)| {
-            format!("its {what} is `{there}`, and `{wanted}` is to be run")
+            format!("its {what} is `{there}`, but the suite asks for `{wanted}`")
         })
     }
 }

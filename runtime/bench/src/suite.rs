@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 /// The most starts of one task, repeats of one start, tasks, methods, and steps of a rollout.
 const MOST: u32 = 1000;
 
-/// A suite.
+/// The contents of a suite file.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Suite {
-    /// One sentence for people.
+    /// What the suite is for, one sentence; shown with its table.
     pub about: String,
     /// A note under the table, above the standard one.
     #[serde(default)]

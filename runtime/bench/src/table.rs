@@ -250,7 +250,8 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
         .iter()
         .any(|row| row.metric.row().measured_on == Some(CoverageSource::Picture))
     {
-        lines.push("By pictures: the cloth's pixels over those of the flat cloth under the same camera, which is not SoftGym's measure nor the true area.".to_owned());
+        lines.push("Coverage from pictures: the cloth's pixels divided by those of the flat cloth from the same \
+            camera. This is neither SoftGym's measure nor the true area.".to_owned());
     }
     if rows
         .iter()
@@ -259,17 +260,19 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
         lines.push("Lines with a sign are differences between two methods from the same starts [95 % paired bootstrap interval].".to_owned());
     }
     lines.push(
-        "A rollout that ends early is not left out: the cloth is measured as it lay last."
-            .to_owned(),
+        "Rollouts that end early are included: the last state of the cloth is measured.".to_owned(),
     );
     if rows.iter().any(|row| row.model_is_stand_in) {
-        lines.push("Figures of a stand-in say that the pipeline works, and nothing of any vision-language model.".to_owned());
+        lines.push("Results of a stand-in show that the pipeline works, and say nothing about any vision-language \
+            model.".to_owned());
     }
     if rows.iter().any(|row| row.sees_particles) {
-        lines.push("A policy that sees true particles knows what no camera shows: its figures say what is possible, and it is no player.".to_owned());
+        lines.push("A policy that sees true particles knows what no camera shows: its results are an upper reference \
+            and do not compete with the others.".to_owned());
     }
     if rows.iter().any(|row| !row.quoted && row.repeats == Some(1)) {
-        lines.push("One rollout per start where `starts` names no repeats: a model that does not vary would only repeat itself.".to_owned());
+        lines.push("One rollout per start unless `starts` shows repeats: a deterministic model would give the same \
+            result again.".to_owned());
     }
     for source in sources(rows) {
         lines.push(format!("Quoted from: {source}."));

@@ -279,7 +279,7 @@ fn an_interrupt_ends_an_action(make: &MakeWorld<'_>) -> Result<Conformance, Viol
         }
         Err(WorldError::Interrupted | WorldError::Halted { .. }) => {
             Err(Violation::Promise(format!(
-                "it takes {:.1} s to end what was interrupted",
+                "an interrupted action took {:.1} s to stop",
                 took.as_secs_f64()
             )))
         }
@@ -288,7 +288,7 @@ fn an_interrupt_ends_an_action(make: &MakeWorld<'_>) -> Result<Conformance, Viol
             "an action is over before an interrupt can reach it".to_owned(),
         )),
         Ok(_) => Err(Violation::Promise(
-            "it carries an action out that was interrupted".to_owned(),
+            "it completes an action that was interrupted".to_owned(),
         )),
     }
 }

@@ -240,7 +240,7 @@ impl ExternalWorld {
         })
     }
 
-    /// Reads particle positions, as many as expected.
+    /// Reads `count` particle positions; any other number is an error.
     fn positions(&self, file: &Path, count: usize) -> Result<Vec<[f32; 3]>, WorldError> {
         let wrong = |why: String| self.wrong(format!("its positions `{}`: {why}", file.display()));
         let bytes = files::read(file, MAX_ARRAY_BYTES).map_err(wrong)?;

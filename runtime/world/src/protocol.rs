@@ -181,6 +181,6 @@ pub struct Positions {
 /// Whether a point is in reach.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Reached {
-    /// Why it is not; null if it is in reach.
+    /// Why the point is out of reach; null if it is in reach.
     pub why: Option<String>,
 }

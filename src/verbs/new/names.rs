@@ -18,7 +18,7 @@ pub fn check(name: &str) -> Result<(), Failure> {
     } else if is_name(name) {
         return Ok(());
     } else {
-        "one begins with a letter or `_`, and goes on with letters, digits and `_`, without accents"
+        "one begins with a letter or `_`, and continues with letters, digits and `_`, without accents"
     };
     Err(Failure::usage(format!(
         "`{}` cannot name a task: {why}; `{}` would be right",

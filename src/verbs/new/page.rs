@@ -116,8 +116,8 @@ impl Page<'_> {
             .collect();
         if !bare.is_empty() {
             guesses.push(format!(
-                "no arrow found in {} (one that is found is black, with a ring at its tail and a head at its tip); \
-                 proposed from what changes",
+                "no arrow found in {} (arrows must be black, with a ring at the tail and a head at the tip); \
+                 proposed one from the difference between the pictures",
                 bare.join(", ")
             ));
         }

@@ -30,7 +30,7 @@ impl SceneFile {
             match keypoint.extractor.shape() {
                 KeypointShape::Point if found != 1 => {
                     return Err(wrong(format!(
-                        "`{name}` needs exactly one point, it has {found}"
+                        "`{name}` needs exactly one point, but has {found}"
                     )));
                 }
                 KeypointShape::Points if found == 0 => {

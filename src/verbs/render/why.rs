@@ -170,7 +170,7 @@ fn table(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> String
     let n_pictures = not_counted(stage, rates);
     match rates {
         None if n_pictures > 0 => text.push_str(&format!(
-            "  {n_pictures} pictures are not counted; `--model PROVIDER:NAME` tells what they weigh and what all costs\n"
+            "  {n_pictures} pictures are not counted; `--model PROVIDER:NAME` adds their tokens and the cost\n"
         )),
         Some(rates) if n_pictures > 0 => text.push_str(&format!(
             "  {n_pictures} pictures are not counted: how many tokens one has for {} is not known\n",

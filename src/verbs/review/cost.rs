@@ -53,7 +53,9 @@ pub fn in_words(tokens: &Tokens, pricing: Option<&Pricing>) -> Option<String> {
                 pricing.model
             )
         }
-        None if cfg!(feature = "runtime") => "\nfor the cost, say --model PROVIDER:NAME".to_owned(),
+        None if cfg!(feature = "runtime") => {
+            "\nfor the cost, add `--model PROVIDER:NAME`".to_owned()
+        }
         None => "\nthis build knows no prices".to_owned(),
     });
     Some(words)

@@ -20,7 +20,7 @@ pub enum Kind {
     Edit,
     /// Changed scenes.
     Scene,
-    /// Pictures that changed or became texts.
+    /// Changed pictures, and snapshots that changed between picture and text.
     Picture,
     /// New snapshots.
     New,

@@ -85,7 +85,7 @@ pub fn run(
     match ballot.waiting().len() {
         0 => {}
         count => io.data(&format!(
-            "{}; what was accepted of {} is forgotten",
+            "{}; partial acceptances of {} are discarded",
             waiting(count),
             if count == 1 { "it" } else { "them" }
         )),

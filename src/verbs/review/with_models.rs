@@ -16,12 +16,12 @@ use std::path::PathBuf;
 /// What is shown of a change beside its text.
 #[derive(Args)]
 pub struct ShownArguments {
-    /// Say what the change costs with this `PROVIDER:NAME`.
+    /// Print what the change costs with this `PROVIDER:NAME`.
     #[arg(long, value_name = "MODEL")]
     pub model: Option<String>,
     #[command(flatten)]
     pub facts: FactsArguments,
-    /// Write pictures before, after and their difference into this folder; default: a temporary one, when they are shown.
+    /// Write the pictures before and after, and their difference, into this folder; default: a temporary one, when they are shown.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

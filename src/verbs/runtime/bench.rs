@@ -49,10 +49,10 @@ pub struct BenchArguments {
     /// A suite of tasks/suites by its name, or the path of a .toml file.
     #[arg(value_name = "SUITE")]
     pub suite: String,
-    /// Who decides, where a method of the suite does not say itself.
+    /// Who decides in methods of the suite that do not say.
     #[command(flatten)]
     pub policy: PolicyArguments,
-    /// Who answers, where a method of the suite does not say itself.
+    /// Who answers in methods of the suite that do not say.
     #[command(flatten)]
     pub model: ModelArguments,
     #[command(flatten)]
@@ -72,10 +72,10 @@ pub struct BenchArguments {
     /// Only the first N starts of each task.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub limit: Option<u32>,
-    /// Where run folders and tables go; what has ended there is not run again. Default: the next free runs/bench-SUITE-NNNN.
+    /// Where run folders and tables go; rollouts that are finished there are not run again. Default: the next free runs/bench-SUITE-NNNN.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
-    /// Only part I of N of the starts, counted from 1; with one `--out`, the last call may leave it away.
+    /// Only part I of N of the starts, counted from 1; with one `--out`, the last call may omit it.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<Shard>,
     /// Where rollouts are carried out: `sim`, `jaco` (on an arm one at a time), or `exec:"CMD ARG..."`, a program of yours.
@@ -84,7 +84,7 @@ pub struct BenchArguments {
     #[command(flatten)]
     pub arm: ArmArguments,
     /// Ask after each rollout whether the task was reached, and if not, why; rollouts then run one at a time. Default: with
-    /// a real arm, unless `--confirm none` is said or stdin is no terminal.
+    /// a real arm, unless `--confirm none` is given or stdin is not a terminal.
     #[arg(long, conflicts_with = "jobs")]
     pub operator: bool,
     /// Print one JSON document.

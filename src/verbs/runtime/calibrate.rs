@@ -54,10 +54,10 @@ pub struct CalibrateArguments {
     /// Type further points after those of --pairs.
     #[arg(long, requires = "pairs")]
     pub more: bool,
-    /// Say at which pixels points are best touched: so many columns and rows over the window.
+    /// Print the pixels where points are best touched: a grid of this many columns and rows over the window.
     #[arg(long, value_name = "4x4", value_parser = columns_and_rows)]
     pub grid: Option<[u32; 2]>,
-    /// How pixels and the base are joined.
+    /// How pixels are mapped to the base frame.
     #[arg(long, value_enum, default_value = "plane")]
     pub method: MethodArgument,
     /// The largest root mean square error that is accepted, millimetres; default: 3 by plane, 5 by rigid.
@@ -71,7 +71,7 @@ pub struct CalibrateArguments {
     /// none.
     #[arg(long, conflicts_with = "image")]
     pub shoot: bool,
-    /// The file; default: the one that the settings name. One that is there is kept as FILE.before-N.
+    /// The calibration file to write; default: the one that the settings name. An existing file is kept as FILE.before-N.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
     /// Print one JSON document.

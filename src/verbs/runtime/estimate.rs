@@ -61,11 +61,12 @@ pub fn say(estimate: &Estimate, wants_json: bool, io: &Io) {
         return;
     }
     if estimate.stages.is_empty() {
-        io.data("no call is sent: who answers is embedded, or a recording");
+        io.data("no calls would be sent: the model is embedded or a recording");
         return;
     }
     io.data(&estimate.to_string());
     io.talk(
-        "an estimate from the first step; nothing was sent. At least: each step is answered at once; at most: every question, correction and retry, and three times the tokens that the text seems to have",
+        "an estimate from the first step; nothing was sent. The lower bound assumes that every first answer is \
+         accepted; the upper bound assumes every correction and retry, and three times the estimated text tokens",
     );
 }

@@ -187,8 +187,9 @@ fn as_text(profiles: &[Profile], families: &[Family<'_>], today: Date) -> String
         rows.push(row(title, price(None), facts, marks));
     }
     let mut text = table(&rows);
-    text.push_str("\n\n?: unknown. *: holds for every model with these words in its id. tokens: estimates for one square picture.");
-    text.push_str("\nOn one's own machine no call is billed, whatever the model.");
+    text.push_str("\n\n?: unknown. *: every model whose id contains this text. tokens: estimates for one square \
+        picture.");
+    text.push_str("\nCalls to models on your own machine are never billed.");
     for note in notes {
         text.push_str(&format!("\n{note}"));
     }

@@ -23,18 +23,19 @@ use clap::Subcommand;
 
 /// What `recover` does not do.
 const BY_HAND: &str = "\
-It moves nothing itself. Bring the arm to rest by hand or by the vendor's own tools, take the cloth out of its fingers, and \
-then say what was done, by --how or typed. Mind that `home` of the vendor's driver opens the hand: what it holds falls.
+This command does not move the arm. Bring the arm to rest by hand or with the vendor's tools, take the cloth out of \
+its fingers, then state what you did, with --how or when asked. Caution: `home` in the vendor's driver opens the \
+hand and drops what it holds.
 
-Exit codes: 0 clear, 2 nobody has looked after the arm, and nothing is changed.";
+Exit codes: 0 the arm is clear, 2 no recovery was stated, and nothing was changed.";
 
 /// What `enable` does not do.
 const LET_GO: &str = "\
-An arm that was stopped, by fabc or by anybody else, stays so until this is said; no other verb lets it go. Nothing is moved: \
-that the arm takes motion is found out by sending it to where it is. What its hand holds, and what a run left open, stays as \
-it is: see `fabc robot recover`. A simulated arm ends with its program, and is never left stopped.
+A stopped arm stays stopped until this command enables it; no other command does. The arm does not move: to verify \
+that it accepts motion, fabc re-sends its current pose. Whatever the gripper holds, and the state that a run left, \
+are unchanged: see `fabc robot recover`. A simulated arm ends with its program, and is never left stopped.
 
-Exit codes: 0 let go, 2 nobody said why, or it cannot be verified, 64 wrong usage.";
+Exit codes: 0 enabled, 2 no reason was given or enabling could not be verified, 64 wrong usage.";
 
 /// Arguments of `robot`.
 #[derive(Args)]
@@ -47,15 +48,15 @@ pub struct RobotArguments {
 /// What to do.
 #[derive(Subcommand)]
 pub enum RobotVerb {
-    /// Says whether an arm's settings and its calibration can be used, and what of the workspace it reaches.
+    /// Checks an arm's settings and calibration, and says which part of the workspace it reaches.
     Check(CheckArguments),
-    /// Says in what state a run left the arm, and notes what a person did about it.
+    /// Says in what state a run left the arm, and records what a person did about it.
     #[command(after_help = BY_HAND)]
     Recover(RecoverArguments),
-    /// Lets a stopped arm take motion again, after a person said why.
+    /// Lets a stopped arm move again, after a person has said why.
     #[command(after_help = LET_GO)]
     Enable(EnableArguments),
-    /// Stops the arm when the lines on stdin cease; started by the command that moves it.
+    /// Stops the arm when no more lines arrive on stdin; started by the command that moves the arm.
     #[command(hide = true)]
     Watchdog(WatchdogArguments),
 }

@@ -65,7 +65,7 @@ pub struct RunArguments {
     #[command(flatten)]
     pub start: StartArguments,
     /// Ask at the end whether the task was reached, and if not, why. Default: with a real arm, unless `--confirm none` is
-    /// said or stdin is no terminal.
+    /// given or stdin is not a terminal.
     #[arg(long)]
     #[serde(default)]
     pub operator: bool,
@@ -147,7 +147,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
     drop(first);
     if let Some(number) = examples.demonstrates(&start) {
         return Err(Failure::environment(format!(
-            "the start `{}` is that of demonstration {number}, which the model is told: a result from it would be no test; choose another start",
+            "the start `{}` is that of demonstration {number}, which the model is shown: a result from it would not be a test; choose another start",
             start.name
         )));
     }
@@ -311,7 +311,7 @@ fn keep_beginning(
 
 /// Reports what a resumed run already has.
 fn again(steps: u32, spent: &Spent) -> String {
-    let mut text = format!("going on after step {steps}");
+    let mut text = format!("resuming after step {steps}");
     if spent.calls > 0 {
         text.push_str(&format!(
             ", {} calls so far, {}",

@@ -29,7 +29,7 @@ pub struct SeeArguments {
     /// Where the action before this one placed the cloth, for layers that show it.
     #[arg(long, value_name = "U,V", value_parser = crate::verbs::runtime::see::pixel, allow_hyphen_values = true)]
     pub last_place: Option<PixelPoint>,
-    /// Where it picked it.
+    /// Where that action picked the cloth.
     #[arg(long, value_name = "U,V", value_parser = crate::verbs::runtime::see::pixel, allow_hyphen_values = true, requires = "last_place")]
     pub last_pick: Option<PixelPoint>,
     /// Write a picture of each keypoint and layer into this folder, and `annotated.png`, what a model would see.
@@ -100,7 +100,8 @@ fn say_doubts(seen: &SeeOutput, io: &Io) {
         let all = mask.width() as usize * mask.height() as usize;
         if mask.area_px() == all {
             io.talk(&format!(
-                "note: all {all} pixels of the picture belong to `{name}`; right would be a cloth with background around it"
+                "note: all {all} pixels of the picture belong to `{name}`; the picture must show background around \
+                 the cloth"
             ));
         }
     }

@@ -38,10 +38,10 @@ pub struct StartArguments {
 /// How the numbers of a file of particle positions are to be understood.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct FrameArguments {
-    /// Grid of the .npy file, where nothing beside it says: particles along its x and its other side.
+    /// Grid of the .npy file, if no description is beside it: particles along x and along the other side.
     #[arg(long, value_name = "55x44", requires = "up")]
     pub dims: Option<String>,
-    /// Axis of the .npy file that points up, where nothing beside it says.
+    /// Axis of the .npy file that points up, if no description is beside it.
     #[arg(long, value_name = "AXIS", requires = "dims", value_parser = ["y", "z"])]
     pub up: Option<String>,
 }

@@ -37,7 +37,7 @@ pub struct SimArguments {
 /// What to do with the simulator.
 #[derive(Subcommand)]
 pub enum SimVerb {
-    /// Replays recorded demonstrations and compares the ends, particle by particle.
+    /// Replays recorded demonstrations and compares the final cloths, particle by particle.
     Replay(ReplayArguments),
     /// Times one fold along the diagonal, every step computed.
     Time(TimeArguments),

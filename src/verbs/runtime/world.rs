@@ -23,9 +23,9 @@ pub struct WorldArguments {
 /// What to do with a world.
 #[derive(Subcommand)]
 pub enum WorldVerb {
-    /// Says which promises of every world one of yours keeps.
+    /// Says which promises of a world yours keeps.
     Check(CheckArguments),
-    /// Offers the bundled simulator as a program that answers lines, as a world of yours does.
+    /// Serves the bundled simulator over stdin and stdout, as a world of yours would.
     Serve,
 }
 

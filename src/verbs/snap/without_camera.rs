@@ -52,7 +52,7 @@ impl<'p> Camera<'p> {
             && demos.stage == stage.name
         {
             self.io.talk(&format!(
-                "note: `{}` is told demonstrations in stage {}, which this build of fabc cannot read; its snapshots are not looked at",
+                "note: `{}` is shown demonstrations in stage {}, which this build of fabc cannot read; its snapshots are not checked",
                 self.program.title(),
                 stage.name
             ));

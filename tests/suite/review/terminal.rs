@@ -221,7 +221,7 @@ fn an_accepted_edit_of_a_text_that_waits_is_said_to_be_forgotten() {
         session.press(key);
         let (found, shown) = session.end();
         assert_eq!(found, Some(code));
-        let words = "1 snapshot waits until its other edits are decided; what was accepted of it is forgotten\n";
+        let words = "1 snapshot waits until its other edits are decided; partial acceptances of it are discarded\n";
         assert!(shown.contains(words), "{shown}");
         assert_eq!(left(&snapshots), ["half.describe@start"]);
     }

@@ -191,7 +191,7 @@ pub enum Channel {
 
 words! { Channel {
     "brightness" => Brightness, "how bright a pixel is";
-    "saturation" => Saturation, "how far its colour is from grey: three times its saturation, at most 1";
+    "saturation" => Saturation, "how far its colour is from grey: HSV saturation times 3, at most 1";
 } }
 
 /// One side of a threshold.

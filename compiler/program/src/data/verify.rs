@@ -41,7 +41,7 @@ pub const OVERLAP: &str = "overlap";
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Exhausted {
-    /// The rollout ends with it.
+    /// The rollout ends.
     Ends,
     /// Nothing moves, the step counts as an action, and the rollout goes on.
     Skips,

@@ -86,7 +86,7 @@ impl Product {
             0 => Ok((number, false)),
             1 => Ok((number, true)),
             _ => Err(Some(
-                "pi stands in it more than once or below the line".to_owned(),
+                "pi appears in it more than once or in the denominator".to_owned(),
             )),
         }
     }

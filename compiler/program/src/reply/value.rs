@@ -323,7 +323,7 @@ fn others_agree(
             }
             // `45, 30` states two numbers, whatever the second one is.
             Some(Err(_)) if is_number && !is_ordinal(cursor.rest()) => {
-                return Err("more than one number stands in it".to_owned());
+                return Err("it contains more than one number".to_owned());
             }
             _ => return Ok(()),
         }

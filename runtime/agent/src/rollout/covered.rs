@@ -143,7 +143,8 @@ fn flat_mask(job: &Job<'_>, flat: &Observation, seen: &Observation) -> Result<Ma
     let mask = Scene::cloth_in(job.program, flat)?;
     mask.filter(|mask| !mask.is_empty()).ok_or_else(|| {
         wrong(
-            "the task's first mask takes no pixel of it; right would be the flat cloth alone on the table, and a task that finds it by colour where the picture comes without depth"
+            "the task's first mask finds no cloth in it; it must show only the flat cloth on the table, and a \
+             picture without depth needs a mask by colour"
                 .to_owned(),
         )
     })

@@ -16,7 +16,7 @@ pub struct Accuracy {
     pub left_out_mm: Vec<f64>,
     /// Root mean square of the errors, millimetres.
     pub rms_mm: f64,
-    /// Root mean square of these left-out errors, millimetres.
+    /// Root mean square of the left-out errors, millimetres.
     pub left_out_rms_mm: f64,
     /// The area covered by the points, and how their errors propagate beyond it.
     pub spread: Spread,

@@ -124,7 +124,7 @@ pub enum Fault {
     },
     /// No ray leads to a pixel through the lens.
     #[error(
-        "no ray leads through the lens to point {point}: the coefficients in `distortion` do not reach so far"
+        "no ray leads through the lens to point {point}: the coefficients in `distortion` do not reach that far"
     )]
     NoRay {
         /// Its number.
@@ -158,7 +158,7 @@ pub enum Fault {
     },
     /// A point that contradicts the others.
     #[error(
-        "point {point} is {off_mm:.1} mm off: according to the others its pixel shows {:.4}, {:.4}, {:.4}, but it \
+        "point {point} is {off_mm:.1} mm off: the other points put its pixel at {:.4}, {:.4}, {:.4}, but it \
          was given as {:.4}, {:.4}, {:.4}; {hint}", shown_m[0], shown_m[1], shown_m[2], base_m[0], base_m[1], base_m[2]
     )]
     Mistake {
@@ -175,7 +175,8 @@ pub enum Fault {
     },
     /// Too large an error, without single points to blame.
     #[error(
-        "the points fit to {rms_mm:.1} mm (root mean square) and each by the others to {left_out_mm:.1} mm; at most \
+        "the fit has a root mean square error of {rms_mm:.1} mm, and of {left_out_mm:.1} mm leaving each point out; \
+         at most \
          {limit_mm} and {left_out_limit_mm:.1} mm are accepted{hint}; point {worst} is the worst, {worst_mm:.1} mm off"
     )]
     Inaccurate {

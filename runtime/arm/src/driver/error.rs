@@ -110,10 +110,12 @@ pub enum ArmError {
     #[error("interrupted")]
     Interrupted,
     /// A motion was executed and verified, but its journal entry cannot be written.
-    #[error("moved and verified, but the journal of the arm cannot be written any more: {0}")]
+    #[error(
+        "the motion was executed and verified, but the arm's journal can no longer be written: {0}"
+    )]
     JournalAfterMotion(String),
     /// The journal entry before a motion cannot be written, so the motion was not started.
-    #[error("not moved, because the journal of the arm cannot be written: {0}")]
+    #[error("not moved: the arm's journal cannot be written: {0}")]
     JournalBeforeMotion(String),
     /// This program panicked while the arm moved.
     #[error("this program panicked while the arm moved, which is a bug: {0}")]

@@ -57,13 +57,13 @@ pub enum NoSolution {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Obstacle {
     /// The pose is beyond the arm's reach.
-    #[error("it lies too far out")]
+    #[error("it is too far from the base")]
     TooFar,
     /// It is closer to the base than the arm can reach.
-    #[error("it lies too near to the base")]
+    #[error("it is too close to the base")]
     TooNear,
     /// The arm reaches the point, but not with this rotation of the hand.
-    #[error("the hand cannot be turned so at that point")]
+    #[error("the hand cannot be turned this way at that point")]
     Turn,
     /// A joint, from 1 at the base, is at its limit.
     #[error("joint `{0}` is at its limit")]

@@ -11,7 +11,7 @@ const MODELS: &str = include_str!("models.toml");
 
 /// An unknown model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{name}` is not a model of an arm that is known: {}", .available.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "))]
+#[error("`{name}` is not a known model of an arm: {}", .available.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "))]
 pub struct UnknownModel {
     /// The requested name.
     pub name: String,

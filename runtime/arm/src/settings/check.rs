@@ -339,9 +339,7 @@ fn above_zero(key: &str, value: f64, most: f64) -> Checked {
 }
 
 fn wrong(key: &str, value: &dyn Debug, right: &str) -> Checked {
-    Err(format!(
-        "`{key}` is `{value:?}`, and would be right as {right}"
-    ))
+    Err(format!("`{key}` is `{value:?}`; expected {right}"))
 }
 
 #[cfg(test)]

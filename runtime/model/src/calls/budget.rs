@@ -76,12 +76,12 @@ impl Spent {
         match (self.unpriced, self.possibly_billed) {
             (0, 0) => self.cost.to_string(),
             (0, unanswered) => format!(
-                "{}; {unanswered} without an answer may have been billed, {} at most",
+                "{}; {unanswered} unanswered calls may also have been billed, up to {}",
                 self.cost, self.possibly
             ),
             (_, 0) => "cost not known".to_owned(),
             (_, unanswered) => {
-                format!("cost not known; {unanswered} without an answer may have been billed")
+                format!("cost unknown; {unanswered} unanswered calls may have been billed")
             }
         }
     }
@@ -143,7 +143,8 @@ impl Budget {
         if let Some(cap) = self.caps.cost {
             let Some(at_most) = at_most else {
                 return Err(CallRefused::Budget(format!(
-                    "the cap of {cap} cannot be held, since what the call may cost is not known; `--max-calls` can"
+                    "the cost cap of {cap} cannot be enforced, because the price of this model is unknown; use \
+                     `--max-calls` instead"
                 )));
             };
             let taken = state.spent.at_most() + state.reserved;
@@ -252,7 +253,7 @@ mod tests {
             calls: None,
         };
         let refused = Budget::new(caps, Spent::default()).reserve(None);
-        assert!(refused.unwrap_err().to_string().contains("not known"));
+        assert!(refused.unwrap_err().to_string().contains("is unknown"));
         let free = Budget::new(Caps::default(), Spent::default());
         free.reserve(None).unwrap();
         free.settle(None, &CallEnd::Answered(&reply(None)));

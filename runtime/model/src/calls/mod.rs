@@ -72,11 +72,11 @@ pub enum CallRefused {
     #[error("{0}")]
     Budget(String),
     /// The note cannot be written.
-    #[error("a call cannot be noted, so it is not sent: {0}")]
+    #[error("a call cannot be recorded, so it is not sent: {0}")]
     NotNoted(String),
     /// The call was sent, but its result could not be stored everywhere.
     #[error(
-        "an answer came but could not be stored: {0}; once there is room to write, `fabc resume` continues from here"
+        "the answer arrived but could not be stored: {0}; once that is fixed, `fabc resume` continues from here"
     )]
     NotKept(String),
     /// A completed step's answer is no longer there.

@@ -113,7 +113,7 @@ impl fmt::Display for Notice {
             Notice::RetiresSoon { on, days: 1 } => write!(f, "it will be shut down on {on}, tomorrow"),
             Notice::RetiresSoon { on, days } => write!(f, "it will be shut down on {on}, in {days} days"),
             Notice::Undated => f.write_str(
-                "its id holds no date: the vendor may put another model behind it, and results may change",
+                "its id has no date: the vendor may replace the model behind it, and results may change",
             ),
             Notice::PriceChanges { on } => write!(f, "its price changes on {on}"),
             Notice::PriceUnknown => f.write_str("its price is not known"),

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Add;
 
-/// An inexact number of tokens.
+/// A range of token counts; `exactly` makes one with equal bounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tokens {
     /// The lower bound.

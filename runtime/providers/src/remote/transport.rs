@@ -161,7 +161,7 @@ impl Transport {
         let why = self.redactor.text(&chain(error.without_url()));
         let why = match fault {
             Fault::TimedOut => format!(
-                "no whole reply within {:.1} s: {why}",
+                "no complete reply within {:.1} s: {why}",
                 self.timeout.as_secs_f64()
             ),
             _ => why,

@@ -130,10 +130,10 @@ impl Report<'_> {
             let why = match stop {
                 Stop::Interrupted => "interrupted",
                 Stop::Capped => "stopped by a cap",
-                Stop::ArmLeft => "ended by the arm",
+                Stop::ArmLeft => "stopped because of the arm",
             };
             lines.push(format!(
-                "{why}: {} of {} rollouts have ended; the same `--out` goes on from there",
+                "{why}: {} of {} rollouts are finished; run again with the same `--out` to continue",
                 self.results.rollouts.len(),
                 self.results.planned
             ));
@@ -152,7 +152,7 @@ impl Report<'_> {
         }
         if spent.experts > 0 {
             let kind = match spent.experts_simulated {
-                0 => "warm: all were kept".to_owned(),
+                0 => "warm: all were cached".to_owned(),
                 count => format!("cold: {count} of {} simulated", spent.experts),
             };
             lines.push(format!("expert ends: {:.1} s ({kind})", spent.experts_s));
@@ -187,7 +187,7 @@ impl Report<'_> {
             let failed: Vec<_> = reports.filter(|it| it.outcome == outcome).collect();
             let why = failed.first()?.stopped.as_deref().unwrap_or_default();
             Some(format!(
-                "warning: {} ended `{}`, the first one so: {why}",
+                "warning: {} ended `{}`; the first: {why}",
                 counted(failed.len(), "rollout"),
                 outcome.name()
             ))
@@ -203,7 +203,7 @@ impl Report<'_> {
             .collect();
         (!names.is_empty()).then(|| {
             format!(
-                "warning: {} on the arm was cut off earlier, and is neither gone on with nor in the tables: {}; move its folder away to have it carried out from the beginning",
+                "warning: {} on the arm was interrupted earlier, and is neither resumed nor in the tables: {}; move its folder away to have it carried out from the beginning",
                 counted(names.len(), "rollout"),
                 names.join(", ")
             )

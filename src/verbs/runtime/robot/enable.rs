@@ -23,7 +23,7 @@ pub struct EnableArguments {
     /// The arm's settings.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub robot: PathBuf,
-    /// Why it was stopped and may go, in words; default: it is asked for.
+    /// Why the arm was stopped and may move again; default: asked on the terminal.
     #[arg(long, value_name = "WORDS")]
     pub how: Option<String>,
     /// Print one JSON document.
@@ -31,7 +31,7 @@ pub struct EnableArguments {
     pub json: bool,
 }
 
-const QUESTION: &str = "Let go, it moves as soon as it is told to: is its way free, and a physical stop in reach? \
+const QUESTION: &str = "Once enabled, it moves on any command: is its way free, and a physical stop in reach? \
 Why it was stopped and may go, in a few words; nothing to leave it stopped:";
 
 /// Asks for a reason, and enables the arm.
@@ -53,7 +53,7 @@ pub fn run(arguments: &EnableArguments, io: &Io) -> Result<Exit, Failure> {
     enable(arm.as_mut(), robot, &how)?;
     match arguments.json {
         true => io.json(&json!({ "enabled": true, "how": how })),
-        false => io.data("let go: the arm takes motion again"),
+        false => io.data("enabled: the arm accepts motion again"),
     }
     Ok(Exit::Done)
 }
@@ -62,7 +62,7 @@ pub fn run(arguments: &EnableArguments, io: &Io) -> Result<Exit, Failure> {
 fn enable(arm: &mut dyn Arm, robot: &Path, how: &str) -> Result<(), Failure> {
     arm.enable().map_err(|error| {
         Failure::environment(format!(
-            "the arm was told that it may move again, and it is not verified that it can: {error}"
+            "the arm was asked to enable motion, but it could not be verified that it accepts motion: {error}"
         ))
     })?;
     let run = last_run::folder(robot).ok().flatten();

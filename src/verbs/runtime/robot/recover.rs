@@ -21,10 +21,10 @@ pub struct RecoverArguments {
     /// The run folder.
     #[arg(value_name = "RUN", value_hint = ValueHint::DirPath, required_unless_present = "robot")]
     pub run: Option<PathBuf>,
-    /// In place of the run folder: the settings of the arm, whose last run is meant, also where its folder is gone.
+    /// Instead of the run folder: the arm's settings. Its last run is meant, even if that folder was deleted.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "run")]
     pub robot: Option<PathBuf>,
-    /// What was done, in words; default: it is asked for.
+    /// What was done, in words; default: asked on the terminal.
     #[arg(long, value_name = "WORDS")]
     pub how: Option<String>,
     /// Print one JSON document.
@@ -61,7 +61,8 @@ fn of_run(folder: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, 
     }
     if !folder.join(ARM_FILE).is_file() {
         return Err(Failure::environment(format!(
-            "in `{}` is no journal of an arm (`{ARM_FILE}`), so that nothing is known of what it left: name the folder of a run with `--world jaco`, or the arm's settings with `--robot FILE`",
+            "`{}` has no arm journal (`{ARM_FILE}`), so the state of the arm after it is unknown: name the folder of \
+             a run with `--world jaco`, or the arm's settings with `--robot FILE`",
             folder.display()
         )));
     }
@@ -93,7 +94,7 @@ fn of_arm(robot: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, F
         Recovery::Unknown { why, .. } => why,
     };
     let how = ask_what_was_done(
-        &format!("what the last run left is not known: {why}"),
+        &format!("the state that the last run left the arm in is unknown: {why}"),
         arguments,
         io,
     )?;
@@ -126,7 +127,7 @@ fn ask_what_was_done(
 ) -> Result<String, Failure> {
     io.talk(state);
     io.talk(&format!("note: {BY_HAND}"));
-    let question = "what was done, in a few words; nothing to leave it as it is:";
+    let question = "what was done, in a few words (empty: change nothing):";
     let how = given_or_typed(arguments.how.as_ref(), question, io);
     match how.is_empty() {
         true => Err(Failure::environment(format!(

@@ -58,7 +58,7 @@ impl Terminal {
             && !io.has_terminal_input()
         {
             return Err(Failure::usage(format!(
-                "{needs}, and stdin is no terminal; `--confirm none` without `--hold-to-run` needs none"
+                "{needs}, but stdin is not a terminal; use `--confirm none` without `--hold-to-run`"
             )));
         }
         if hold == HoldToRun::Space {

@@ -23,7 +23,7 @@ pub struct WatchdogArguments {
     /// The arm's settings.
     #[arg(long, value_name = "FILE")]
     pub robot: PathBuf,
-    /// The longest without a sign of life, seconds.
+    /// The longest time without a heartbeat, seconds.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub timeout: f64,
 }

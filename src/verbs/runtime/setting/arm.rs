@@ -29,7 +29,7 @@ pub struct ArmArguments {
     /// With `--world jaco`: the settings of the arm and its table.
     #[arg(long, value_name = "FILE", default_value = "robot.toml", value_hint = ValueHint::FilePath)]
     pub robot: PathBuf,
-    /// What a person is asked before the arm moves; default: each pick and place of a real arm, nothing of a simulated one.
+    /// When a person must confirm motion; default: each pick and place of a real arm, never for a simulated one.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub confirm: Option<Confirm>,
     /// Let the arm move only while the space bar is held.

@@ -16,7 +16,7 @@ use std::time::UNIX_EPOCH;
 /// Where facts about models are looked up.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct FactsArguments {
-    /// Facts of yours, laid over the embedded ones; default: FABC_MODELS, or `fabc/models.toml` in your folder of settings.
+    /// Your own facts about models, which override the embedded ones; default: FABC_MODELS, or `fabc/models.toml` in your folder of settings.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub models: Option<PathBuf>,
 }

@@ -60,7 +60,7 @@ pub struct ReachArguments {
     pub base_url: Vec<String>,
     #[command(flatten)]
     pub facts: FactsArguments,
-    /// Leave out settings that stages state and the model does not take.
+    /// Leave out settings of stages that the model does not support.
     #[arg(long, value_name = "SETTING", value_delimiter = ',')]
     pub omit: Vec<OmitArgument>,
     /// Let the model choose numbered points instead of writing coordinates.
@@ -69,7 +69,7 @@ pub struct ReachArguments {
     /// How long one call may take, seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=3600))]
     pub timeout: u32,
-    /// Buy every answer anew, also those that are kept from earlier runs.
+    /// Ask every question anew, even if an earlier run kept its answer.
     #[arg(long)]
     pub no_cache: bool,
     /// Ask models whose price is not known.
@@ -93,7 +93,7 @@ pub enum OmitArgument {
 /// What may be asked, and what is kept of it.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct SpendArguments {
-    /// Say what would be asked and what that costs, and send nothing.
+    /// Print what would be asked and what that costs, and send nothing.
     #[arg(long)]
     pub estimate: bool,
     /// Add every question with its answer to this recording, for `--model replay:FILE`.

@@ -116,7 +116,8 @@ impl Providers {
     pub fn profile(&self, name: &str) -> Result<Profile, Failure> {
         if Redactor::of(&self.keys).text(name) != name {
             return Err(Failure::usage(
-                "the name of the model holds a key; a key comes from the environment or from a file of keys, and the model's name stands behind the provider's, as in `openai:NAME`",
+                "the model name contains an API key; put keys into the environment or a key file, and write the \
+                 model as `PROVIDER:NAME`, such as `openai:NAME`",
             ));
         }
         let profile = self.catalogue.find(name);

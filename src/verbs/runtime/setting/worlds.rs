@@ -88,7 +88,7 @@ pub fn check_repeats(world: &dyn World) -> Result<(), Failure> {
     match world.repeats() {
         true => Ok(()),
         false => Err(Failure::environment(format!(
-            "the world `{}` says that it cannot lay a start again as it lay, so no rollout in it can be gone on with: begin a new run",
+            "the world `{}` says that it cannot lay a start again exactly, so no rollout in it can be resumed: begin a new run",
             world.name()
         ))),
     }

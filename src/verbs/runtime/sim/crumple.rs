@@ -34,7 +34,7 @@ pub struct CrumpleArguments {
     /// Particles along the two sides of a cloth that is not square.
     #[arg(long, value_name = "44x40")]
     pub dims: Option<String>,
-    /// Which particles of the grid there are: rows of `#` and `.`, seen from above; its size is the cloth's.
+    /// Which particles of the grid exist: rows of `#` and `.`, seen from above; its size is the cloth's.
     #[arg(long, value_name = "FILE.txt", value_hint = ValueHint::FilePath)]
     pub outline: Option<PathBuf>,
     /// The first cloth's seed; the others have the numbers after it.

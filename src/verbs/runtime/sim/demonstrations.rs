@@ -80,7 +80,7 @@ pub fn read(folder: &Path) -> Result<Vec<Demonstration>, Failure> {
         |why: String| Failure::environment(format!("the manifest `{shown}` is wrong: {why}"));
     let bytes = sources::read_bounded(&path).map_err(|why| {
         Failure::environment(format!(
-            "cannot read `{shown}`: {why}; right would be a folder of recorded demonstrations with their manifest.json"
+            "cannot read `{shown}`: {why}; expected a folder of recorded demonstrations with a manifest.json"
         ))
     })?;
     let manifest: Manifest =

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::path::PathBuf;
 
-/// Which particles lie where.
+/// A file of particle positions, its frame and outline.
 #[derive(Args)]
 pub struct StateArguments {
     /// Particle positions.
@@ -22,7 +22,7 @@ pub struct StateArguments {
     pub file: PathBuf,
     #[command(flatten)]
     pub frame: FrameArguments,
-    /// Which particles of the grid there are: rows of `#` and `.`, seen from above; default: as described, else all.
+    /// Which particles of the grid exist: rows of `#` and `.`, seen from above; default: as described, else all.
     #[arg(long, value_name = "FILE.txt", value_hint = ValueHint::FilePath)]
     pub outline: Option<PathBuf>,
 }

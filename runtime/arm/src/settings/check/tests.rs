@@ -163,12 +163,12 @@ fn what_one_part_needs_of_another_is_said() {
         (
             "motion.speed_m_s",
             "0.5",
-            "`motion.speed_m_s` is `0.5`, and would be right as above 0 and at most 0.2",
+            "`motion.speed_m_s` is `0.5`; expected above 0 and at most 0.2",
         ),
         (
             "fingers.count",
             "3",
-            "`fingers.count` is `3`, and would be right as 2, as many as `j2n6s200` has",
+            "`fingers.count` is `3`; expected 2, as many as `j2n6s200` has",
         ),
     ] {
         assert_eq!(with(key, value).unwrap_err(), expected);
