@@ -532,6 +532,8 @@ mod folder {
 
     #[cfg(test)]
     mod tests {
+        #![allow(clippy::unwrap_used)]
+
         use super::in_turn;
         use std::env::current_dir;
 
