@@ -4,7 +4,7 @@
 //! look; whether anything changed is read from the files themselves. So it does not matter how an editor replaces a
 //! file, and no event has to be stored.
 
-pub mod inputs;
+mod inputs;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;

@@ -59,13 +59,10 @@ pub struct RenderArguments {
 /// Renders every stage or the named one, once or after every change of a file.
 pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let entry = std::slice::from_ref(&arguments.task.file);
+    let others = arguments.scene.iter().cloned();
+    let others: Vec<PathBuf> = others.chain(arguments.camera.files()).collect();
     match arguments.watch {
-        true => watch::run(
-            entry,
-            &watch::inputs::rendered(arguments),
-            || render(arguments, io),
-            io,
-        ),
+        true => watch::run(entry, &others, || render(arguments, io), io),
         false => render(arguments, io),
     }
 }

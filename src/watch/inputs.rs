@@ -1,7 +1,6 @@
 //! Finds the files that a verb reads for a task.
 
 use crate::sources::{self, Disk};
-use crate::verbs::render::RenderArguments;
 use fab_compiler::{LoadError, Loader};
 use fab_program::{ClothStart, FileRef, Program, Subgoals};
 use std::cell::RefCell;
@@ -24,12 +23,6 @@ pub fn files(entries: &[String], others: &[PathBuf]) -> BTreeSet<PathBuf> {
         }
     }
     files
-}
-
-/// Returns the files that `render` reads besides the task's own.
-pub fn rendered(arguments: &RenderArguments) -> Vec<PathBuf> {
-    let files = arguments.scene.iter().cloned();
-    files.chain(arguments.camera.files()).collect()
 }
 
 /// A loader that reads from disk and records the requested files.

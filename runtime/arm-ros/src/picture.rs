@@ -248,7 +248,7 @@ mod tests {
             (color(&message("rgb8", 0, 0, &[])).err(), "0 x 0 pixels"),
             (
                 depth(&message("rgb8", 1, 3, &[1, 2, 3])).err(),
-                "would be right as `16UC1` or `32FC1`",
+                "expected `16UC1` or `32FC1`",
             ),
         ];
         for (found, expected) in faults {

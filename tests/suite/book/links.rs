@@ -32,6 +32,30 @@ fn every_page_of_the_book_is_in_its_summary_once() {
 }
 
 #[test]
+fn decisions_are_listed_under_their_own_titles() {
+    let pages = pages(root());
+    let list = fs::read_to_string(root().join("docs/decisions/README.md")).unwrap();
+    let mut n_records = 0;
+    for page in &pages {
+        let Some(file) = page.path.strip_prefix("docs/decisions/") else {
+            continue;
+        };
+        if file == "README.md" {
+            continue;
+        }
+        n_records += 1;
+        let text = fs::read_to_string(root().join(&page.path)).unwrap();
+        let title = text.lines().next().unwrap().trim_start_matches("# ");
+        let entry = format!("[{title}]({file})");
+        assert!(
+            list.contains(&entry),
+            "docs/decisions/README.md lacks {entry}"
+        );
+    }
+    assert!(n_records > 60, "only {n_records} records were found");
+}
+
+#[test]
 fn every_link_between_pages_leads_somewhere() {
     let pages = pages(root());
     let mut n_links = 0;

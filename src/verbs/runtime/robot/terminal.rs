@@ -7,10 +7,11 @@
 use super::hold_key::{self, HoldKey, KeyState, Keys};
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::verbs::runtime::setting::arm::Confirm;
+use clap::ValueEnum;
 use fab_arm::route::{Act, Segment};
 use fab_arm::supervisor::{MotionRequest, Supervisor};
 use fab_world::start::Start;
+use serde::{Deserialize, Serialize};
 use std::io::{BufRead, Read};
 use std::time::{Duration, Instant};
 
@@ -25,6 +26,18 @@ const POLL_MS: u8 = 100;
 
 /// Buffered key bytes count as current only if the last poll was no longer ago than this.
 const STALE: Duration = Duration::from_millis(300);
+
+/// What a person is asked before an arm moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Confirm {
+    /// Once before each pick and place.
+    Each,
+    /// Before each part of it.
+    Segment,
+    /// Nothing.
+    None,
+}
 
 /// Whether a key must be held while the arm moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

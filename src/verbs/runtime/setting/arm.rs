@@ -2,12 +2,10 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::verbs::runtime::robot::terminal::{HoldToRun, Terminal};
+use crate::verbs::runtime::robot::terminal::{Confirm, HoldToRun, Terminal};
 use crate::verbs::runtime::robot::watchdog::Process;
 use crate::verbs::runtime::robot::{connect, preflight};
-use clap::Args;
-use clap::ValueEnum;
-use clap::ValueHint;
+use clap::{Args, ValueHint};
 use fab_agent::arm_sight::SIGHT;
 use fab_arm::directory::PictureSelection;
 use fab_arm::last_run;
@@ -45,18 +43,6 @@ impl Default for ArmArguments {
             hold_to_run: false,
         }
     }
-}
-
-/// What a person is asked before an arm moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Confirm {
-    /// Once before each pick and place.
-    Each,
-    /// Before each part of it.
-    Segment,
-    /// Nothing.
-    None,
 }
 
 /// Whether an arm executes actions or only plans them.

@@ -6,13 +6,7 @@ use image::Luma;
 use std::fs;
 
 fn noisy(method: Method) -> Calibration {
-    let mut noise = Noise::new(11);
-    let truth = Truth::usual();
-    let grid = truth.grid(4, 0.8);
-    let pairs = grid
-        .iter()
-        .map(|it| noise.measured(it, 0.0005, 0.3, 0.001))
-        .collect();
+    let pairs = measured_grid(11, 4, 0.8, 0.001);
     let reference = GrayImage::from_fn(640, 480, |u, v| Luma([(u * 7 + v * 13) as u8]));
     let mut terms = terms(method);
     terms.camera = "a \"topic\"\n\u{7f}".to_owned();

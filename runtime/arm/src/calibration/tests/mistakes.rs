@@ -4,13 +4,7 @@ use super::*;
 
 /// A grid with the errors of a careful person, and one change.
 fn refused(method: Method, change: impl Fn(&mut Vec<Pair>)) -> String {
-    let mut noise = Noise::new(11);
-    let truth = Truth::usual();
-    let mut pairs: Vec<Pair> = truth
-        .grid(4, 0.8)
-        .iter()
-        .map(|pair| noise.measured(pair, 0.0005, 0.3, 0.001))
-        .collect();
+    let mut pairs = measured_grid(11, 4, 0.8, 0.001);
     let fine = Calibration::make(terms(method), pairs.clone(), "2026-11-22", None);
     assert!(fine.is_ok(), "{fine:?}");
     change(&mut pairs);
@@ -187,12 +181,7 @@ fn points_on_a_line_are_refused_as_that() {
 
 #[test]
 fn a_slip_below_the_limit_stands_out() {
-    let mut noise = Noise::new(11);
-    let grid = Truth::usual().grid(4, 0.8);
-    let mut pairs: Vec<Pair> = grid
-        .iter()
-        .map(|it| noise.measured(it, 0.0005, 0.3, 0.0))
-        .collect();
+    let mut pairs = measured_grid(11, 4, 0.8, 0.0);
     pairs[6].base_m[0] += 0.008;
     let made = Calibration::make(terms(Method::Plane), pairs, "2026-11-22", None).unwrap();
     assert_eq!(made.accuracy.outliers(made.terms.limit_mm), [7]);
@@ -200,12 +189,7 @@ fn a_slip_below_the_limit_stands_out() {
 
 #[test]
 fn many_points_with_several_slips_are_sorted_in_time() {
-    let mut noise = Noise::new(2);
-    let grid = Truth::usual().grid(18, 0.9);
-    let mut pairs: Vec<Pair> = grid
-        .iter()
-        .map(|it| noise.measured(it, 0.0005, 0.3, 0.0))
-        .collect();
+    let mut pairs = measured_grid(2, 18, 0.9, 0.0);
     for index in [5, 50, 150, 300] {
         pairs[index].base_m[1] += 0.2;
     }
