@@ -4,13 +4,14 @@
 #
 # Tests that take long are `#[ignore = "long"]`; those that compare with a program by others are `#[ignore = "needs ..."]`
 # and named peer_. The peers are in a Python environment under the target folder (peers-requirements.txt); tests find it
-# through FABC_PEER_PYTHON. Without Python this script runs nothing, prints what is missing, and fails. cargo-insta,
+# through FABC_PEER_PYTHON. Without Python they are left out, and the run fails. cargo-insta,
 # which reads and writes the same snapshots, is installed beside it; tests find it through FABC_PEER_CARGO_INSTA.
 # book.sh installs mdBook, which builds the book.
 #
 # If WebAssembly cannot be built or run (wasm-parts.sh), or cargo-insta or mdBook cannot be installed, only the
 # peer_node_, peer_cargo_insta_ or peer_mdbook_ tests are left out. They count as skipped, and the reason is printed.
-# The same holds for ROS (ros-parts.sh). Its tests run first and alone, because they work in real time.
+# The same holds for ROS (ros-parts.sh). Its tests work in real time and mostly wait, so all others run beside them, at
+# the lowest priority.
 set -u
 here=$(dirname "$0")
 
@@ -31,7 +32,8 @@ prepare() {
         missing="python3 has no working venv (Debian: apt-get install python3-venv)"
         return
     fi
-    if ! "$environment/bin/python" -m pip install --quiet --disable-pip-version-check \
+    # Compiling every module to bytecode would take most of the time, and few of them are used.
+    if ! "$environment/bin/python" -m pip install --quiet --disable-pip-version-check --no-compile \
         --only-binary :all: -r "$requirements"; then
         missing="pip could not install $requirements"
         return
@@ -39,11 +41,65 @@ prepare() {
     cp "$requirements" "$environment/installed.txt"
 }
 
+work=$(mktemp -d) || exit
+trap 'rm -rf "$work"' EXIT
+# What runs beside ignores the interrupt of a terminal.
+trap 'trap "" TERM; kill 0; exit 130' INT
+trap 'exit 143' TERM
+
+# Runs tests as test.sh does, and keeps their sums: run WORDS ARGUMENT...
+run() {
+    words=$1
+    shift
+    log=$(mktemp "$work/XXXXXX") || exit
+    sh "$here/test.sh" "$@" | tee "$log" | sed "s/^[0-9]* passed, .* skipped\$/$words: &/"
+    tail -n 1 "$log" | grep -E '^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$' >>"$work/sums" || {
+        echo "$words: the run ended without its sums"
+        echo "0 passed, 1 failed, 0 skipped" >>"$work/sums"
+    }
+}
+
+# Counts the tests that are left out: leave_out NAME_PART REASON
+leave_out() {
+    count=$(git grep -h "fn $1" -- '*.rs' | wc -l)
+    echo "left out: $count $1 tests: $2"
+    echo "0 passed, 0 failed, $((count)) skipped" >>"$work/sums"
+    skipped="$skipped --skip $1"
+}
+
+# The ROS tests have a run of their own.
+skipped="--skip peer_ros_"
+[ "${1:-}" != --with-fast ] || run "the fast tests"
+
+over_ros() {
+    run "over ROS, each part" --package fab-arm-ros --features fabc/ros --package fabc --locked --no-fail-fast --test ros -- --include-ignored
+    run "over ROS" --package fab-arm-ros --locked --lib
+}
+without_ros=$(sh "$here/ros-parts.sh")
+if [ -z "$without_ros" ]; then
+    # All tests here use one fabc, so that none replaces the one that others are running.
+    selected="--workspace --features fabc/ros"
+    # shellcheck disable=SC2086  # words without spaces
+    cargo build --locked $selected --lib --bins --tests || exit
+    cargo build --locked --package fab-arm --example arm_engine || exit
+    FABC_PEER_ARM_ENGINE=$(cd "$target" && pwd)/debug/examples/arm_engine
+    export FABC_PEER_ARM_ENGINE
+    # Nodes must find each other on this machine whatever its name; ROS_HOSTNAME would override ROS_IP.
+    unset ROS_HOSTNAME
+    ROS_IP=127.0.0.1
+    export ROS_IP
+    over_ros >"$work/ros" 2>&1 &
+    beside=$!
+    renice -n 19 $$ >/dev/null
+else
+    selected="--workspace --exclude fab-arm-ros"
+    leave_out peer_ros_ "$without_ros"
+fi
+
 prepare
 if [ -n "$missing" ]; then
-    echo "the peer_ tests cannot run: $missing" >&2
-    echo "0 passed, 1 failed, 0 skipped"
-    exit 1
+    leave_out peer_ "$missing"
+    echo "0 passed, 1 failed, 0 skipped" >>"$work/sums"
 fi
 without_wasm=$(sh "$here/wasm-parts.sh")
 
@@ -64,56 +120,20 @@ without_mdbook=
 # A book that cannot be built fails its test; only a missing mdBook leaves the test out.
 sh "$here/book.sh" >/dev/null || [ -x "$insta_root/bin/mdbook" ] || without_mdbook="cargo could not install mdBook"
 
-# Runs tests as test.sh does, and keeps their sums for the last run, which adds them: run WORDS ARGUMENT...
-run() {
-    words=$1
-    shift
-    log=$(mktemp) || exit
-    sh "$here/test.sh" "$@" | tee "$log" | sed "s/^[0-9]* passed, .* skipped\$/$words: &/"
-    sums=$(sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed, \([0-9]*\) skipped$/\1 \2 \3/p' "$log" | tail -n 1)
-    rm -f "$log"
-    if [ -z "$sums" ]; then
-        echo "$words: the run ended without its sums"
-        exit 1
-    fi
-    FABC_EARLIER=$sums
-    export FABC_EARLIER
-}
-
-# Counts the tests that are left out: leave_out NAME_PART REASON
-leave_out() {
-    count=$(git grep -h "fn $1" -- '*.rs' | wc -l)
-    echo "left out: $count $1 tests: $2"
-    FABC_LEFT_OUT=$((${FABC_LEFT_OUT:-0} + count))
-    skipped="$skipped --skip $1"
-}
-
 FABC_PEER_PYTHON=$environment/bin/python
 export FABC_PEER_PYTHON
-# The ROS tests have a run of their own.
-skipped="--skip peer_ros_"
 [ -z "$without_wasm" ] || leave_out peer_node_ "$without_wasm"
 [ -z "$without_insta" ] || leave_out peer_cargo_insta_ "$without_insta"
 [ -z "$without_mdbook" ] || leave_out peer_mdbook_ "$without_mdbook"
 
-[ "${1:-}" != --with-fast ] || run "the fast tests"
-without_ros=$(sh "$here/ros-parts.sh")
-if [ -z "$without_ros" ]; then
-    cargo build --locked --package fab-arm --example arm_engine || exit
-    FABC_PEER_ARM_ENGINE=$(dirname "$environment")/debug/examples/arm_engine
-    export FABC_PEER_ARM_ENGINE
-    # Nodes must find each other on this machine whatever its name; ROS_HOSTNAME would override ROS_IP.
-    unset ROS_HOSTNAME
-    ROS_IP=127.0.0.1
-    export ROS_IP
-    run "over ROS, each part" --package fab-arm-ros --features fabc/ros --package fabc --locked --no-fail-fast --test ros -- --include-ignored
-    run "over ROS" --package fab-arm-ros --locked --lib
-else
-    leave_out peer_ros_ "$without_ros"
-fi
-run "with documentation" --workspace --exclude fab-arm-ros --locked --doc
-FABC_LEFT_OUT=${FABC_LEFT_OUT:-0}
-export FABC_LEFT_OUT
-# Built as `make test` builds them, so nothing is built twice.
 # shellcheck disable=SC2086  # words without spaces
-exec sh "$here/test.sh" --workspace --exclude fab-arm-ros --locked --no-fail-fast --lib --bins --tests -- --ignored $skipped
+run "with documentation" $selected --locked --doc
+# shellcheck disable=SC2086  # words without spaces
+run "long and peers" $selected --locked --no-fail-fast --lib --bins --tests -- --ignored $skipped
+if [ -z "$without_ros" ]; then
+    wait "$beside"
+    cat "$work/ros"
+fi
+
+awk '{ passed += $1; failed += $3; skipped += $5 }
+    END { printf "%d passed, %d failed, %d skipped\n", passed, failed, skipped; exit failed > 0 }' "$work/sums"

@@ -6,8 +6,7 @@
 # Prints a line per test binary, all that a failed one printed, the ten slowest tests, and at last the sums:
 # N passed, N failed, N skipped. A Rust test cannot report "skipped". A test that lacks recorded data or a program by
 # others appends its name as a line to the file that FABC_SKIPPED_FILE names, and returns. It counts as skipped, not as
-# passed. FABC_LEFT_OUT is the number of tests that the caller did not start; they count as skipped too. FABC_EARLIER is
-# `PASSED FAILED SKIPPED` of an earlier run, which is added.
+# passed.
 set -u
 
 # Runs one test binary, whose package's folder and path follow: test.sh --one WORK FOLDER BINARY
@@ -130,7 +129,6 @@ skipped=$(sort -u "$FABC_SKIPPED_FILE" | grep -c .)
 passed=$((passed - skipped))
 # A binary that crashed may have recorded skips without reporting passes.
 [ "$passed" -ge 0 ] || passed=0
-skipped=$((skipped + ${FABC_LEFT_OUT:-0}))
 
 echo
 echo "the ten slowest tests:"
@@ -141,11 +139,6 @@ if [ "$code" -ne 0 ] && [ "$failed" -eq 0 ]; then
     echo "no build, or a test binary that crashed: counted as one failure"
     failed=1
 fi
-# shellcheck disable=SC2086  # three numbers or none
-set -- ${FABC_EARLIER:-0 0 0}
-passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
-[ "$2" -eq 0 ] || [ "$code" -ne 0 ] || code=1
-
 if [ "$ignored" -gt 0 ]; then
     echo "left out: $ignored tests that take long or need programs by others (make test-all)"
 fi

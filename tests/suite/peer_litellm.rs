@@ -49,6 +49,8 @@ fn environment() -> PathBuf {
             "pip",
             "install",
             "--quiet",
+            // Most of the time would go into bytecode of modules that are never used.
+            "--no-compile",
             "--only-binary",
             ":all:",
             "-r",

@@ -7,6 +7,7 @@ mod check;
 
 use super::rgbd::Intrinsics;
 use fab_base::files;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -144,6 +145,29 @@ pub struct SimulatedSettings {
     pub repeatability_m: f64,
     /// Seeds everything random about the arm.
     pub seed: u64,
+}
+
+impl SimulatedSettings {
+    /// Returns the camera's pose above the table, world frame, without its height. It looks down, with y up in the picture.
+    pub fn world_from_camera(&self) -> Isometry3<f64> {
+        let [x, y] = self.camera_offset_m;
+        Isometry3::from_parts(
+            Translation3::new(x, y, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.camera_turn_deg.to_radians()),
+        )
+    }
+
+    /// Returns the camera's projection.
+    pub fn intrinsics(&self) -> Intrinsics {
+        let half_px = f64::from(self.camera_px) / 2.0;
+        let focal_px = half_px / (self.camera_fov_deg.to_radians() / 2.0).tan();
+        Intrinsics {
+            size_px: [self.camera_px; 2],
+            focal_px: [focal_px; 2],
+            middle_px: [half_px; 2],
+            distortion: Vec::new(),
+        }
+    }
 }
 
 impl Default for SimulatedSettings {

@@ -5,7 +5,7 @@
 
 mod sheets;
 
-use crate::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
+use crate::rgbd::{RgbdError, RgbdSource, Shot};
 use crate::settings::{Settings, SimulatedSettings};
 use crate::simulated::SimulatedTable;
 use fab_picture::DepthImage;
@@ -14,7 +14,7 @@ use fab_world::WorldError;
 use fab_world::simulated::{Look, stopped};
 use fab_world::start::Start;
 use image::RgbImage;
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -32,6 +32,8 @@ pub struct ClothTable {
     look: Look,
     lens: TopDownCamera,
     camera: SimulatedSettings,
+    /// What is printed on the table in each pixel of a picture, row by row.
+    printed: Vec<Option<u8>>,
     world_from_base: Isometry3<f64>,
     /// The hand's last position, world frame, while it holds cloth.
     holds_at: Option<[f32; 3]>,
@@ -55,6 +57,7 @@ impl ClothTable {
             why: error.to_string(),
         })?;
         Ok(ClothTable {
+            printed: printed(&camera),
             cloth: None,
             params: Params::default(),
             look: Look::default(),
@@ -121,19 +124,8 @@ impl ClothTable {
 
     /// Renders a cloth at the given positions, world frame, metres.
     fn shot_of(&self, grid: Grid, positions: &[[f32; 3]]) -> Shot {
-        let SimulatedSettings {
-            camera_offset_m: [x, y],
-            camera_turn_deg,
-            camera_height_m,
-            camera_fov_deg,
-            camera_px,
-            ..
-        } = self.camera;
         // The renderer looks down on the origin, so the cloth is moved relative to the camera.
-        let world_from_camera = Isometry3::from_parts(
-            Translation3::new(x, y, 0.0),
-            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera_turn_deg.to_radians()),
-        );
+        let world_from_camera = self.camera.world_from_camera();
         let seen: Vec<[f32; 3]> = positions
             .iter()
             .map(|point| {
@@ -144,31 +136,21 @@ impl ClothTable {
             .collect();
         let frame = self.lens.render(grid, &seen, &self.look);
         const INVARIANT: &str = "a frame holds width * height pixels";
-        let half_px = f64::from(camera_px) / 2.0;
-        let focal_px = half_px / (camera_fov_deg.to_radians() / 2.0).tan();
         let mut rgb = RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT);
         let depth_m =
             DepthImage::from_raw(frame.width, frame.height, frame.depth_m).expect(INVARIANT);
-        for (column, row, color) in rgb.enumerate_pixels_mut() {
-            if f64::from(depth_m.get_pixel(column, row).0[0]) < camera_height_m - TABLE_M {
-                continue;
-            }
-            let [right, down] = [column, row].map(|at| f64::from(at) + 0.5 - half_px);
-            let per_px = camera_height_m / focal_px;
-            let at = world_from_camera * Point3::new(right * per_px, -down * per_px, 0.0);
-            if let Some(grey) = sheets::printed([at.x, at.y]) {
+        let height_m = self.camera.camera_height_m;
+        let pixels = rgb.pixels_mut().zip(depth_m.pixels());
+        for ((color, depth_m), printed) in pixels.zip(&self.printed) {
+            let is_table = f64::from(depth_m.0[0]) >= height_m - TABLE_M;
+            if let (true, Some(grey)) = (is_table, *printed) {
                 color.0 = [grey; 3];
             }
         }
         Shot {
             rgb,
             depth_m,
-            intrinsics: Some(Intrinsics {
-                size_px: [camera_px; 2],
-                focal_px: [focal_px; 2],
-                middle_px: [half_px; 2],
-                distortion: Vec::new(),
-            }),
+            intrinsics: Some(self.camera.intrinsics()),
         }
     }
 
@@ -184,6 +166,22 @@ impl ClothTable {
             .min_by(|(_, a), (_, b)| aside_m(a).total_cmp(&aside_m(b)))
             .map(|(particle, _)| particle)
     }
+}
+
+/// Returns what is printed on the table in each pixel of a picture, row by row.
+fn printed(camera: &SimulatedSettings) -> Vec<Option<u8>> {
+    let world_from_camera = camera.world_from_camera();
+    let lens = camera.intrinsics();
+    let m_per_px = camera.camera_height_m / lens.focal_px[0];
+    let [width, height] = lens.size_px;
+    let pixels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
+    pixels
+        .map(|[column, row]| {
+            let [right, down] = [column, row].map(|at| f64::from(at) + 0.5 - lens.middle_px[0]);
+            let at = world_from_camera * Point3::new(right * m_per_px, -down * m_per_px, 0.0);
+            sheets::printed([at.x, at.y])
+        })
+        .collect()
 }
 
 impl SimulatedTable for ClothTable {

@@ -6,13 +6,13 @@
 use super::Stage;
 use fab_arm::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
 use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
-use fab_arm::settings::{Settings, SimulatedSettings};
+use fab_arm::settings::Settings;
 use fab_arm::simulated::{Fault, FaultKind, SimulatedArm, Simulation};
 use fab_arm::table::{ClothTable, TableCamera};
 use fab_arm::world::base_from_world;
 use fab_program::{Cloth, ClothStart};
 use fab_world::start::Start;
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::Point3;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -101,18 +101,6 @@ impl Scene {
         }
         is_due
     }
-
-    fn world_from_camera(&self) -> Isometry3<f64> {
-        let SimulatedSettings {
-            camera_offset_m: [x, y],
-            camera_turn_deg,
-            ..
-        } = self.settings.simulated;
-        Isometry3::from_parts(
-            Translation3::new(x, y, 0.0),
-            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera_turn_deg.to_radians()),
-        )
-    }
 }
 
 fn is_of_messages(kind: FaultKind) -> bool {
@@ -184,12 +172,12 @@ impl Stage for Scene {
 
     fn pixel(&self, point_m: [f64; 3]) -> Option<[f64; 2]> {
         let world_from_base = base_from_world(&self.settings).inverse();
-        let at = self.world_from_camera().inverse() * world_from_base * Point3::from(point_m);
-        let simulated = &self.settings.simulated;
-        let half_px = f64::from(simulated.camera_px) / 2.0;
-        let focal_px = half_px / (simulated.camera_fov_deg.to_radians() / 2.0).tan();
-        let scale = focal_px / (simulated.camera_height_m - at.z);
-        Some([half_px + scale * at.x, half_px - scale * at.y])
+        let camera = &self.settings.simulated;
+        let lens = camera.intrinsics();
+        let at = camera.world_from_camera().inverse() * world_from_base * Point3::from(point_m);
+        let scale = lens.focal_px[0] / (camera.camera_height_m - at.z);
+        let [column, row] = lens.middle_px;
+        Some([column + scale * at.x, row - scale * at.y])
     }
 }
 
