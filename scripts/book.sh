@@ -17,7 +17,8 @@ if [ "$("$mdbook" --version 2>/dev/null || true)" != "mdbook v$version" ]; then
         exit 2
     fi
     # An unoptimised build takes half the time, and still writes the book in a second or two. Its objects are deleted.
-    cargo install --locked --quiet --debug --root "$target/peers-cargo" --target-dir "$target/peers-cargo/build" \
+    CARGO_PROFILE_DEV_DEBUG=false cargo install --locked --quiet --debug --root "$target/peers-cargo" \
+        --target-dir "$target/peers-cargo/build" \
         --no-default-features --features search "mdbook@$version"
     rm -rf "$target/peers-cargo/build"
 fi

@@ -112,7 +112,7 @@ without_insta=
 if [ "$("$FABC_PEER_CARGO_INSTA" --version 2>/dev/null)" != "cargo-insta $insta_version" ]; then
     echo "installing cargo-insta $insta_version, which takes some minutes" >&2
     # An unoptimised build takes half the time, and still reads a snapshot in no time.
-    cargo install --locked --quiet --debug --root "$insta_root" --target-dir "$insta_root/build" \
+    CARGO_PROFILE_DEV_DEBUG=false cargo install --locked --quiet --debug --root "$insta_root" --target-dir "$insta_root/build" \
         "cargo-insta@$insta_version" ||
         without_insta="cargo could not install cargo-insta $insta_version"
 fi

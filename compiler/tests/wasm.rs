@@ -20,13 +20,7 @@ fn module() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("wasm");
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let status = Command::new(cargo)
-        .args([
-            "build",
-            "--release",
-            "--locked",
-            "--target",
-            "wasm32-unknown-unknown",
-        ])
+        .args(["build", "--locked", "--target", "wasm32-unknown-unknown"])
         .arg("--manifest-path")
         .arg(workspace().join("tests/wasm/Cargo.toml"))
         .arg("--target-dir")
@@ -34,7 +28,7 @@ fn module() -> PathBuf {
         .status()
         .unwrap();
     assert!(status.success());
-    folder.join("wasm32-unknown-unknown/release/fabc_wasm.wasm")
+    folder.join("wasm32-unknown-unknown/debug/fabc_wasm.wasm")
 }
 
 fn in_node(module: &Path, entry: &str, files: &Memory) -> Value {

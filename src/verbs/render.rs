@@ -83,7 +83,7 @@ fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
         Some(path) => Some(SceneFile::read(&program, path)?),
         None => None,
     };
-    let view = camera::View::at(&program, &declared, arguments, io)?;
+    let view = camera::DisplayedScene::at(&program, &declared, arguments, io)?;
     let shown = view.stages(&program, &stages, listed.as_ref(), arguments)?;
     say_placeholders(&program, &shown, io);
     if let Some(folder) = &arguments.out {

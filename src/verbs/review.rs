@@ -24,7 +24,7 @@ use crate::io::Io;
 use crate::snapshots::Name;
 use clap::Args;
 use cost::Pricing;
-use decide::{Ballot, Decision, Selection};
+use decide::{Decision, OpenDecisions, Selection};
 use find::{Pending, ReviewItems};
 use groups::{Group, Kind};
 use serde_json::{Value, json};
@@ -61,7 +61,7 @@ pub struct ReviewArguments {
     #[arg(long)]
     pub side_by_side: bool,
     #[command(flatten)]
-    pub shown: models::ShownArguments,
+    pub shown: models::ReviewShownArguments,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -155,7 +155,7 @@ fn by_id(
             "`{name}` is both accepted and rejected; nothing was done"
         )));
     }
-    let mut ballot = Ballot::of(found.pending.len(), groups);
+    let mut open_decisions = OpenDecisions::of(found.pending.len(), groups);
     let mut decided: Vec<(usize, Decision)> = Vec::new();
     for (named, decision) in rejects
         .iter()
@@ -163,17 +163,19 @@ fn by_id(
         .chain(accepts.iter().map(|named| (named, Decision::Accept)))
     {
         match named {
-            Selection::Group(number) => decided.extend(ballot.decide(&groups[*number], decision)),
-            Selection::Snapshot(number) => decided.extend(ballot.settle(*number, decision)),
+            Selection::Group(number) => {
+                decided.extend(open_decisions.decide(&groups[*number], decision))
+            }
+            Selection::Snapshot(number) => decided.extend(open_decisions.settle(*number, decision)),
         }
     }
     let all = match arguments.accept_all {
         true => 0..found.pending.len(),
         false => 0..0,
     };
-    decided.extend(all.filter_map(|at| ballot.settle(at, Decision::Accept)));
+    decided.extend(all.filter_map(|at| open_decisions.settle(at, Decision::Accept)));
     // A text with several edits needs all of them accepted.
-    let waiting: Vec<Name> = ballot
+    let waiting: Vec<Name> = open_decisions
         .waiting()
         .into_iter()
         .map(|at| found.pending[at].name.clone())

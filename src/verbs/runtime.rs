@@ -18,9 +18,9 @@ pub mod subgoals;
 pub mod world;
 
 pub mod estimate;
-pub mod look;
 pub mod operator;
 pub mod setting;
+pub mod step_scene;
 
 super::verbs! {
     /// Verbs that need the runtime.

@@ -97,7 +97,7 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
     let mut plans = Vec::new();
     for (folder, declared) in compiled(&arguments.files, io)? {
         let mut plan = Plan::open(&folder)?;
-        files::want(&declared, arguments, &mut plan, io)?;
+        files::add_expected(&declared, arguments, &mut plan, io)?;
         plans.push(plan);
     }
     // Everything is computed before anything is written, so that a failure leaves every folder unchanged.
@@ -105,7 +105,7 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
     for plan in &mut plans {
         let mut states = plan.states(io);
         if !arguments.check {
-            plan.carry_out(&mut states, arguments)?;
+            plan.write(&mut states, arguments)?;
         }
         found.extend(states);
     }
@@ -178,7 +178,7 @@ fn as_json(found: &[SnapshotState]) -> Value {
     json!({
         "snapshots": snapshots.collect::<Vec<Value>>(),
         "same": count(State::Same),
-        "unseen": count(State::Unseen),
+        "unseen": count(State::Unchecked),
         "changed": count(State::Changed),
         "new": count(State::New),
         "orphaned": count(State::Orphaned),
@@ -188,7 +188,7 @@ fn as_json(found: &[SnapshotState]) -> Value {
 
 fn report(found: &[SnapshotState], arguments: &SnapArguments, io: &Io) {
     let counted = |state: State| found.iter().filter(move |found| found.state == state);
-    let as_it_was = [State::Same, State::Unseen];
+    let as_it_was = [State::Same, State::Unchecked];
     for found in found
         .iter()
         .filter(|found| !as_it_was.contains(&found.state))
@@ -204,10 +204,10 @@ fn report(found: &[SnapshotState], arguments: &SnapArguments, io: &Io) {
     io.talk(&format!(
         "{same} unchanged, {changed} changed, {new} new, {orphaned} orphaned"
     ));
-    let unseen = counted(State::Unseen).count();
-    if unseen > 0 {
+    let unchecked = counted(State::Unchecked).count();
+    if unchecked > 0 {
         io.talk(&format!(
-            "{unseen} could not be checked by this build of fabc"
+            "{unchecked} could not be checked by this build of fabc"
         ));
     }
     let waits = found.iter().filter(|found| found.is_pending).count();

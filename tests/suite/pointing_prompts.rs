@@ -35,19 +35,21 @@ fn variant(task: &str, name: &str) -> Program {
 fn demonstrations_are_told_in_the_frame_of_the_model() {
     let program = variant("double_triangle", "in_context");
     let examples = Examples::load(&program, &support::root().join("tasks")).unwrap();
-    let told = |lowering: Lowering| {
+    let first_example = |lowering: Lowering| {
         let pointing = lowering.pointing([program.camera.image_px; 2]);
-        let told = examples.told(&program, "plan", 1, pointing).unwrap();
-        assert!(told.len() > 3);
-        told.into_iter().next().unwrap()
+        let answered = examples
+            .answered_examples(&program, "plan", 1, pointing)
+            .unwrap();
+        assert!(answered.len() > 3);
+        answered.into_iter().next().unwrap()
     };
-    let in_pixels = told(Lowering::PIXELS);
+    let in_pixels = first_example(Lowering::PIXELS);
     assert_eq!(
         in_pixels.answer.text,
         "Pick Point = (65, 28)\nPlace Point = (158, 195)\n\
          Of the listed points (65, 28) is the corner at the top left, and (158, 195) is the corner at the bottom right."
     );
-    let in_thousandths = told(THOUSANDTHS_Y_FIRST);
+    let in_thousandths = first_example(THOUSANDTHS_Y_FIRST);
     assert_eq!(
         in_thousandths.answer.text,
         "Pick Point = [127, 292]\nPlace Point = [873, 708]\n\
@@ -59,7 +61,7 @@ fn demonstrations_are_told_in_the_frame_of_the_model() {
             .text
             .contains("- Cloth corners: [873, 708], [292, 873], [708, 127], [127, 292]\n")
     );
-    let by_number = told(MARKS);
+    let by_number = first_example(MARKS);
     assert_eq!(
         by_number.answer.text,
         "Pick Point = 4\nPlace Point = 1\n\

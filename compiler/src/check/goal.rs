@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::quantity::read;
-use super::untouched;
+use super::untouched_score;
 use crate::diag::{Code, Diagnostic, Reported, among};
 use crate::lang::goal::{METRICS, MetricRow};
 use crate::merge::Merged;
@@ -47,7 +47,7 @@ pub(crate) fn check<'a>(
     let experts = experts.as_deref().map_err(|reported| *reported)?;
     has_experts(&goal, statement, merged, experts, context)?;
     if let Ok(Some(cloth)) = &context.cloth
-        && let Some(score) = untouched::score(&goal, cloth, experts)
+        && let Some(score) = untouched_score::score(&goal, cloth, experts)
         && goal.is_met(score)
     {
         let written = match goal.metric {

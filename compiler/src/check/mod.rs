@@ -29,7 +29,7 @@ mod stage;
 mod subgoals;
 mod task;
 mod test;
-mod untouched;
+mod untouched_score;
 mod variables;
 mod verify;
 

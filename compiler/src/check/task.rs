@@ -10,7 +10,7 @@ use super::{
     subgoals, test, verify,
 };
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
-use crate::lang::sections::{RequiredIn, SECTIONS};
+use crate::lang::sections::{RequiredFor, SECTIONS};
 use crate::load::Loaded;
 use crate::merge::Merged;
 use crate::proof;
@@ -195,12 +195,15 @@ fn completeness(
     loaded: &Loaded<'_>,
     report: &mut Report,
 ) -> Result<bool, Reported> {
-    let lacking = |needed: RequiredIn| -> Vec<&'static str> {
+    let lacking = |needed: RequiredFor| -> Vec<&'static str> {
         let rows = SECTIONS.iter().filter(|row| row.needed == needed);
         let lacks = rows.filter(|row| !is_there(row.word, merged));
         lacks.map(|row| row.word).collect()
     };
-    let (own, shared) = (lacking(RequiredIn::ByEachTask), lacking(RequiredIn::ByARun));
+    let (own, shared) = (
+        lacking(RequiredFor::RunnableTask),
+        lacking(RequiredFor::Run),
+    );
     if own.is_empty() && shared.is_empty() {
         return Ok(true);
     }

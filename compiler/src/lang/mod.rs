@@ -16,7 +16,7 @@ pub(crate) mod verify;
 mod vocabulary;
 
 pub use reference::{refreshed, tables};
-pub use sections::{Merges, RequiredIn, Section};
+pub use sections::{Inheritance, RequiredFor, Section};
 pub use vocabulary::{BlockWords, CallEntry, VOCABULARY_FORMAT, Vocabulary, WordEntry, vocabulary};
 
 #[cfg(test)]

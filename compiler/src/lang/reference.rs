@@ -3,7 +3,7 @@
 //! In: [`Vocabulary`]. Out: Markdown, one table per name. `docs/language.md` holds each between
 //! `<!-- table: NAME -->` and `<!-- end -->`; [`refreshed`] replaces them.
 
-use super::sections::Merges;
+use super::sections::Inheritance;
 use super::vocabulary::{CallEntry, Vocabulary, WordEntry, vocabulary};
 use crate::diag::CODES;
 use fab_program::units::Dimension;
@@ -91,10 +91,10 @@ fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
 fn sections(known: &Vocabulary) -> String {
     let rows = known.sections.iter().map(|section| {
         let extends = match section.merges {
-            Merges::Whole => "replaces the whole section",
-            Merges::ByName => "merges by name",
-            Merges::Changes => "changes what is inherited",
-            Merges::Never => "is not inherited",
+            Inheritance::Whole => "replaces the whole section",
+            Inheritance::ByName => "merges by name",
+            Inheritance::Changes => "changes what is inherited",
+            Inheritance::Never => "is not inherited",
         };
         vec![
             format!("`{}`", section.form),

@@ -2,14 +2,16 @@
 
 use serde::Serialize;
 
-/// Which tasks must have a section.
+/// What needs a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum RequiredIn {
-    /// Needed to run. A task without it compiles as a base, with a note (F0408) unless other tasks extend it.
-    ByEachTask,
-    /// Needed to run. If only such a section is missing, it is an error (F0407); most tasks inherit it.
-    ByARun,
+pub enum RequiredFor {
+    /// Each task that can run. A task without it compiles as a base, with a note (F0408) unless other tasks extend it.
+    #[serde(rename = "by_each_task")]
+    RunnableTask,
+    /// A run. If only such a section is missing, it is an error (F0407); most tasks inherit it.
+    #[serde(rename = "by_a_run")]
+    Run,
     /// No task.
     Never,
 }
@@ -17,7 +19,7 @@ pub enum RequiredIn {
 /// What happens to a section when a task extends another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Merges {
+pub enum Inheritance {
     /// The whole section is replaced.
     Whole,
     /// Parts are replaced and added by name.
@@ -36,9 +38,9 @@ pub struct Section {
     /// How it is written.
     pub form: &'static str,
     /// Which tasks must have it.
-    pub needed: RequiredIn,
+    pub needed: RequiredFor,
     /// What happens to it when a task extends another.
-    pub merges: Merges,
+    pub merges: Inheritance,
     /// Its meaning in one line, for the reference and `fabc vocabulary`.
     pub doc: &'static str,
 }
@@ -46,8 +48,8 @@ pub struct Section {
 const fn row(
     word: &'static str,
     form: &'static str,
-    needed: RequiredIn,
-    merges: Merges,
+    needed: RequiredFor,
+    merges: Inheritance,
     doc: &'static str,
 ) -> Section {
     Section {
@@ -64,148 +66,148 @@ pub(crate) const SECTIONS: &[Section] = &[
     row(
         "about",
         "about \"TEXT\"",
-        RequiredIn::Never,
-        Merges::Never,
+        RequiredFor::Never,
+        Inheritance::Never,
         "what the task is for, in one line, shown by `fabc check`; no model sees it, and it does not change the program's hash",
     ),
     row(
         "const",
         "const NAME = QUANTITY",
-        RequiredIn::Never,
-        Merges::ByName,
+        RequiredFor::Never,
+        Inheritance::ByName,
         "a quantity with a name",
     ),
     row(
         "cloth",
         "cloth grid(55, 44)",
-        RequiredIn::ByEachTask,
-        Merges::Whole,
+        RequiredFor::RunnableTask,
+        Inheritance::Whole,
         "how large the cloth is, and how it lies",
     ),
     row(
         "camera",
         "camera top_down(height: L, fov: ANGLE, image: N px)",
-        RequiredIn::ByARun,
-        Merges::Whole,
+        RequiredFor::Run,
+        Inheritance::Whole,
         "where the camera is, and what it sees",
     ),
     row(
         "picker",
         "picker put_down",
-        RequiredIn::Never,
-        Merges::Whole,
+        RequiredFor::Never,
+        Inheritance::Whole,
         "how the cloth is carried and released",
     ),
     row(
         "goal",
         "goal MEASURE < LIMIT",
-        RequiredIn::Never,
-        Merges::Whole,
+        RequiredFor::Never,
+        Inheritance::Whole,
         "what counts as done",
     ),
     row(
         "horizon",
         "horizon N",
-        RequiredIn::Never,
-        Merges::Whole,
+        RequiredFor::Never,
+        Inheritance::Whole,
         "the most actions of a rollout; without it, as many as the subgoals show",
     ),
     row(
         "subgoals",
         "subgoals { demonstrate { fold A -> B } }",
-        RequiredIn::ByEachTask,
-        Merges::Whole,
+        RequiredFor::RunnableTask,
+        Inheritance::Whole,
         "the pictures that show what to do, step by step",
     ),
     row(
         "experts",
         "experts NAME",
-        RequiredIn::Never,
-        Merges::Whole,
+        RequiredFor::Never,
+        Inheritance::Whole,
         "which fold sequences count as right; without it, the demonstration",
     ),
     row(
         "demos",
         "demos STAGE from \"FILE\"",
-        RequiredIn::Never,
-        Merges::Whole,
+        RequiredFor::Never,
+        Inheritance::Whole,
         "which demonstrations a stage's model is shown",
     ),
     row(
         "keypoints",
         "keypoints { NAME = EXTRACTOR(…) }",
-        RequiredIn::ByARun,
-        Merges::ByName,
+        RequiredFor::Run,
+        Inheritance::ByName,
         "what is found in each picture",
     ),
     row(
         "annotate",
         "annotate { NAME = MARK(…) }",
-        RequiredIn::Never,
-        Merges::Whole,
+        RequiredFor::Never,
+        Inheritance::Whole,
         "what is drawn on the camera's picture",
     ),
     row(
         "actions",
         "actions { FIELD: one of CHOICE, … }",
-        RequiredIn::ByARun,
-        Merges::Whole,
+        RequiredFor::Run,
+        Inheritance::Whole,
         "what an answer may choose",
     ),
     row(
         "component",
         "component NAME when CONDITION \"TEXT\"",
-        RequiredIn::Never,
-        Merges::ByName,
+        RequiredFor::Never,
+        Inheritance::ByName,
         "a text with a name, which stages say",
     ),
     row(
         "override",
         "override component NAME \"TEXT\", override check NAME { … }",
-        RequiredIn::Never,
-        Merges::Changes,
+        RequiredFor::Never,
+        Inheritance::Changes,
         "replaces an inherited component or check",
     ),
     row(
         "without",
         "without component NAME, without check NAME",
-        RequiredIn::Never,
-        Merges::Changes,
+        RequiredFor::Never,
+        Inheritance::Changes,
         "leaves out an inherited component or check",
     ),
     row(
         "stage",
         "stage NAME { model … say … read … }",
-        RequiredIn::ByEachTask,
-        Merges::ByName,
+        RequiredFor::RunnableTask,
+        Inheritance::ByName,
         "one question to a model",
     ),
     row(
         "verify",
         "verify { check NAME { CONDITION } else \"TEXT\" }",
-        RequiredIn::Never,
-        Merges::Whole,
+        RequiredFor::Never,
+        Inheritance::Whole,
         "which answers are rejected, and the messages to the model",
     ),
     row(
         "variant",
         "variant NAME { SECTIONS }",
-        RequiredIn::Never,
-        Merges::ByName,
+        RequiredFor::Never,
+        Inheritance::ByName,
         "the task with some sections changed",
     ),
     row(
         "ablate",
         "ablate COMPONENT, …",
-        RequiredIn::Never,
-        Merges::ByName,
+        RequiredFor::Never,
+        Inheritance::ByName,
         "a variant without each of these components",
     ),
     row(
         "test",
         "test \"WHAT\" { given … reply … expect … }",
-        RequiredIn::Never,
-        Merges::Never,
+        RequiredFor::Never,
+        Inheritance::Never,
         "the expected result of an answer",
     ),
 ];

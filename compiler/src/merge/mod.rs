@@ -15,7 +15,7 @@ pub(crate) use lists::{
 };
 
 use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
-use crate::lang::sections::{Merges, SECTIONS};
+use crate::lang::sections::{Inheritance, SECTIONS};
 use crate::load::Loaded;
 use fab_grammar::Span;
 use fab_grammar::ast::{
@@ -193,7 +193,7 @@ impl<'a> Merged<'a> {
     fn forget_what_is_not_inherited(&mut self) {
         let never = |word: &str| {
             let mut rows = SECTIONS.iter();
-            rows.any(|row| row.word == word && row.merges == Merges::Never)
+            rows.any(|row| row.word == word && row.merges == Inheritance::Never)
         };
         self.statements.retain(|word, _| !never(word));
     }

@@ -7,7 +7,7 @@
 mod declared;
 mod flaws;
 mod memory;
-mod others;
+mod not_offered;
 mod scene;
 
 use fab_program::Proposal;
@@ -194,8 +194,8 @@ impl<'a> Proof<'a> {
             self.program.actions.iter().zip(&self.offered).enumerate()
         {
             let others = match field.choices {
-                Choices::Region { .. } => others::beside(self.program, &self.texts[position]),
-                _ => others::of(field, offered, &self.texts[position]),
+                Choices::Region { .. } => not_offered::beside(self.program, &self.texts[position]),
+                _ => not_offered::of(field, offered, &self.texts[position]),
             };
             let mut tried = self.tried(0);
             let choice = match &field.choices {

@@ -137,7 +137,7 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
             None,
             examples,
         )?;
-        let view = StepView::outside(
+        let view = StepView::without_rollout(
             &program,
             &scene,
             &observation,
@@ -151,7 +151,7 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
             text: &heard,
         };
         let mut exchange = Exchange {
-            asking: &mut Asking::unkept(),
+            asking: &mut Asking::unrecorded(),
             record: &mut |_| Ok(()),
             interrupt: &interrupt,
         };

@@ -68,8 +68,8 @@ impl Examples {
 
     /// Writes the demonstrations of a stage in a step, which counts from 1, in a model's point convention.
     ///
-    /// Fails as [`Demonstrations::told`] does.
-    pub fn told(
+    /// Fails as [`Demonstrations::answered_examples`] does.
+    pub fn answered_examples(
         &self,
         program: &Program,
         stage: &str,
@@ -77,7 +77,9 @@ impl Examples {
         pointing: Pointing,
     ) -> Result<Vec<AnsweredExample>, DemosError> {
         match &self.demonstrations {
-            Some(demonstrations) => demonstrations.told(program, stage, step, pointing),
+            Some(demonstrations) => {
+                demonstrations.answered_examples(program, stage, step, pointing)
+            }
             None => Ok(Vec::new()),
         }
     }

@@ -14,7 +14,7 @@ mod proposing;
 mod random;
 mod reach;
 
-pub use asking::{Asking, Step};
+pub use asking::{Asking, StepKind};
 pub use expert::Expert;
 pub use external::{External, Sight};
 pub use prompted::{
@@ -192,7 +192,7 @@ pub struct Truth<'a> {
 
 impl<'a> StepView<'a> {
     /// Makes the view of a step outside any rollout: everything is in reach.
-    pub fn outside(
+    pub fn without_rollout(
         program: &'a Program,
         scene: &'a Scene,
         observation: &'a Observation,

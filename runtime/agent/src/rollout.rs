@@ -18,7 +18,7 @@ use crate::examples::Examples;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
-use crate::policy::{Asking, Attempt, MakePolicy, PolicyError, PromptError, Step};
+use crate::policy::{Asking, Attempt, MakePolicy, PolicyError, PromptError, StepKind};
 use crate::record::{Line, Report, RunCosts};
 use crate::result::StepResult;
 use crate::scene::SceneError;
@@ -257,8 +257,8 @@ pub fn run(
     while let Some(step) = tries.step(job) {
         tries.number += 1;
         keeper.asking.begin(match keeper.folder.repeats() {
-            true => Step::Repeated,
-            false => Step::New,
+            true => StepKind::Repeated,
+            false => StepKind::New,
         });
         let mut turn = Turn::new(job, tries.number, step, tries.before);
         let mut stopped = turn.take(

@@ -48,12 +48,12 @@ pub struct SeeOutput {
 #[derive(Debug, thiserror::Error)]
 pub enum SeeError {
     /// A keypoint needs depth.
-    #[error("`{keypoint}` needs depth, but the picture has none; use {right} instead")]
+    #[error("`{keypoint}` needs depth, but the picture has none; use {alternative} instead")]
     NeedsDepth {
         /// The keypoint.
         keypoint: String,
         /// What would work without depth.
-        right: &'static str,
+        alternative: &'static str,
     },
     /// A layer shows where the last action picked, which is unknown.
     #[error(
@@ -96,7 +96,7 @@ fn check_depth(program: &Program) -> Result<(), SeeError> {
     let Some(keypoint) = program.keypoints.iter().find(by_depth) else {
         return Ok(());
     };
-    let right = match &keypoint.extractor {
+    let alternative = match &keypoint.extractor {
         Extractor::Corners {
             of: Sight::Depth, ..
         } => "a detector that looks at `of: mask` or `of: picture`",
@@ -104,7 +104,7 @@ fn check_depth(program: &Program) -> Result<(), SeeError> {
     };
     Err(SeeError::NeedsDepth {
         keypoint: keypoint.name.clone(),
-        right,
+        alternative,
     })
 }
 

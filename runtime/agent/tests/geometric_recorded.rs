@@ -135,7 +135,7 @@ fn distance([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
     (a - c).hypot(b - d)
 }
 
-struct Step {
+struct RecordedStep {
     folder: PathBuf,
     rotation_deg: f64,
     index: usize,
@@ -144,7 +144,7 @@ struct Step {
 }
 
 /// All recorded steps of a task whose pictures are at hand.
-fn recorded_steps(root: &Path, task: &str) -> Vec<Step> {
+fn recorded_steps(root: &Path, task: &str) -> Vec<RecordedStep> {
     let text = std::fs::read_to_string(root.join("folding120/manifest.json")).unwrap();
     let manifest: Value = serde_json::from_str(&text).unwrap();
     let mut steps = Vec::new();
@@ -155,7 +155,7 @@ fn recorded_steps(root: &Path, task: &str) -> Vec<Step> {
         }
         for step in entry["steps"].as_array().unwrap() {
             let point = |list: &str| [0, 1].map(|axis| step[list][axis].as_f64().unwrap());
-            steps.push(Step {
+            steps.push(RecordedStep {
                 folder: folder.clone(),
                 rotation_deg: entry["rotation_deg"].as_f64().unwrap(),
                 index: step["step"].as_u64().unwrap() as usize,

@@ -3,7 +3,7 @@
 //! In: the suite's programs and laid starts. Out: ends in the cache before any rollout needs them, and distances to
 //! them. For a fold fraction below 1, each fold of the sequence is shortened accordingly.
 
-use super::lay::LaidStarts;
+use super::lay_starts::LaidStarts;
 use super::play::{Phase, Spent, at, place, program_of};
 use super::record::Rollout;
 use super::{Bench, BenchError};

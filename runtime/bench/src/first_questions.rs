@@ -1,6 +1,6 @@
 //! The first questions of a suite's entries, for estimates.
 
-use super::lay::lay_one;
+use super::lay_starts::lay_one;
 use super::play::{at, place, program_of};
 use super::{Bench, BenchError};
 use fab_agent::rollout::{FirstQuestion, Job, first_questions};

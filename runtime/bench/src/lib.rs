@@ -20,7 +20,7 @@ pub mod table;
 
 mod experts;
 mod first_questions;
-mod lay;
+mod lay_starts;
 
 pub use first_questions::first_questions_of;
 

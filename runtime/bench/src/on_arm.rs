@@ -4,9 +4,9 @@
 //! did not leave it at rest with an empty hand; after that one nothing more is started. An interrupted rollout is not
 //! resumed, because the table has changed. Nothing here moves the arm; each rollout's world does that.
 
-use super::lay::LaidStarts;
+use super::lay_starts::LaidStarts;
 use super::metric::Metric;
-use super::play::{self, JobEnd, Phase, Played, Stop, Which};
+use super::play::{self, JobEnd, Phase, Played, StopReason, Which};
 use super::record;
 use super::starts::StartPoint;
 use super::suite::Suite;
@@ -47,7 +47,7 @@ pub enum Cloths {
 
 /// The rollout after which the suite stopped, because of how it left the arm.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LeftArm {
+pub struct ArmStop {
     /// The run folder.
     pub folder: PathBuf,
     /// Whether the arm came to rest with an empty hand, so nobody needs to check it first.
@@ -64,9 +64,9 @@ pub(super) struct Done {
     /// The folders of interrupted rollouts.
     pub cut_off: Vec<PathBuf>,
     /// Why no further rollout was started, if so.
-    pub stop: Option<Stop>,
+    pub stop: Option<StopReason>,
     /// The rollout that stopped the suite because of the arm.
-    pub left: Option<LeftArm>,
+    pub arm_stop: Option<ArmStop>,
 }
 
 impl Cloths {
@@ -124,9 +124,9 @@ pub(super) fn play(
         }
         let is_clear = !is_unclear(&folder)?;
         // A moved camera or an unresponsive arm would make the next rollout fail as well.
-        done.left = (has_failed || !is_clear).then(|| left(&folder, is_clear));
-        if done.left.is_some() {
-            done.stop.get_or_insert(Stop::ArmLeft);
+        done.arm_stop = (has_failed || !is_clear).then(|| arm_stop(&folder, is_clear));
+        if done.arm_stop.is_some() {
+            done.stop.get_or_insert(StopReason::Arm);
         }
         if done.stop.is_some() {
             break;
@@ -142,9 +142,9 @@ pub(super) fn has_begun(folder: &Path) -> bool {
     has_moved || record::has_steps(folder)
 }
 
-fn left(folder: &Path, is_clear: bool) -> LeftArm {
+fn arm_stop(folder: &Path, is_clear: bool) -> ArmStop {
     let why = record::last_words(folder);
-    LeftArm {
+    ArmStop {
         folder: folder.to_owned(),
         is_clear,
         why: why.unwrap_or_else(|| "its journal does not say why".to_owned()),

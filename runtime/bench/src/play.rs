@@ -4,8 +4,8 @@
 //! jobs on the requested number of threads, and a job starts no threads of its own: expert ends are available before
 //! the first rollout needs them.
 
-use super::lay::{self, LaidStarts};
-use super::on_arm::{self, LeftArm};
+use super::lay_starts::{self, LaidStarts};
+use super::on_arm::{self, ArmStop};
 use super::record::{self, FolderContents, Identity, Rollout};
 use super::{Bench, BenchError, Entry, experts};
 use fab_agent::journal::RunFolder;
@@ -45,9 +45,9 @@ pub struct Results {
     /// The folders of interrupted rollouts on an arm, which are not resumed.
     pub cut_off: Vec<PathBuf>,
     /// The rollout that failed because of the arm, or did not leave it at rest with an empty hand, if any.
-    pub left: Option<LeftArm>,
+    pub arm_stop: Option<ArmStop>,
     /// Why rollouts are missing, if any are.
-    pub stopped: Option<Stop>,
+    pub stopped: Option<StopReason>,
     /// Name of the world.
     pub world: String,
     /// Hash of the world's parameters.
@@ -58,13 +58,13 @@ pub struct Results {
 
 /// Why a suite stopped early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
+pub enum StopReason {
     /// The user stopped it.
     Interrupted,
     /// A cap on calls or cost was reached.
     Capped,
     /// A rollout failed because of the arm, or did not leave it at rest with an empty hand.
-    ArmLeft,
+    Arm,
 }
 
 /// Wall times, seconds.
@@ -102,11 +102,11 @@ pub fn play(
 ) -> Result<Results, BenchError> {
     let mut results = Results::default();
     let begun = Instant::now();
-    let Some(laid) = lay::lay(bench, progress)? else {
+    let Some(laid) = lay_starts::lay(bench, progress)? else {
         return Ok(interrupted(results));
     };
     results.spent.starts_s = begun.elapsed().as_secs_f64();
-    lay::refuse_examples(bench, &laid)?;
+    lay_starts::refuse_examples(bench, &laid)?;
     if let Some(task) = bench.tasks.first() {
         let about = about(bench, &task.program).map_err(|error| at(&task.name, error))?;
         (results.world, results.params) = (about.name, about.parameters);
@@ -140,10 +140,10 @@ pub fn play(
     results.stopped = match (done.stop, bench.interrupt.is_raised()) {
         (Some(stop), _) => Some(stop),
         (None, _) if missing == 0 => None,
-        (None, true) => Some(Stop::Interrupted),
-        (None, false) => Some(Stop::Capped),
+        (None, true) => Some(StopReason::Interrupted),
+        (None, false) => Some(StopReason::Capped),
     };
-    (results.cut_off, results.left) = (done.cut_off, done.left);
+    (results.cut_off, results.arm_stop) = (done.cut_off, done.arm_stop);
     Ok(results)
 }
 
@@ -171,7 +171,7 @@ fn side_by_side(
 
 fn interrupted(results: Results) -> Results {
     Results {
-        stopped: Some(Stop::Interrupted),
+        stopped: Some(StopReason::Interrupted),
         ..results
     }
 }
@@ -246,7 +246,7 @@ pub(super) enum JobEnd {
     /// It was interrupted on an arm, and is not resumed.
     CutOff,
     /// It was stopped, or not started.
-    Stopped(Stop),
+    Stopped(StopReason),
 }
 
 /// Finds or runs a rollout, and scores its last state.
@@ -311,7 +311,7 @@ pub(super) fn one(
     };
     let distances_m = match experts::distances_m(bench, &job, &rollout) {
         Ok(distances_m) => distances_m,
-        Err(WorldError::Interrupted) => return Ok(JobEnd::Stopped(Stop::Interrupted)),
+        Err(WorldError::Interrupted) => return Ok(JobEnd::Stopped(StopReason::Interrupted)),
         Err(error) => return Err(at(&place(bench, entry, start), error)),
     };
     let played = Played {
@@ -341,9 +341,9 @@ fn run(
     job: &Job<'_>,
     folder: &Path,
     identity: &Identity,
-) -> Result<Result<Rollout, Stop>, BenchError> {
+) -> Result<Result<Rollout, StopReason>, BenchError> {
     if job.interrupt.is_raised() {
-        return Ok(Err(Stop::Interrupted));
+        return Ok(Err(StopReason::Interrupted));
     }
     let failed = |error: RunError| BenchError::Run {
         place: folder.display().to_string(),
@@ -359,13 +359,13 @@ fn run(
         Err(RunError::World(WorldError::Start { .. } | WorldError::Interrupted))
             if job.interrupt.is_raised() =>
         {
-            return Ok(Err(Stop::Interrupted));
+            return Ok(Err(StopReason::Interrupted));
         }
         done => done.map_err(failed)?,
     };
     match report.outcome {
-        Outcome::Interrupted => return Ok(Err(Stop::Interrupted)),
-        Outcome::BudgetExhausted => return Ok(Err(Stop::Capped)),
+        Outcome::Interrupted => return Ok(Err(StopReason::Interrupted)),
+        Outcome::BudgetExhausted => return Ok(Err(StopReason::Capped)),
         _ => {}
     }
     let hopeless = [Fault::NotAuthorised, Fault::QuotaExhausted].map(Fault::name);
@@ -384,6 +384,6 @@ fn run(
             folder: folder.to_owned(),
             why,
         }),
-        FolderContents::Unfinished => Ok(Err(Stop::Interrupted)),
+        FolderContents::Unfinished => Ok(Err(StopReason::Interrupted)),
     }
 }

@@ -29,14 +29,14 @@ pub mod observation;
 pub mod png;
 pub mod regions;
 
-mod located;
 mod mask;
 #[cfg(test)]
 #[path = "../../../tests/recorded_data.rs"]
 mod recorded;
+mod subpixel_point;
 
-pub use located::Located;
 pub use mask::{Mask, centroid, depth_mask, has_reading, mask_picture};
+pub use subpixel_point::SubpixelPoint;
 
 /// Distances to the nearest surface, metres along the optical axis, `[width, height]`.
 ///

@@ -2,7 +2,7 @@
 //!
 //! In: a depth image and a depth limit. Out: a [`Mask`], and its centre. An empty mask is an answer, not an error.
 
-use super::{DepthImage, Located};
+use super::{DepthImage, SubpixelPoint};
 use fab_program::PixelPoint;
 use image::{GrayImage, Luma};
 
@@ -135,14 +135,14 @@ pub fn has_reading(depth_m: f32) -> bool {
 ///
 /// The pixel is truncated, as in the paper's code (protocol, section 6), so it lies half a pixel up and left of the
 /// mean; the exact point is the mean itself.
-pub fn centroid(mask: &Mask) -> Option<Located> {
+pub fn centroid(mask: &Mask) -> Option<SubpixelPoint> {
     let (mut columns, mut rows) = (0_u64, 0_u64);
     for pixel in mask.pixels() {
         columns += u64::from(pixel.u.unsigned_abs());
         rows += u64::from(pixel.v.unsigned_abs());
     }
     let area_px = mask.area_px() as u64;
-    (area_px > 0).then(|| Located {
+    (area_px > 0).then(|| SubpixelPoint {
         pixel: PixelPoint::new((columns / area_px) as i32, (rows / area_px) as i32),
         at: [columns, rows].map(|sum| sum as f64 / area_px as f64 + 0.5),
     })

@@ -7,7 +7,7 @@
 use super::sight::detector_picture;
 use super::{MAX_SIDE_PX, VisionError, bounding_box, check_size};
 use fab_picture::mask_picture;
-use fab_picture::{DepthImage, Located, Mask};
+use fab_picture::{DepthImage, Mask, SubpixelPoint};
 use fab_program::{PixelPoint, Response, Sight};
 use image::{RgbImage, imageops};
 use opencv::core::{Mat, Point2f, Size, TermCriteria, TermCriteria_Type, Vector, no_array};
@@ -54,7 +54,7 @@ pub fn corners(
     rgb: &RgbImage,
     mask: &Mask,
     search: &CornerSearch,
-) -> Result<Vec<Located>, VisionError> {
+) -> Result<Vec<SubpixelPoint>, VisionError> {
     let (width, height) = depth.dimensions();
     check_size(width, height)?;
     if rgb.dimensions() != (width, height) {
@@ -82,7 +82,7 @@ pub fn corners(
                 f64::from(x) + f64::from(left),
                 f64::from(y) + f64::from(top),
             ];
-            Located {
+            SubpixelPoint {
                 pixel: PixelPoint::new(at[0] as i32, at[1] as i32),
                 at: at.map(|at| at + 0.5),
             }
@@ -106,7 +106,7 @@ pub fn corners(
         scaled
     };
     let whole = |at: f32, side: u32| f64::from(at).round().clamp(0.0, f64::from(side - 1)) as i32;
-    let corner = |[x, y]: [f32; 2]| Located {
+    let corner = |[x, y]: [f32; 2]| SubpixelPoint {
         pixel: snap(PixelPoint::new(whole(x, width), whole(y, height)), mask),
         at: [x, y].map(|at| f64::from(at) + 0.5),
     };

@@ -3,7 +3,7 @@
 //! In: a mask. Out: the polygon's vertices in order; the last side leads back to the first vertex.
 
 use super::{VisionError, check_size};
-use fab_picture::{Located, Mask};
+use fab_picture::{Mask, SubpixelPoint};
 use fab_program::PixelPoint;
 use opencv::core::{Mat, Point, Vector};
 use opencv::imgproc;
@@ -121,7 +121,7 @@ fn sides(outline: &[PixelPoint]) -> impl Iterator<Item = (PixelPoint, PixelPoint
 /// Returns the middle of each side of an outline, in its order; the pixel is rounded, halves up (right and down).
 ///
 /// The two sides of a two-point outline are taken once; a single point has none.
-pub fn edge_middles(outline: &[PixelPoint]) -> Vec<Located> {
+pub fn edge_middles(outline: &[PixelPoint]) -> Vec<SubpixelPoint> {
     let n_sides = match outline.len() {
         0 | 1 => 0,
         2 => 1,
@@ -131,7 +131,7 @@ pub fn edge_middles(outline: &[PixelPoint]) -> Vec<Located> {
     let at = |a: i32, b: i32| (f64::from(a) + f64::from(b) + 1.0) / 2.0;
     sides(outline)
         .take(n_sides)
-        .map(|(a, b)| Located {
+        .map(|(a, b)| SubpixelPoint {
             pixel: PixelPoint::new(pixel(a.u, b.u), pixel(a.v, b.v)),
             at: [at(a.u, b.u), at(a.v, b.v)],
         })
@@ -142,7 +142,7 @@ pub fn edge_middles(outline: &[PixelPoint]) -> Vec<Located> {
 ///
 /// At most `count`, and no more than [`MAX_ALONG`]. Each is rounded to a pixel, halves up (right and down), and
 /// repeated pixels are dropped, so an outline shorter than `count` pixels has fewer.
-pub fn along(outline: &[PixelPoint], count: u32) -> Vec<Located> {
+pub fn along(outline: &[PixelPoint], count: u32) -> Vec<SubpixelPoint> {
     let count = count.min(MAX_ALONG);
     let perimeter_px: f64 = sides(outline).map(|(a, b)| a.distance_px(b)).sum();
     let mut sides = sides(outline);
@@ -168,7 +168,7 @@ pub fn along(outline: &[PixelPoint], count: u32) -> Vec<Located> {
     points
 }
 
-fn on_side((a, b): (PixelPoint, PixelPoint), from_a_px: f64) -> Located {
+fn on_side((a, b): (PixelPoint, PixelPoint), from_a_px: f64) -> SubpixelPoint {
     let length_px = a.distance_px(b);
     let fraction = if length_px > 0.0 {
         (from_a_px / length_px).clamp(0.0, 1.0)
@@ -178,7 +178,7 @@ fn on_side((a, b): (PixelPoint, PixelPoint), from_a_px: f64) -> Located {
     let at = [(a.u, b.u), (a.v, b.v)]
         .map(|(a, b)| f64::from(a) + fraction * (f64::from(b) - f64::from(a)) + 0.5);
     let [column, row] = at.map(|at| at.floor() as i32);
-    Located {
+    SubpixelPoint {
         pixel: PixelPoint::new(column, row),
         at,
     }

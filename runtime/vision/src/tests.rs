@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use fab_picture::DepthImage;
-use fab_picture::Located;
 use fab_picture::Mask;
+use fab_picture::SubpixelPoint;
 use fab_picture::centroid;
 use fab_picture::depth_mask;
 mod arrows;
@@ -44,7 +44,7 @@ fn corners_by_depth(
     depth: &DepthImage,
     mask: &Mask,
     search: &CornerSearch,
-) -> Result<Vec<Located>, VisionError> {
+) -> Result<Vec<SubpixelPoint>, VisionError> {
     corners(
         depth,
         &RgbImage::new(depth.width(), depth.height()),
@@ -163,7 +163,7 @@ fn corners_are_scaled_back_without_a_drift() {
     for axis in 0..2 {
         let located = found.iter().map(|corner| corner.at[axis]).sum::<f64>() / 4.0;
         assert!((located - 112.0).abs() < 0.3, "{located}: {found:?}");
-        let whole = |corner: &Located| f64::from([corner.pixel.u, corner.pixel.v][axis]);
+        let whole = |corner: &SubpixelPoint| f64::from([corner.pixel.u, corner.pixel.v][axis]);
         let rounded = found.iter().map(whole).sum::<f64>() / 4.0;
         assert!((rounded - 111.5).abs() < 0.3, "{rounded}: {found:?}");
     }

@@ -5,7 +5,7 @@
 
 use crate::protocol::{
     Arrangement, CameraView, ClothState, Done, Hello, LIMITS_S, Nothing, PROTOCOL, Positions,
-    Question, Reached,
+    Question, ReachAnswer,
 };
 use crate::start::Start;
 use crate::{Executed, Motion, World, WorldError, WorldPoint, simulated};
@@ -417,8 +417,8 @@ impl World for ExternalWorld {
         let question = Question::Reach {
             point: [point.x, point.y, point.z],
         };
-        match self.get::<Reached>(&question, &self.interrupt) {
-            Ok(Reached { why }) => why,
+        match self.get::<ReachAnswer>(&question, &self.interrupt) {
+            Ok(ReachAnswer { why }) => why,
             Err(error) => {
                 *self.failed.borrow_mut() = Some(error.to_string());
                 None

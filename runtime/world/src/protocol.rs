@@ -180,7 +180,7 @@ pub struct Positions {
 
 /// Whether a point is in reach.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Reached {
+pub struct ReachAnswer {
     /// Why the point is out of reach; null if it is in reach.
     pub why: Option<String>,
 }

@@ -8,13 +8,13 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::sources;
 use crate::verbs::render::RenderArguments;
-use crate::verbs::runtime::look::{self, StepScene};
 use crate::verbs::runtime::run::say_origin;
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::StartArguments;
 use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::catalogue::FactsArguments;
 use crate::verbs::runtime::setting::models::TargetModel;
+use crate::verbs::runtime::step_scene::{StepScene, scene_at_step};
 use clap::Args;
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
@@ -40,7 +40,7 @@ pub struct CameraArguments {
     #[command(flatten)]
     pub start: StartArguments,
     #[command(flatten)]
-    pub shown: ShownArguments,
+    pub shown: TargetModelArguments,
     /// What a model answered, in the order of the questions; shows what follows, such as the message of a refusal.
     #[arg(long = "reply", value_name = "TEXT", conflicts_with = "scene")]
     pub replies: Vec<String>,
@@ -56,7 +56,7 @@ impl CameraArguments {
 
 /// To which model messages are shown as it would be sent them.
 #[derive(Args)]
-pub struct ShownArguments {
+pub struct TargetModelArguments {
     /// Show what this `PROVIDER:NAME` would be sent, with points as it writes them; default: in the task's pixels.
     #[arg(long, value_name = "MODEL")]
     pub model: Option<String>,
@@ -104,15 +104,15 @@ fn interrupt(arguments: &RenderArguments, io: &Io) -> Result<Interrupt, Failure>
 }
 
 /// A scene and everything that can be displayed of it.
-pub struct View {
+pub struct DisplayedScene {
     seen: StepScene,
     pictures: Pictures,
     step: u32,
-    told: TargetModel,
+    target_model: TargetModel,
     rates: Option<RatesOn>,
 }
 
-impl View {
+impl DisplayedScene {
     /// Lays the cloth, executes the demonstrated folds before the step, and takes a picture.
     ///
     /// - `program`: the task for the cloth that lies there.
@@ -122,13 +122,13 @@ impl View {
         declared: &Program,
         arguments: &RenderArguments,
         io: &Io,
-    ) -> Result<View, Failure> {
+    ) -> Result<DisplayedScene, Failure> {
         if arguments.scene.is_some() && arguments.camera.start.start.is_some() {
             let both = "`--scene` and `--start` exclude each other: `--scene` gives the points, with `--start` the \
                 camera finds them";
             return Err(Failure::usage(both));
         }
-        let told = TargetModel::of(&arguments.camera.shown, io)?;
+        let target_model = TargetModel::of(&arguments.camera.shown, io)?;
         let interrupt = interrupt(arguments, io)?;
         let mut world = setting::world(program).map_err(Failure::environment)?;
         let folder = sources::folder_of(&arguments.task.file);
@@ -145,7 +145,7 @@ impl View {
             io,
         )?;
         let step = arguments.step;
-        let seen = look::at(
+        let seen = scene_at_step(
             program,
             &start,
             step,
@@ -163,15 +163,15 @@ impl View {
         let shown = shown.map_err(Failure::environment)?;
         let pictures = Pictures::of(program, scene, observation, last.as_ref(), shown, examples)
             .map_err(Failure::environment)?;
-        Ok(View {
+        Ok(DisplayedScene {
             seen,
             pictures,
             step,
-            rates: told.profile.clone().map(|profile| RatesOn {
+            rates: target_model.profile.clone().map(|profile| RatesOn {
                 profile,
                 day: catalogue::today(io),
             }),
-            told,
+            target_model,
         })
     }
 
@@ -225,7 +225,7 @@ impl View {
             step: self.step,
             last: self.seen.last.as_ref(),
             proposal: None,
-            pointing: self.told.lowering.pointing(self.pictures.size()),
+            pointing: self.target_model.lowering.pointing(self.pictures.size()),
         }
     }
 
@@ -235,7 +235,7 @@ impl View {
         stages: &[&Stage],
         answers: Vec<String>,
     ) -> Result<Vec<Rehearsed>, Failure> {
-        let view = StepView::outside(
+        let view = StepView::without_rollout(
             program,
             &self.seen.scene,
             &self.seen.observation,
@@ -243,7 +243,7 @@ impl View {
             self.seen.last.as_ref(),
             &self.pictures,
         );
-        let lowering = |_| self.told.lowering;
+        let lowering = |_| self.target_model.lowering;
         let rehearsed = policy::rehearse(view, stages, &lowering, answers);
         let (rehearsed, left) = rehearsed.map_err(Failure::environment)?;
         match left.len() {
@@ -262,7 +262,7 @@ impl View {
     ) -> Result<Vec<Rehearsed>, Failure> {
         let texts = BTreeMap::new();
         let values = Values::Partly(self.facts(listed, &texts));
-        let lowering = &self.told.lowering;
+        let lowering = &self.target_model.lowering;
         let stages = stages.iter().map(|stage| {
             let conversation =
                 policy::conversation(program, stage, values, &self.pictures, self.step, lowering);

@@ -36,24 +36,24 @@ pub fn fitted(
 }
 
 /// Takes the place of a scene.
-pub struct View {
+pub struct DisplayedScene {
     step: u32,
 }
 
-impl View {
+impl DisplayedScene {
     /// Fails if points are needed, since this build has no camera.
     pub fn at(
         _program: &Program,
         _declared: &Program,
         arguments: &RenderArguments,
         io: &Io,
-    ) -> Result<View, Failure> {
+    ) -> Result<DisplayedScene, Failure> {
         if arguments.scene.is_none() {
             io.talk(
                 "note: this build of fabc has no camera; points stand as placeholders (`--scene FILE.json` gives them)",
             );
         }
-        Ok(View {
+        Ok(DisplayedScene {
             step: arguments.step,
         })
     }

@@ -22,23 +22,23 @@ pub enum Decision {
 }
 
 /// The decisions that are still open for each pending snapshot.
-pub struct Ballot {
+pub struct OpenDecisions {
     /// How many groups of each snapshot are not accepted yet; `None` once the snapshot is settled.
     open: Vec<Option<usize>>,
     /// Snapshots with a decision about at least one of their groups.
     begun: BTreeSet<usize>,
 }
 
-impl Ballot {
+impl OpenDecisions {
     /// Starts with all decisions open.
-    pub fn of(n_pending: usize, groups: &[Group]) -> Ballot {
+    pub fn of(n_pending: usize, groups: &[Group]) -> OpenDecisions {
         let mut open = vec![Some(0); n_pending];
         for member in groups.iter().flat_map(|group| &group.members) {
             if let Some(count) = &mut open[*member] {
                 *count += 1;
             }
         }
-        Ballot {
+        OpenDecisions {
             open,
             begun: BTreeSet::new(),
         }

@@ -4,7 +4,7 @@
 //! quitting keeps it; partial acceptances are discarded on quit.
 
 use super::cost::Pricing;
-use super::decide::{self, Ballot, Decision};
+use super::decide::{self, Decision, OpenDecisions};
 use super::find::ReviewItems;
 use super::groups::{Group, Kind};
 use super::sheets::Sheets;
@@ -61,7 +61,7 @@ pub fn run(
 ) -> Result<Exit, Failure> {
     let term = Term::stdout();
     let mut session = Session {
-        ballot: Ballot::of(found.pending.len(), groups),
+        open_decisions: OpenDecisions::of(found.pending.len(), groups),
         found,
         groups,
         pricing,
@@ -74,15 +74,17 @@ pub fn run(
     let ended = session.through(io);
     let Session {
         count,
-        ballot,
+        open_decisions,
         found,
         ..
     } = &mut session;
     // A snapshot that a later edit settled was not skipped after all.
-    count.skipped.retain(|member| !ballot.is_settled(*member));
+    count
+        .skipped
+        .retain(|member| !open_decisions.is_settled(*member));
     let decided = count.accepted + count.rejected + count.skipped.len();
     count.left = found.pending.len() - decided;
-    match ballot.waiting().len() {
+    match open_decisions.waiting().len() {
         0 => {}
         count => io.data(&format!(
             "{}; partial acceptances of {} are discarded",
@@ -100,7 +102,7 @@ pub fn run(
 struct Session<'a> {
     found: &'a mut ReviewItems,
     groups: &'a [Group],
-    ballot: Ballot,
+    open_decisions: OpenDecisions,
     pricing: Option<&'a Pricing>,
     sheets: &'a mut Sheets,
     term: Term,
@@ -113,7 +115,7 @@ impl Session<'_> {
     fn through(&mut self, io: &Io) -> Result<End, Failure> {
         for number in 0..self.groups.len() {
             let mut members = self.groups[number].members.iter();
-            if members.all(|member| self.ballot.is_settled(*member)) {
+            if members.all(|member| self.open_decisions.is_settled(*member)) {
                 // Another edit of all these snapshots was rejected.
                 continue;
             }
@@ -206,10 +208,10 @@ impl Session<'_> {
 
     fn decide(&mut self, number: usize, decision: Decision, io: &Io) -> Result<(), Failure> {
         let group = &self.groups[number];
-        let settled = self.ballot.decide(group, decision);
+        let settled = self.open_decisions.decide(group, decision);
         self.settle(&settled)?;
         let members = group.members.iter();
-        let is_open = |member: &&usize| !self.ballot.is_settled(**member);
+        let is_open = |member: &&usize| !self.open_decisions.is_settled(**member);
         match members.filter(is_open).count() {
             0 => {}
             count => io.data(&waiting(count)),
@@ -221,7 +223,7 @@ impl Session<'_> {
     fn accept_from(&mut self, number: usize) -> Result<(), Failure> {
         let mut settled = Vec::new();
         for group in &self.groups[number..] {
-            settled.extend(self.ballot.decide(group, Decision::Accept));
+            settled.extend(self.open_decisions.decide(group, Decision::Accept));
         }
         self.settle(&settled)
     }

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 /// What is shown of a change beside its text.
 #[derive(Args)]
-pub struct ShownArguments {
+pub struct ReviewShownArguments {
     /// Print what the change costs with this `PROVIDER:NAME`.
     #[arg(long, value_name = "MODEL")]
     pub model: Option<String>,
@@ -26,7 +26,7 @@ pub struct ShownArguments {
     pub out: Option<PathBuf>,
 }
 
-impl ShownArguments {
+impl ReviewShownArguments {
     /// Returns the named folder for pictures, if there is one.
     pub fn folder(&self) -> Option<PathBuf> {
         self.out.clone()
@@ -34,7 +34,7 @@ impl ShownArguments {
 }
 
 /// Returns today's prices of the named model, if there is one.
-pub fn pricing(arguments: &ShownArguments, io: &Io) -> Result<Option<Pricing>, Failure> {
+pub fn pricing(arguments: &ReviewShownArguments, io: &Io) -> Result<Option<Pricing>, Failure> {
     let Some(model) = &arguments.model else {
         return Ok(None);
     };

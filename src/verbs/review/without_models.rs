@@ -10,9 +10,9 @@ use std::path::PathBuf;
 
 /// Nothing: prices and pictures need the runtime.
 #[derive(Args)]
-pub struct ShownArguments {}
+pub struct ReviewShownArguments {}
 
-impl ShownArguments {
+impl ReviewShownArguments {
     /// Returns no folder.
     pub fn folder(&self) -> Option<PathBuf> {
         None
@@ -20,7 +20,7 @@ impl ShownArguments {
 }
 
 /// Returns `None`: this build knows no prices.
-pub fn pricing(_arguments: &ShownArguments, _io: &Io) -> Result<Option<Pricing>, Failure> {
+pub fn pricing(_arguments: &ReviewShownArguments, _io: &Io) -> Result<Option<Pricing>, Failure> {
     Ok(None)
 }
 

@@ -11,7 +11,7 @@ mod suites;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::verbs::runtime::estimate::{self, Asking};
-use crate::verbs::runtime::operator::Terminal;
+use crate::verbs::runtime::operator::TerminalOperator;
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::arm::ArmArguments;
 use crate::verbs::runtime::setting::arm::ArmMode;
@@ -28,7 +28,7 @@ use fab_agent::rollout::FirstQuestion;
 use fab_base::cache::Cache;
 use fab_bench::on_arm::{Cloths, OnArm};
 use fab_bench::play;
-use fab_bench::play::{Phase, Results, Stop};
+use fab_bench::play::{Phase, Results, StopReason};
 use fab_bench::{Bench, BenchError, Entry, OtherWorld, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
@@ -192,7 +192,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         }
         None => None,
     };
-    let terminal = Terminal(io);
+    let terminal = TerminalOperator(io);
     let bench = Bench {
         suite: &suite,
         tasks: prepared.into_iter().map(|it| it.task).collect(),
@@ -245,7 +245,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     };
     report.write(&out)?;
     io.report(arguments.json, || report.json(), || report.text());
-    io.talk(&report.told());
+    io.talk(&report.summary());
     Ok(exit_of(&results))
 }
 
@@ -366,10 +366,10 @@ fn exit_of(results: &Results) -> Exit {
         )
     };
     match results.stopped {
-        Some(Stop::Interrupted) => return Exit::Interrupted,
-        Some(Stop::Capped) => return Exit::Unreached,
+        Some(StopReason::Interrupted) => return Exit::Interrupted,
+        Some(StopReason::Capped) => return Exit::Unreached,
         // The same exit code as for the rollout that ended like this.
-        Some(Stop::ArmLeft) => return Exit::Environment,
+        Some(StopReason::Arm) => return Exit::Environment,
         None if !results.cut_off.is_empty() => return Exit::Unreached,
         None => {}
     }

@@ -37,7 +37,7 @@ struct Finding {
     about: About,
     /// Its name.
     name: String,
-    state: State,
+    state: Readiness,
     /// The result in words.
     found: String,
     /// The line that sets it up or repairs it.
@@ -55,7 +55,7 @@ enum About {
 
 #[derive(Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-enum State {
+enum Readiness {
     /// It is usable.
     Ready,
     /// It is not set up, which is allowed.
@@ -69,7 +69,7 @@ impl Finding {
         Finding {
             about,
             name: name.to_owned(),
-            state: State::Ready,
+            state: Readiness::Ready,
             found: found.into(),
             help: None,
         }
@@ -82,7 +82,7 @@ impl Finding {
         help: impl Into<String>,
     ) -> Finding {
         Finding {
-            state: State::Missing,
+            state: Readiness::Missing,
             help: Some(help.into()),
             ..Finding::ready(about, name, found)
         }
@@ -90,7 +90,7 @@ impl Finding {
 
     fn broken(about: About, name: &str, found: impl Into<String>) -> Finding {
         Finding {
-            state: State::Broken,
+            state: Readiness::Broken,
             ..Finding::ready(about, name, found)
         }
     }
@@ -113,7 +113,7 @@ pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
     findings.extend(providers(&catalogue, &names, io));
     let is_broken = findings
         .iter()
-        .any(|finding| finding.state == State::Broken);
+        .any(|finding| finding.state == Readiness::Broken);
     io.report(
         arguments.json,
         || json!({ "ready": !is_broken, "findings": findings }),
@@ -332,9 +332,9 @@ fn text(findings: &[Finding]) -> String {
     let mut lines = Vec::new();
     for finding in findings {
         let state = match finding.state {
-            State::Ready => "ready  ",
-            State::Missing => "missing",
-            State::Broken => "BROKEN ",
+            Readiness::Ready => "ready  ",
+            Readiness::Missing => "missing",
+            Readiness::Broken => "BROKEN ",
         };
         lines.push(format!("{state}  {}: {}", finding.name, finding.found));
         lines.extend(

@@ -14,9 +14,9 @@ use std::path::Path;
 const TRIES: u32 = 10;
 
 /// Asks on the terminal.
-pub struct Terminal<'io>(pub &'io Io);
+pub struct TerminalOperator<'io>(pub &'io Io);
 
-impl Operator for Terminal<'_> {
+impl Operator for TerminalOperator<'_> {
     fn judge(&self, report: &Report, folder: &Path) -> Option<Judgement> {
         let io = self.0;
         io.progress("");

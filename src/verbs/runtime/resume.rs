@@ -8,7 +8,7 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::shipped;
 use crate::sources;
-use crate::verbs::runtime::run::{self, Begun, Into, RUN_FILE};
+use crate::verbs::runtime::run::{self, Begun, Destination, RUN_FILE};
 use crate::verbs::runtime::setting::model_arguments::dollars;
 use crate::verbs::runtime::setting::worlds::WorldChoice;
 use clap::Args;
@@ -47,7 +47,7 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
     })?;
     let begun = begun(&folder, &arguments.run)?;
     if let Some((report, took)) = ended(&folder) {
-        return Ok(said(report, took, arguments, io));
+        return Ok(report_ended(report, took, arguments, io));
     }
     let Begun {
         directory,
@@ -66,7 +66,7 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
     let io = io.within(&directory);
     io.in_folder(|| {
         shipped::restore(&wanted.task.file, &io)?;
-        run::play(&wanted, Into::Again(&folder), &io)
+        run::play(&wanted, Destination::Existing(&folder), &io)
     })
     .map_err(|failure| failure.saying("the run was begun there"))?
 }
@@ -100,7 +100,12 @@ fn ended(folder: &Path) -> Option<(Report, Option<RunCosts>)> {
 }
 
 /// Reports how the rollout had ended; the exit code is the run's.
-fn said(report: Report, took: Option<RunCosts>, arguments: &ResumeArguments, io: &Io) -> Exit {
+fn report_ended(
+    report: Report,
+    took: Option<RunCosts>,
+    arguments: &ResumeArguments,
+    io: &Io,
+) -> Exit {
     io.talk(&format!(
         "the rollout in `{}` has already ended ({}); there is nothing to resume",
         arguments.run.display(),

@@ -17,7 +17,7 @@ use crate::io::Io;
 use crate::verbs::runtime::robot::enable::EnableArguments;
 use crate::verbs::runtime::robot::recover::RecoverArguments;
 use crate::verbs::runtime::robot::watchdog::WatchdogArguments;
-use check::CheckArguments;
+use check::RobotCheckArguments;
 use clap::Args;
 use clap::Subcommand;
 
@@ -49,7 +49,7 @@ pub struct RobotArguments {
 #[derive(Subcommand)]
 pub enum RobotVerb {
     /// Checks an arm's settings and calibration, and says which part of the workspace it reaches.
-    Check(CheckArguments),
+    Check(RobotCheckArguments),
     /// Says in what state a run left the arm, and records what a person did about it.
     #[command(after_help = BY_HAND)]
     Recover(RecoverArguments),

@@ -8,7 +8,7 @@ use crate::io::Io;
 use crate::sources;
 use crate::sources::TaskArguments;
 use crate::verbs::runtime::estimate::{self, Asking};
-use crate::verbs::runtime::operator::Terminal;
+use crate::verbs::runtime::operator::TerminalOperator;
 use crate::verbs::runtime::robot::preflight;
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::StartArguments;
@@ -89,20 +89,24 @@ pub struct Begun {
 }
 
 /// The folder for a rollout's record.
-pub enum Into<'a> {
+pub enum Destination<'a> {
     /// A new folder.
     New,
     /// The folder of a rollout that was cut off or stopped.
-    Again(&'a Path),
+    Existing(&'a Path),
 }
 
 /// Runs one rollout and reports it.
 pub fn run(arguments: &RunArguments, io: &Io) -> Result<Exit, Failure> {
-    play(arguments, Into::New, io)
+    play(arguments, Destination::New, io)
 }
 
 /// Runs one rollout, from its start or from where it was cut off, and reports it.
-pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, Failure> {
+pub fn play(
+    arguments: &RunArguments,
+    destination: Destination<'_>,
+    io: &Io,
+) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
@@ -127,7 +131,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
         _ => setting::world(&program),
     };
     let first = first.map_err(worlds::failure)?;
-    if let Into::Again(_) = into {
+    if let Destination::Existing(_) = destination {
         worlds::check_repeats(first.as_ref())?;
     }
     let start = match &arm {
@@ -197,7 +201,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
         true => None,
         false => models::recorder(&arguments.spend)?,
     };
-    let terminal = Terminal(io);
+    let terminal = TerminalOperator(io);
     let job = Job {
         program: &program,
         start: &start,
@@ -246,10 +250,10 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
     }
     let prepared = deciding.make().prepare(&program);
     prepared.map_err(Failure::environment)?;
-    let folder = match (&into, &arguments.out) {
-        (Into::Again(path), _) => RunFolder::reopen(path),
-        (Into::New, Some(path)) => RunFolder::create(path),
-        (Into::New, None) => {
+    let folder = match (&destination, &arguments.out) {
+        (Destination::Existing(path), _) => RunFolder::reopen(path),
+        (Destination::New, Some(path)) => RunFolder::create(path),
+        (Destination::New, None) => {
             RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-"))
         }
     };
@@ -260,9 +264,9 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
         .map_err(Failure::environment)?
         .spent;
     budget.restore(&spent);
-    keep_beginning(&folder, arguments, &into)?;
+    keep_beginning(&folder, arguments, &destination)?;
     let earlier = folder.earlier_steps();
-    if let Into::Again(_) = into {
+    if let Destination::Existing(_) = destination {
         io.talk(&again(earlier, &spent));
     }
     let done = rollout::run(&job, folder, &mut |event| report::show(event, earlier, io));
@@ -295,9 +299,9 @@ pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, F
 fn keep_beginning(
     folder: &RunFolder,
     arguments: &RunArguments,
-    into: &Into<'_>,
+    destination: &Destination<'_>,
 ) -> Result<(), Failure> {
-    if let Into::Again(_) = into {
+    if let Destination::Existing(_) = destination {
         return Ok(());
     }
     let begun = Begun {

@@ -24,14 +24,14 @@ pub struct WorldArguments {
 #[derive(Subcommand)]
 pub enum WorldVerb {
     /// Says which promises of a world yours keeps.
-    Check(CheckArguments),
+    Check(WorldCheckArguments),
     /// Serves the bundled simulator over stdin and stdout, as a world of yours would.
     Serve,
 }
 
 /// Arguments of `world check`.
 #[derive(Args)]
-pub struct CheckArguments {
+pub struct WorldCheckArguments {
     /// The world: `exec:"CMD ARG..."`, or `sim` to see what is promised.
     #[arg(value_name = "WORLD")]
     pub world: WorldChoice,
@@ -52,7 +52,7 @@ pub fn run(arguments: &WorldArguments, io: &Io) -> Result<Exit, Failure> {
 }
 
 /// Checks every promise, and reports each result at once.
-fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
+fn check(arguments: &WorldCheckArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     let make = || -> Result<Box<dyn World>, WorldError> {
         Ok(match &arguments.world {

@@ -21,13 +21,13 @@ use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The name and the intended contents of a snapshot that should exist.
-pub type Want = (Name, Intended);
+pub type ExpectedSnapshot = (Name, Intended);
 
 /// A task, and what its variants share with it.
 pub struct Task {
     source: String,
     /// The snapshots found so far that should exist.
-    pub wants: Vec<Want>,
+    pub snapshots: Vec<ExpectedSnapshot>,
     /// Whether to draw pictures again even if their inputs are unchanged.
     redraws: bool,
     /// Its scenes: the usual ones of the task and its variants, and those added on request.
@@ -71,7 +71,7 @@ impl Task {
         }
         Ok(Task {
             source: source.to_owned(),
-            wants: Vec::new(),
+            snapshots: Vec::new(),
             redraws: arguments.redraw,
             moments,
             scenes: BTreeMap::new(),
@@ -80,7 +80,7 @@ impl Task {
     }
 
     /// Adds everything a program needs: the task itself, or a variant after it.
-    pub fn want(
+    pub fn add_expected(
         &mut self,
         program: &Program,
         file: &str,
@@ -100,11 +100,11 @@ impl Task {
             for stage in &program.stages {
                 let info = self.info(&page, Some(&stage.name));
                 let name = page.name(Some(&stage.name), None)?;
-                let wanted = match page.shown(stage, &camera)? {
+                let intended = match page.shown(stage, &camera)? {
                     Some(shown) => Intended::Taken(Box::new(self.text(info, &shown))),
-                    None => Intended::Unseen(info),
+                    None => Intended::Unchecked(info),
                 };
-                self.wants.push((name, wanted));
+                self.snapshots.push((name, intended));
             }
             self.pictures(&page, &mut camera, plan)?;
         }
@@ -152,7 +152,7 @@ impl Task {
         let contents = Contents::Text(scene.text().trim_end().to_owned());
         let snapshot = Snapshot { metadata, contents };
         let taken = Intended::Taken(Box::new(snapshot));
-        self.wants.push((name, taken));
+        self.snapshots.push((name, taken));
         Ok(scene)
     }
 
@@ -224,8 +224,8 @@ impl Task {
                 drawn_from: Some(drawn_from),
                 ..self.info(page, None)
             };
-            let wanted = self.picture(&name, info, page, picture, camera, plan)?;
-            self.wants.push((name, wanted));
+            let intended = self.picture(&name, info, page, picture, camera, plan)?;
+            self.snapshots.push((name, intended));
         }
         Ok(())
     }
@@ -269,7 +269,7 @@ impl Task {
         let Some(png) = camera.picture(page.moment, picture)? else {
             return Ok(match is_damaged {
                 true => Intended::Damaged(info),
-                false => Intended::Unseen(info),
+                false => Intended::Unchecked(info),
             });
         };
         let info = Info {

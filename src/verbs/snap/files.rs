@@ -1,6 +1,6 @@
 //! Examines files in parallel, one thread per core, and adds their snapshots to a plan.
 
-use super::expected::{Task, Want};
+use super::expected::{ExpectedSnapshot, Task};
 use super::plan::Plan;
 use super::{Declared, SnapArguments};
 use crate::exit::Failure;
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 /// Adds all snapshots of some files; stops at the first file, in their order, that fails.
-pub fn want(
+pub fn add_expected(
     declared: &[Declared],
     arguments: &SnapArguments,
     plan: &mut Plan,
@@ -29,18 +29,19 @@ pub fn want(
         }
         found
     };
-    let mut found: BTreeMap<&String, Result<Vec<Want>, Failure>> = thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads.min(declared.len()))
-            .map(|_| scope.spawn(look))
-            .collect();
-        let joined = workers.into_iter().map(|worker| worker.join());
-        let joined = joined.map(|found| found.unwrap_or_else(|panic| resume_unwind(panic)));
-        joined.flatten().collect()
-    });
+    let mut found: BTreeMap<&String, Result<Vec<ExpectedSnapshot>, Failure>> =
+        thread::scope(|scope| {
+            let workers: Vec<_> = (0..threads.min(declared.len()))
+                .map(|_| scope.spawn(look))
+                .collect();
+            let joined = workers.into_iter().map(|worker| worker.join());
+            let joined = joined.map(|found| found.unwrap_or_else(|panic| resume_unwind(panic)));
+            joined.flatten().collect()
+        });
     for Declared { file, .. } in declared {
         plan.looked_at(&source_of(file));
-        for (name, wanted) in found.remove(file).transpose()?.unwrap_or_default() {
-            plan.want(name, wanted)?;
+        for (name, intended) in found.remove(file).transpose()?.unwrap_or_default() {
+            plan.add_expected(name, intended)?;
         }
     }
     Ok(())
@@ -57,16 +58,16 @@ fn of_file(
     arguments: &SnapArguments,
     plan: &Plan,
     io: &Io,
-) -> Result<Vec<Want>, Failure> {
+) -> Result<Vec<ExpectedSnapshot>, Failure> {
     let Declared { file, programs } = declared;
-    let mut wants = Vec::new();
+    let mut snapshots = Vec::new();
     // A task and its variants follow each other.
     for programs in programs.chunk_by(|one, other| one.task == other.task) {
         let mut task = Task::of(programs, &source_of(file), arguments, plan, io)?;
         for program in programs {
-            task.want(program, file, plan, io)?;
+            task.add_expected(program, file, plan, io)?;
         }
-        wants.append(&mut task.wants);
+        snapshots.append(&mut task.snapshots);
     }
-    Ok(wants)
+    Ok(snapshots)
 }

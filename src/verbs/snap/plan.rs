@@ -13,11 +13,11 @@ pub struct Plan {
     /// The folder that holds the tasks.
     tasks: PathBuf,
     pub folder: Folder,
-    wanted: BTreeMap<Name, Intended>,
+    expected: BTreeMap<Name, Intended>,
     /// The processed files, as snapshots name them.
     sources: BTreeSet<String>,
     /// Snapshots already reported as unreadable.
-    told: Mutex<BTreeSet<Name>>,
+    reported: Mutex<BTreeSet<Name>>,
 }
 
 /// The intended contents of one snapshot.
@@ -27,7 +27,7 @@ pub enum Intended {
     /// Its accepted contents: none of its inputs has changed.
     AsAccepted(Info),
     /// It should exist; this build cannot compute its contents.
-    Unseen(Info),
+    Unchecked(Info),
     /// It exists, but its bytes differ from its recorded hash; this build cannot redraw it.
     Damaged(Info),
 }
@@ -60,7 +60,7 @@ pub enum State {
     /// It does not.
     Same,
     /// This build cannot tell.
-    Unseen,
+    Unchecked,
     /// Its contents differ.
     Changed,
     /// It does not exist.
@@ -74,7 +74,7 @@ impl State {
     pub fn word(self) -> &'static str {
         match self {
             State::Same => "same",
-            State::Unseen => "unseen",
+            State::Unchecked => "unseen",
             State::Changed => "changed",
             State::New => "new",
             State::Orphaned => "orphaned",
@@ -85,7 +85,7 @@ impl State {
 impl SnapshotState {
     /// Returns whether it needs no action.
     pub fn is_clean(&self) -> bool {
-        matches!(self.state, State::Same | State::Unseen) && !self.is_pending
+        matches!(self.state, State::Same | State::Unchecked) && !self.is_pending
     }
 }
 
@@ -95,9 +95,9 @@ impl Plan {
         Ok(Plan {
             tasks: tasks.to_owned(),
             folder: Folder::open(tasks.join(FOLDER)).map_err(Failure::environment)?,
-            wanted: BTreeMap::new(),
+            expected: BTreeMap::new(),
             sources: BTreeSet::new(),
-            told: Mutex::default(),
+            reported: Mutex::default(),
         })
     }
 
@@ -107,14 +107,14 @@ impl Plan {
     }
 
     /// Adds a snapshot; fails if another file declares one of the same name.
-    pub fn want(&mut self, name: Name, wanted: Intended) -> Result<(), Failure> {
-        let is_taken = self.wanted.contains_key(&name);
+    pub fn add_expected(&mut self, name: Name, intended: Intended) -> Result<(), Failure> {
+        let is_taken = self.expected.contains_key(&name);
         if is_taken {
             return Err(Failure::usage(format!(
                 "two files declare what `{name}` would be a snapshot of; rename a task, or keep the files in two folders"
             )));
         }
-        self.wanted.insert(name, wanted);
+        self.expected.insert(name, intended);
         Ok(())
     }
 
@@ -123,11 +123,11 @@ impl Plan {
     /// An unreadable accepted snapshot counts as changed, with a note: it is proposed again.
     pub fn states(&self, io: &Io) -> Vec<SnapshotState> {
         let pending: BTreeSet<&Name> = self.folder.pending_names().collect();
-        let mut found = Vec::with_capacity(self.wanted.len());
-        for (name, wanted) in &self.wanted {
-            let (info, state) = match wanted {
+        let mut found = Vec::with_capacity(self.expected.len());
+        for (name, intended) in &self.expected {
+            let (info, state) = match intended {
                 Intended::AsAccepted(info) => (info.clone(), State::Same),
-                Intended::Unseen(info) => (info.clone(), State::Unseen),
+                Intended::Unchecked(info) => (info.clone(), State::Unchecked),
                 Intended::Damaged(info) => (info.clone(), State::Changed),
                 Intended::Taken(taken) => {
                     let state = match self.accepted(name, io) {
@@ -152,7 +152,7 @@ impl Plan {
             });
         }
         for name in self.folder.accepted_names() {
-            if self.wanted.contains_key(name) {
+            if self.expected.contains_key(name) {
                 continue;
             }
             // An unreadable snapshot cannot be attributed to a file, so it is left alone.
@@ -182,8 +182,8 @@ impl Plan {
         match self.folder.accepted(name) {
             Ok(accepted) => Readable::Yes(accepted.map(Box::new)),
             Err(error) => {
-                let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-                if told.insert(name.clone()) {
+                let mut reported = self.reported.lock().unwrap_or_else(PoisonError::into_inner);
+                if reported.insert(name.clone()) {
                     io.talk(&format!("note: {error}; it counts as changed"));
                 }
                 Readable::No
@@ -199,7 +199,7 @@ impl Plan {
     /// Writes differences as pending, removes obsolete pending snapshots, and removes orphans if asked to.
     ///
     /// Updates in `states` which are pending.
-    pub fn carry_out(
+    pub fn write(
         &mut self,
         states: &mut [SnapshotState],
         arguments: &SnapArguments,
@@ -207,7 +207,7 @@ impl Plan {
         let mut operations = Vec::new();
         for found in states {
             let name = found.name.clone();
-            match (found.state, self.wanted.get(&name)) {
+            match (found.state, self.expected.get(&name)) {
                 (State::Changed | State::New, Some(Intended::Taken(taken))) => {
                     if self.pending(&name).as_ref() != Some(taken) {
                         operations.push(Operation::Propose(name, (**taken).clone()));
@@ -233,7 +233,7 @@ impl Plan {
         let accepted: BTreeSet<&Name> = self.folder.accepted_names().collect();
         let mut operations = Vec::new();
         for name in self.folder.pending_names() {
-            if self.wanted.contains_key(name) || accepted.contains(name) {
+            if self.expected.contains_key(name) || accepted.contains(name) {
                 continue;
             }
             let metadata = self.pending(name).map(|pending| pending.metadata);

@@ -9,10 +9,10 @@ use crate::sources;
 use crate::sources::TaskArguments;
 use crate::verbs::render::page::DisplayMessage;
 use crate::verbs::render::shown_without_drawing;
-use crate::verbs::runtime::look::{self, StepScene};
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::FrameArguments;
 use crate::verbs::runtime::setting::StartArguments;
+use crate::verbs::runtime::step_scene::{StepScene, scene_at_step};
 use fab_agent::examples::Examples;
 use fab_agent::policy;
 use fab_agent::subgoals::SubgoalSet;
@@ -190,7 +190,7 @@ impl<'p> Camera<'p> {
                 _ => SubgoalSet::none(),
             };
             let start = setting::start(program, folder, &start, world, &interrupt, io)?;
-            let seen = look::at(
+            let seen = scene_at_step(
                 program,
                 &start,
                 moment.step,

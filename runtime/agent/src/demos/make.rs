@@ -81,14 +81,14 @@ pub fn make(
     announce: &mut dyn FnMut(&str),
 ) -> Result<(Header, Vec<Demo>), MakeError> {
     let program = making.program;
-    let told = |why: &str| MakeError::Task(format!("`{}` {why}", program.title()));
+    let task_error = |why: &str| MakeError::Task(format!("`{}` {why}", program.title()));
     let Some(demos) = &program.demos else {
-        return Err(told(
+        return Err(task_error(
             "names no demonstrations: write `demos STAGE from \"FILE\"`, or choose the variant that does with `--variant`",
         ));
     };
     let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
-        return Err(told(
+        return Err(task_error(
             "brings its subgoals as images, so that there is no fold to demonstrate",
         ));
     };
@@ -99,7 +99,7 @@ pub fn make(
                 "asks for `{}`, and an expert knows only where to pick and to place",
                 field.name
             );
-            return Err(told(&why));
+            return Err(task_error(&why));
         }
     }
     let reads = program.stages.iter().filter_map(|stage| match &stage.read {
@@ -112,7 +112,7 @@ pub fn make(
             "reads several texts before the action (`{}`), and an expert can write one instruction",
             reads.join("`, `")
         );
-        return Err(told(&why));
+        return Err(task_error(&why));
     }
     let expert = Expert {
         making,

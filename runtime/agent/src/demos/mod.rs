@@ -161,7 +161,7 @@ impl Demonstrations {
             );
             return Err(wrong(1, why));
         }
-        let mut told = Demonstrations {
+        let mut demonstrations = Demonstrations {
             stage: demos.stage.clone(),
             file: demos.file.path.clone(),
             starts: Vec::new(),
@@ -170,17 +170,18 @@ impl Demonstrations {
         for (line, number) in lines {
             let demo: Demo =
                 serde_json::from_str(line).map_err(|error| wrong(number, error.to_string()))?;
-            told.add(program, &demo, number as u32)
+            demonstrations
+                .add(program, &demo, number as u32)
                 .map_err(|why| wrong(number, why))?;
         }
-        Ok(told)
+        Ok(demonstrations)
     }
 
     fn add(&mut self, program: &Program, demo: &Demo, line: u32) -> Result<(), String> {
         self.starts.push(start_of(program, demo)?);
         let pointing = Pointing::of_camera(&program.camera);
         for (step, at) in demo.steps.iter().zip(0..) {
-            told(program, &self.stage, step, at as u32 + 1, pointing)?;
+            question_and_answer(program, &self.stage, step, at as u32 + 1, pointing)?;
             if self.by_step.len() <= at {
                 self.by_step.push(Vec::new());
             }
@@ -192,7 +193,7 @@ impl Demonstrations {
     /// Writes the demonstrations of a stage in a step, which counts from 1, in a model's point convention.
     ///
     /// Fails if a question cannot be written in that convention, or an answer would not be read back as chosen.
-    pub fn told(
+    pub fn answered_examples(
         &self,
         program: &Program,
         stage: &str,
@@ -207,7 +208,7 @@ impl Demonstrations {
             .iter()
             .zip(1..)
             .map(|((line, demo), number)| {
-                let (question, answer) = told(program, stage, demo, step, pointing)?;
+                let (question, answer) = question_and_answer(program, stage, demo, step, pointing)?;
                 let origin = Origin {
                     source: format!("demonstration {number}"),
                     value: None,
@@ -261,7 +262,7 @@ fn start_of(program: &Program, demo: &Demo) -> Result<Start, String> {
 }
 
 /// Writes one step as a question and its answer.
-fn told(
+fn question_and_answer(
     program: &Program,
     stage: &str,
     step: &DemoStep,

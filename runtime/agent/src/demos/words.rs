@@ -3,7 +3,7 @@
 use fab_program::{ClothPoint, PixelPoint};
 
 /// The direction of a point from the middle of the picture, counter-clockwise from the right.
-const WAYS: [&str; 8] = [
+const DIRECTIONS: [&str; 8] = [
     "right",
     "top right",
     "top",
@@ -58,15 +58,15 @@ fn noun(named: NamedPoint<'_>, center: PixelPoint) -> String {
             (false, false) => "point",
         },
     };
-    format!("the {kind} at the {}", way(named.at, center))
+    format!("the {kind} at the {}", direction(named.at, center))
 }
 
 /// Returns the closest of the eight directions from one pixel to another.
-fn way(to: PixelPoint, from: PixelPoint) -> &'static str {
+fn direction(to: PixelPoint, from: PixelPoint) -> &'static str {
     let (right, up) = (f64::from(to.u - from.u), f64::from(from.v - to.v));
     let eighths = (up.atan2(right) / std::f64::consts::FRAC_PI_4).round();
     // From -4 to 4; both ends are the left.
-    WAYS[(eighths as i64).rem_euclid(8) as usize]
+    DIRECTIONS[(eighths as i64).rem_euclid(8) as usize]
 }
 
 #[cfg(test)]
@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ways_are_those_of_the_picture() {
+    fn directions_are_those_of_the_picture() {
         let center = PixelPoint::new(100, 100);
         let cases = [
             ((150, 100), "right"),
@@ -88,7 +88,11 @@ mod tests {
             ((150, 150), "bottom right"),
         ];
         for ((u, v), expected) in cases {
-            assert_eq!(way(PixelPoint::new(u, v), center), expected, "({u}, {v})");
+            assert_eq!(
+                direction(PixelPoint::new(u, v), center),
+                expected,
+                "({u}, {v})"
+            );
         }
     }
 

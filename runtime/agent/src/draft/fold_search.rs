@@ -68,8 +68,8 @@ impl State {
     }
 }
 
-/// One step to be explained.
-pub struct Step<'s> {
+/// The search for the fold that explains one step.
+pub struct StepSearch<'s> {
     /// The flat cloth.
     pub start: &'s Start,
     /// The outline before the step.
@@ -118,7 +118,7 @@ struct Tried {
     state: State,
 }
 
-impl Step<'_> {
+impl StepSearch<'_> {
     /// Finds the fold whose result is closest to the next picture; `None` if no pick or place is possible.
     pub fn explain(&self, state: &State) -> Result<Option<FoldMatch>, DraftError> {
         let world = self.lay(state)?;

@@ -25,7 +25,7 @@ use fab_base::interrupt::Interrupt;
 use fab_program::{self as program, Cloth, Fold};
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
-use fold_search::{State, Step};
+use fold_search::{State, StepSearch};
 use image::RgbImage;
 use outline::{PictureParts, Pose};
 use std::ops::RangeInclusive;
@@ -160,7 +160,7 @@ pub fn draft(
         let names = [number, number + 1].map(|index| pictures[index].name.clone());
         let unchanged = before.overlap(after);
         check_change(before.area(), after.area(), unchanged, &names)?;
-        let step = Step {
+        let search = StepSearch {
             start: &start,
             before,
             after,
@@ -170,7 +170,7 @@ pub fn draft(
             interrupt,
             announce: &|tries| announce(number + 1, tries),
         };
-        let Some(found) = step.explain(&state)? else {
+        let Some(found) = search.explain(&state)? else {
             let [before, after] = names;
             return Err(DraftError::NoFold { before, after });
         };

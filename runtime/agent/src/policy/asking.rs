@@ -16,12 +16,12 @@ use std::time::Instant;
 pub struct Asking<'a> {
     ledger: Option<Ledger<'a>>,
     recorder: Option<&'a Recorder>,
-    step: Step,
+    step_kind: StepKind,
 }
 
 /// What kind of step the questions belong to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Step {
+pub enum StepKind {
     /// A new step.
     #[default]
     New,
@@ -39,17 +39,17 @@ impl<'a> Asking<'a> {
         Ok(Asking {
             ledger: Some(Ledger::open(folder, budget)?),
             recorder,
-            step: Step::New,
+            step_kind: StepKind::New,
         })
     }
 
     /// Starts a step of this kind.
-    pub fn begin(&mut self, step: Step) {
-        self.step = step;
+    pub fn begin(&mut self, step_kind: StepKind) {
+        self.step_kind = step_kind;
     }
 
     /// Stores nothing: for questions outside any run.
-    pub fn unkept() -> Asking<'a> {
+    pub fn unrecorded() -> Asking<'a> {
         Asking::default()
     }
 
@@ -76,7 +76,7 @@ impl<'a> Asking<'a> {
         if let Some(reply) = ledger.answered(&key) {
             return Ok(reply.clone());
         }
-        if self.step == Step::Repeated {
+        if self.step_kind == StepKind::Repeated {
             return Err(CallRefused::Lost.into());
         }
         let reply = model.ask(request, ledger)?;
@@ -99,7 +99,7 @@ impl<'a> Asking<'a> {
         if let Some(reply) = ledger.answered(key) {
             return Ok(Ok(reply.clone()));
         }
-        if self.step == Step::Repeated {
+        if self.step_kind == StepKind::Repeated {
             return Err(PolicyError::Calls(CallRefused::Lost));
         }
         let answered = ask();

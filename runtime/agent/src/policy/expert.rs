@@ -123,7 +123,7 @@ fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Propo
         }
     }
     let (_, proposal, action) = best?;
-    let told = |what: &str, [u, v]: [f64; 2], offered: PixelPoint| {
+    let deviation = |what: &str, [u, v]: [f64; 2], offered: PixelPoint| {
         format!(
             "{what} wanted ({}, {}), nearest offered {offered}, {:.0} px away",
             u.floor(),
@@ -133,8 +133,8 @@ fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Propo
     };
     let note = format!(
         "{}; {}",
-        told("pick", aim[0], action.pick_px),
-        told("place", aim[1], action.place_px)
+        deviation("pick", aim[0], action.pick_px),
+        deviation("place", aim[1], action.place_px)
     );
     Some((proposal, note))
 }

@@ -5,7 +5,7 @@ use super::{Extracted, Scene, SceneError};
 use fab_picture::centroid;
 use fab_picture::depth_mask;
 use fab_picture::observation::Observation;
-use fab_picture::{Located, Mask};
+use fab_picture::{Mask, SubpixelPoint};
 use fab_program::data::keypoints::PictureSide;
 use fab_program::{Extractor, Inside, PixelPoint};
 use fab_vision::CornerSearch;
@@ -104,14 +104,14 @@ impl Scene {
             Extractor::BoundingBox { mask } => fab_vision::bounding_box(self.mask(mask)?)
                 .map(Extracted::Box)
                 .ok_or_else(|| out_of_view(mask))?,
-            Extractor::BoxCenter { of } => Extracted::Point(Located::at_center_of(
+            Extractor::BoxCenter { of } => Extracted::Point(SubpixelPoint::at_center_of(
                 fab_vision::box_center(self.corners_of(of)?),
             )),
             Extractor::PictureCenter => {
                 let [right, low] = [observation.rgb.width(), observation.rgb.height()]
                     .map(|side| side.saturating_sub(1) as i32);
                 let around = [PixelPoint::new(0, 0), PixelPoint::new(right, low)];
-                Extracted::Point(Located::at_center_of(fab_vision::box_center(around)))
+                Extracted::Point(SubpixelPoint::at_center_of(fab_vision::box_center(around)))
             }
             Extractor::Contour { mask, tolerance_px } => {
                 let around = fab_vision::contour(self.mask(mask)?, *tolerance_px)?;
@@ -130,7 +130,7 @@ impl Scene {
                 let to = self.points_of(to).first().map(|point| point.at);
                 let points = self.points_of(points).iter();
                 let moved = |at: [f64; 2], to: [f64; 2]| {
-                    Located::at([0, 1].map(|axis| at[axis] + share * (to[axis] - at[axis])))
+                    SubpixelPoint::at([0, 1].map(|axis| at[axis] + share * (to[axis] - at[axis])))
                 };
                 let moved = points.filter_map(|point| Some(moved(point.at, to?)));
                 Extracted::Points(moved.collect())
@@ -141,9 +141,13 @@ impl Scene {
                     keypoint: points.clone(),
                     measured: format!("; `{name}` is one of its points"),
                 })?,
-            Extractor::Fixed { points } => {
-                Extracted::Points(points.iter().copied().map(Located::at_center_of).collect())
-            }
+            Extractor::Fixed { points } => Extracted::Points(
+                points
+                    .iter()
+                    .copied()
+                    .map(SubpixelPoint::at_center_of)
+                    .collect(),
+            ),
         })
     }
 
@@ -176,8 +180,8 @@ fn of_pixels(observation: &Observation, is_inside: impl Fn(PixelPoint) -> bool) 
 }
 
 /// Returns the point closest to a side of the picture; of several, the first.
-fn outermost(points: &[Located], side: PictureSide) -> Option<Located> {
-    let inward = |point: &Located| match side {
+fn outermost(points: &[SubpixelPoint], side: PictureSide) -> Option<SubpixelPoint> {
+    let inward = |point: &SubpixelPoint| match side {
         PictureSide::Left => point.at[0],
         PictureSide::Right => -point.at[0],
         PictureSide::Top => point.at[1],

@@ -14,7 +14,7 @@ mod tests;
 pub use stages::StagePicture;
 
 use fab_picture::observation::Observation;
-use fab_picture::{Located, Mask};
+use fab_picture::{Mask, SubpixelPoint};
 use fab_program::scene::{SceneView, Unreachable};
 use fab_program::space;
 use fab_program::{Choices, Keypoint, KeypointShape, Moment, PixelPoint, Program};
@@ -37,8 +37,8 @@ enum Extracted {
     Mask(Mask),
     Box([PixelPoint; 2]),
     Outline(Vec<PixelPoint>),
-    Points(Vec<Located>),
-    Point(Located),
+    Points(Vec<SubpixelPoint>),
+    Point(SubpixelPoint),
 }
 
 /// Why a picture gives no scene.
@@ -185,7 +185,7 @@ impl Scene {
     }
 
     /// Returns the points of a keypoint: one for a single point, none for other shapes.
-    fn points_of(&self, name: &str) -> &[Located] {
+    fn points_of(&self, name: &str) -> &[SubpixelPoint] {
         match self.get(name) {
             Some(Extracted::Points(points)) => points,
             Some(Extracted::Point(point)) => std::slice::from_ref(point),
@@ -258,7 +258,7 @@ fn out_of_view(mask: &str) -> SceneError {
     }
 }
 
-fn pixels(points: &[Located]) -> Vec<PixelPoint> {
+fn pixels(points: &[SubpixelPoint]) -> Vec<PixelPoint> {
     points.iter().map(|point| point.pixel).collect()
 }
 

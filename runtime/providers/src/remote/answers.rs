@@ -4,16 +4,13 @@
 //! threads have the same question, one asks and the others wait for its answer. Without a folder nothing is cached, and
 //! everybody asks.
 
+use super::INTERRUPT_POLL;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::Usage;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
-
-/// How soon a waiting thread notices that the user stopped it.
-const GLANCE: Duration = Duration::from_millis(50);
 
 /// Format of the cached files; other formats are ignored.
 const FORMAT: u32 = 1;
@@ -84,7 +81,7 @@ impl Answers {
                 asked.insert(key.clone());
                 return Lookup::Nothing(Claim { answers: self, key });
             }
-            let waited = self.settled.wait_timeout(asked, GLANCE);
+            let waited = self.settled.wait_timeout(asked, INTERRUPT_POLL);
             asked = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
     }

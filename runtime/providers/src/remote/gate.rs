@@ -3,12 +3,9 @@
 //! In: calls that begin and end. Out: permission to begin. The width grows by one after as many successes as it is
 //! wide, up to a maximum, and is halved when the provider reports overload.
 
+use super::INTERRUPT_POLL;
 use fab_base::interrupt::Interrupt;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
-
-/// How soon a waiting call notices that the user stopped it.
-const GLANCE: Duration = Duration::from_millis(50);
 
 /// Lets a limited number of calls through at once; shared by all users of one provider.
 #[derive(Debug)]
@@ -78,7 +75,7 @@ impl Gate {
                     narrowed: state.narrowed,
                 });
             }
-            let waited = self.freed.wait_timeout(state, GLANCE);
+            let waited = self.freed.wait_timeout(state, INTERRUPT_POLL);
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
     }

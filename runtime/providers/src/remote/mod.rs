@@ -39,8 +39,11 @@ use retry::{Next, QuestionCalls};
 use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
-use transport::{Incoming, Lost, Proxy, Transport};
+use transport::{Incoming, Proxy, Transport, TransportError};
 use wire::{Answer, Encoded};
+
+/// How often a waiting thread checks whether the user stopped it.
+const INTERRUPT_POLL: Duration = Duration::from_millis(50);
 
 /// A provider's model.
 pub struct Remote {
@@ -203,7 +206,7 @@ impl Remote {
                     }
                     Err(ended) => ended,
                 },
-                Err(Lost::Failed {
+                Err(TransportError::Failed {
                     fault,
                     billing,
                     why,
@@ -214,7 +217,7 @@ impl Remote {
                     cost: None,
                     wait: None,
                 },
-                Err(Lost::Interrupted) => {
+                Err(TransportError::Interrupted) => {
                     calls.end(&CallEnd::Failed {
                         fault: Fault::ConnectionCut,
                         why: "interrupted before the whole answer was there",

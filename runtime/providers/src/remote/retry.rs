@@ -3,6 +3,7 @@
 //! In: the faults of one question's calls, as they occur. Out: a wait, or why there is no further attempt. Nothing here
 //! waits or sends; a [`Pause`] does the waiting.
 
+use super::INTERRUPT_POLL;
 use backon::{BackoffBuilder, ExponentialBackoff, ExponentialBuilder};
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::Fault;
@@ -11,9 +12,6 @@ use std::fmt;
 use std::hash::{BuildHasher, RandomState};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-/// How soon a wait notices that the user stopped it.
-const GLANCE: Duration = Duration::from_millis(50);
 
 /// Limits on the calls for one question and the waits between them.
 #[derive(Clone, Debug)]
@@ -78,7 +76,7 @@ impl Pause for RealTime {
             if left.is_zero() {
                 return;
             }
-            std::thread::sleep(left.min(GLANCE));
+            std::thread::sleep(left.min(INTERRUPT_POLL));
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Sends one message and waits for the reply.
 //!
-//! In: an address, headers, a body. Out: status, wait and body without any key; or how the message was lost. A message
+//! In: an address, headers, a body. Out: status, wait and body without any key; or a [`TransportError`]. A message
 //! is sent once: no redirect is followed, nothing is retried. An interrupt ends the wait at once.
 
+use super::INTERRUPT_POLL;
 use super::hints;
 use super::redact::Redactor;
 use fab_base::interrupt::Interrupt;
@@ -14,9 +15,6 @@ use std::future::Future;
 use std::sync::LazyLock;
 use std::time::{Duration, SystemTime};
 use tokio::runtime::{Builder, Runtime};
-
-/// How soon a waiting call notices that the user stopped it.
-const GLANCE: Duration = Duration::from_millis(50);
 
 /// Time limit for connecting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
@@ -52,8 +50,8 @@ pub(super) struct Incoming {
     pub body: Vec<u8>,
 }
 
-/// How a message was lost.
-pub(super) enum Lost {
+/// Why there is no reply.
+pub(super) enum TransportError {
     /// The user stopped it.
     Interrupted,
     /// Something failed.
@@ -115,10 +113,10 @@ impl Transport {
         headers: &HeaderMap,
         body: &[u8],
         interrupt: &Interrupt,
-    ) -> Result<Incoming, Lost> {
+    ) -> Result<Incoming, TransportError> {
         let exchange = self.exchange(url, headers, body);
         let whole = self.runtime.block_on(unless_raised(exchange, interrupt));
-        whole.unwrap_or(Err(Lost::Interrupted))
+        whole.unwrap_or(Err(TransportError::Interrupted))
     }
 
     async fn exchange(
@@ -126,17 +124,17 @@ impl Transport {
         url: &Url,
         headers: &HeaderMap,
         body: &[u8],
-    ) -> Result<Incoming, Lost> {
+    ) -> Result<Incoming, TransportError> {
         let request = self.client.post(url.clone()).headers(headers.clone());
         let sent = request.body(body.to_vec()).send().await;
-        let mut response = sent.map_err(|error| self.lost(error))?;
+        let mut response = sent.map_err(|error| self.failed(error))?;
         let status = response.status().as_u16();
         let wait = hints::wait(response.headers(), SystemTime::now());
         let mut body = Vec::new();
-        while let Some(chunk) = response.chunk().await.map_err(|error| self.lost(error))? {
+        while let Some(chunk) = response.chunk().await.map_err(|error| self.failed(error))? {
             body.extend_from_slice(&chunk);
             if body.len() > MAX_REPLY_BYTES {
-                return Err(Lost::Failed {
+                return Err(TransportError::Failed {
                     fault: Fault::InvalidReply,
                     billing: Billing::Possibly,
                     why: format!("the reply is longer than the limit of {MAX_REPLY_BYTES} bytes"),
@@ -150,7 +148,7 @@ impl Transport {
         })
     }
 
-    fn lost(&self, error: reqwest::Error) -> Lost {
+    fn failed(&self, error: reqwest::Error) -> TransportError {
         let (fault, billing) = if error.is_connect() || error.is_builder() {
             (Fault::Unreachable, Billing::No)
         } else if error.is_timeout() {
@@ -166,7 +164,7 @@ impl Transport {
             ),
             _ => why,
         };
-        Lost::Failed {
+        TransportError::Failed {
             fault,
             billing,
             why,
@@ -181,7 +179,7 @@ async fn unless_raised<F: Future>(future: F, interrupt: &Interrupt) -> Option<F:
         if interrupt.is_raised() {
             return None;
         }
-        if let Ok(output) = tokio::time::timeout(GLANCE, future.as_mut()).await {
+        if let Ok(output) = tokio::time::timeout(INTERRUPT_POLL, future.as_mut()).await {
             return Some(output);
         }
     }

@@ -9,9 +9,9 @@ mod answer;
 mod chat;
 mod content;
 mod fields;
-mod near;
 mod refusal;
 mod responses;
+mod same_origin;
 
 use axum::Router;
 use axum::body::Bytes;
@@ -140,7 +140,7 @@ pub fn router(model: Arc<dyn Model>) -> Router {
 }
 
 async fn from_near(request: axum::extract::Request, next: Next) -> Response {
-    match near::check(request.headers()) {
+    match same_origin::check(request.headers()) {
         Ok(()) => next.run(request).await,
         Err(refusal) => refusal.into_response(),
     }
@@ -177,7 +177,7 @@ async fn try_answer<F: Form>(
     served: Served,
     request: axum::extract::Request,
 ) -> Result<Value, Refusal> {
-    near::check_type(request.headers())?;
+    same_origin::check_type(request.headers())?;
     let place = served.places.acquire_owned().await;
     let place = place.map_err(|_| Refusal::failed("the server is about to end"))?;
     // Check the declared length first, so that a body that is too large need not be read.

@@ -1,8 +1,8 @@
 //! Tests of boxes and outlines.
 
 use super::super::*;
-use fab_picture::Located;
 use fab_picture::Mask;
+use fab_picture::SubpixelPoint;
 use fab_program::PixelPoint;
 use proptest::prelude::*;
 
@@ -25,7 +25,7 @@ fn along(outline: &[PixelPoint], count: u32) -> Vec<PixelPoint> {
 fn points_of_an_outline_are_located_between_pixels() {
     let outline = points([(20, 30), (39, 30), (39, 60), (20, 60)]);
     let located =
-        |points: Vec<Located>| points.into_iter().map(|point| point.at).collect::<Vec<_>>();
+        |points: Vec<SubpixelPoint>| points.into_iter().map(|point| point.at).collect::<Vec<_>>();
     let middles = [[30.0, 30.5], [39.5, 45.5], [30.0, 60.5], [20.5, 45.5]];
     assert_eq!(located(super::super::edge_middles(&outline)), middles);
     let quarters = located(super::super::along(&outline, 4));

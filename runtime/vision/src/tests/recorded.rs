@@ -6,7 +6,7 @@ use super::super::*;
 use super::{corners_by_depth, harris};
 use crate::recorded::recorded_data;
 use fab_picture::DepthImage;
-use fab_picture::Located;
+use fab_picture::SubpixelPoint;
 use fab_picture::depth_mask;
 use fab_program::{Response, Sight};
 use image::Luma;
@@ -123,7 +123,8 @@ fn every_recorded_pick_is_near_a_detected_corner() {
                 folder.display()
             );
             let pick = [0, 1].map(|axis| step["pick_px"][axis].as_f64().unwrap());
-            let off = |corner: &Located| (corner.at[0] - pick[0]).hypot(corner.at[1] - pick[1]);
+            let off =
+                |corner: &SubpixelPoint| (corner.at[0] - pick[0]).hypot(corner.at[1] - pick[1]);
             worst_px = found
                 .iter()
                 .map(off)

@@ -5,8 +5,8 @@ use super::super::*;
 use super::harris;
 use crate::recorded::recorded_data;
 use fab_picture::DepthImage;
-use fab_picture::Located;
 use fab_picture::Mask;
+use fab_picture::SubpixelPoint;
 use fab_program::{PixelPoint, Response, Sight};
 use image::{GrayImage, Luma, Rgb, RgbImage};
 
@@ -70,7 +70,7 @@ fn a_square_has_four_corners_however_it_is_seen() {
             let found = corners(&depth, &rgb, &mask, &search).unwrap();
             assert_eq!(found.len(), 4, "{of:?} at {image_px}: {found:?}");
             for (u, v) in [(40, 40), (119, 40), (40, 119), (119, 119)] {
-                let is_near = |c: &Located| c.pixel.distance_px(PixelPoint::new(u, v)) <= 3.0;
+                let is_near = |c: &SubpixelPoint| c.pixel.distance_px(PixelPoint::new(u, v)) <= 3.0;
                 assert!(found.iter().any(is_near), "{of:?} at {image_px}: {found:?}");
             }
         }

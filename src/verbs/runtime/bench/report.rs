@@ -5,7 +5,7 @@ use crate::verbs::runtime::bench::Shard;
 use fab_agent::outcome::Outcome;
 use fab_base::files;
 use fab_bench::Bench;
-use fab_bench::play::{Results, Stop};
+use fab_bench::play::{Results, StopReason};
 use fab_bench::rows::Row;
 use fab_bench::{statistics, table};
 use serde_json::{Value, json};
@@ -73,12 +73,12 @@ impl Report<'_> {
             "wall_s": self.wall_s,
             "params": self.results.params,
             "out": self.bench.out.display().to_string(),
-            "interrupted": self.results.stopped == Some(Stop::Interrupted),
-            "capped": self.results.stopped == Some(Stop::Capped),
-            "arm_left": self.results.left.as_ref().map(|left| json!({
-                "run_dir": left.folder.display().to_string(),
-                "why": left.why,
-                "is_clear": left.is_clear,
+            "interrupted": self.results.stopped == Some(StopReason::Interrupted),
+            "capped": self.results.stopped == Some(StopReason::Capped),
+            "arm_left": self.results.arm_stop.as_ref().map(|stop| json!({
+                "run_dir": stop.folder.display().to_string(),
+                "why": stop.why,
+                "is_clear": stop.is_clear,
             })),
             "cut_off": self.results.cut_off.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>(),
             "calls": self.bench.budget.spent(),
@@ -123,14 +123,14 @@ impl Report<'_> {
     }
 
     /// Reports time and cost.
-    pub fn told(&self) -> String {
+    pub fn summary(&self) -> String {
         let spent = &self.results.spent;
         let mut lines = Vec::new();
         if let Some(stop) = self.results.stopped {
             let why = match stop {
-                Stop::Interrupted => "interrupted",
-                Stop::Capped => "stopped by a cap",
-                Stop::ArmLeft => "stopped because of the arm",
+                StopReason::Interrupted => "interrupted",
+                StopReason::Capped => "stopped by a cap",
+                StopReason::Arm => "stopped because of the arm",
             };
             lines.push(format!(
                 "{why}: {} of {} rollouts are finished; run again with the same `--out` to continue",
@@ -145,7 +145,7 @@ impl Report<'_> {
         }
         lines.extend(self.failed());
         lines.extend(self.cut_off());
-        lines.extend(self.arm_left());
+        lines.extend(self.arm_stop());
         let calls = self.bench.budget.spent();
         if calls.calls > 0 {
             lines.push(format!("calls: {}, {}", calls.calls, calls.in_words()));
@@ -211,17 +211,17 @@ impl Report<'_> {
     }
 
     /// Reports the rollout after which the arm's state prevented further ones, and why.
-    fn arm_left(&self) -> Option<String> {
-        let left = self.results.left.as_ref()?;
-        let folder = left.folder.display();
-        Some(match left.is_clear {
+    fn arm_stop(&self) -> Option<String> {
+        let stop = self.results.arm_stop.as_ref()?;
+        let folder = stop.folder.display();
+        Some(match stop.is_clear {
             true => format!(
                 "no further rollout was begun after `{folder}`, in which the arm or the camera failed: {}; the arm is at rest",
-                left.why
+                stop.why
             ),
             false => format!(
                 "the arm was left in the middle of a motion, and no further rollout was begun: {}; look after it, and say so by `fabc robot recover {folder}`",
-                left.why
+                stop.why
             ),
         })
     }

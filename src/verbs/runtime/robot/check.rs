@@ -19,7 +19,7 @@ use std::path::PathBuf;
 
 /// Arguments of `robot check`.
 #[derive(Args)]
-pub struct CheckArguments {
+pub struct RobotCheckArguments {
     /// The arm's settings.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub robot: PathBuf,
@@ -44,7 +44,7 @@ enum CalibrationState {
 }
 
 /// Checks the settings and everything that they name.
-pub fn run(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
+pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
     let settings = Settings::load(&arguments.robot).map_err(Failure::environment)?;
     let chain = Chain::of_model(&settings.model).map_err(Failure::environment)?;
     let places = places(&settings, &chain);

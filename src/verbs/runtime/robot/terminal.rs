@@ -49,7 +49,7 @@ pub enum HoldToRun {
 }
 
 /// A supervisor that asks on the terminal.
-pub struct Terminal {
+pub struct TerminalSupervisor {
     confirm: Confirm,
     hold: HoldToRun,
     keys: Option<Keys>,
@@ -59,9 +59,9 @@ pub struct Terminal {
     io: Io,
 }
 
-impl Terminal {
+impl TerminalSupervisor {
     /// Checks that there is a terminal to ask on; a usage error otherwise.
-    pub fn new(confirm: Confirm, hold: HoldToRun, io: &Io) -> Result<Terminal, Failure> {
+    pub fn new(confirm: Confirm, hold: HoldToRun, io: &Io) -> Result<TerminalSupervisor, Failure> {
         let needs = match (confirm, hold) {
             (Confirm::None, HoldToRun::Off) => None,
             (Confirm::None, HoldToRun::Space) => Some("`--hold-to-run` waits for a key"),
@@ -79,7 +79,7 @@ impl Terminal {
                 Failure::usage(format!("`--hold-to-run` cannot see keys here: {why}"))
             })?;
         }
-        Ok(Terminal {
+        Ok(TerminalSupervisor {
             confirm,
             hold,
             keys: None,
@@ -114,7 +114,7 @@ pub fn restore() {
     hold_key::discard_typed();
 }
 
-impl Supervisor for Terminal {
+impl Supervisor for TerminalSupervisor {
     fn confirm_cloth(&mut self, start: &Start) -> bool {
         match self.confirm {
             Confirm::None => true,

@@ -2,7 +2,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::verbs::runtime::robot::terminal::{Confirm, HoldToRun, Terminal};
+use crate::verbs::runtime::robot::terminal::{Confirm, HoldToRun, TerminalSupervisor};
 use crate::verbs::runtime::robot::watchdog::Process;
 use crate::verbs::runtime::robot::{connect, preflight};
 use clap::{Args, ValueHint};
@@ -190,7 +190,7 @@ fn supervisor(
         true => HoldToRun::Space,
         false => HoldToRun::Off,
     };
-    Ok(Box::new(Terminal::new(confirm, hold, io)?))
+    Ok(Box::new(TerminalSupervisor::new(confirm, hold, io)?))
 }
 
 fn failed(why: String) -> WorldError {

@@ -4,7 +4,7 @@ use super::catalogue;
 use super::remote::Providers;
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::verbs::render::camera::ShownArguments;
+use crate::verbs::render::camera::TargetModelArguments;
 use crate::verbs::runtime::setting::model_arguments::ModelArguments;
 use crate::verbs::runtime::setting::model_arguments::Purpose;
 use crate::verbs::runtime::setting::model_arguments::SpendArguments;
@@ -226,7 +226,7 @@ pub struct TargetModel {
 
 impl TargetModel {
     /// Finds the model that the command line names.
-    pub fn of(shown: &ShownArguments, io: &Io) -> Result<TargetModel, Failure> {
+    pub fn of(shown: &TargetModelArguments, io: &Io) -> Result<TargetModel, Failure> {
         let (known, profile) = match &shown.model {
             None => (Lowering::PIXELS, None),
             Some(name) => match embedded(name, ModelRole::Text)? {

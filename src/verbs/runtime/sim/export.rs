@@ -1,6 +1,6 @@
 //! `fabc sim export`: writes positions or a mesh for other programs, in the world frame.
 
-use super::files::{self, State};
+use super::files::{self, ClothState};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::verbs::runtime::sim::files::StateArguments;
@@ -49,7 +49,7 @@ pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
 }
 
 /// Writes a state to a file, along with any file that belongs to it.
-type Writer = fn(&State, &Path) -> Result<Vec<PathBuf>, Failure>;
+type Writer = fn(&ClothState, &Path) -> Result<Vec<PathBuf>, Failure>;
 
 /// Chooses the format by the output's extension.
 fn writer(path: &Path) -> Result<Writer, Failure> {
@@ -66,7 +66,7 @@ fn writer(path: &Path) -> Result<Writer, Failure> {
 }
 
 /// Writes positions, and beside them the description that makes them usable as a start.
-fn positions(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
+fn positions(state: &ClothState, path: &Path) -> Result<Vec<PathBuf>, Failure> {
     let beside = path.with_extension("json");
     if beside.symlink_metadata().is_ok() && !files::is_made_by(MADE_BY, &beside) {
         return Err(Failure::environment(format!(
@@ -82,7 +82,7 @@ fn positions(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// Writes the cloth's triangles as a Wavefront file.
-fn mesh(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
+fn mesh(state: &ClothState, path: &Path) -> Result<Vec<PathBuf>, Failure> {
     let text = fab_sim::mesh::obj(&state.mask, &state.positions).map_err(Failure::environment)?;
     files::write(path, text.as_bytes())?;
     Ok(vec![path.to_owned()])

@@ -28,7 +28,7 @@ pub struct StateArguments {
 }
 
 /// Particle positions in the world frame, and their grid.
-pub struct State {
+pub struct ClothState {
     /// `[dimy * dimx]` positions, index `iy * dimx + ix`, world frame, metres.
     pub positions: Vec<[f32; 3]>,
     /// Which particles exist; its grid is within the simulator's bounds.
@@ -38,7 +38,7 @@ pub struct State {
 }
 
 /// Reads a state like `fabc run --start`; frame and grid must be stated and are never guessed.
-pub fn read_state(arguments: &StateArguments) -> Result<State, Failure> {
+pub fn read_state(arguments: &StateArguments) -> Result<ClothState, Failure> {
     let stated = setting::stated_frame(&arguments.frame, SPACING_M)?;
     let path = &arguments.file;
     let start = Start::load(path, stated).map_err(Failure::environment)?;
@@ -58,7 +58,7 @@ pub fn read_state(arguments: &StateArguments) -> Result<State, Failure> {
         (None, Some(described)) => described,
         (None, None) => Mask::full(grid),
     };
-    Ok(State {
+    Ok(ClothState {
         positions: start.positions,
         mask,
         grid: start.grid,

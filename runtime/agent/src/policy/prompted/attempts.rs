@@ -235,16 +235,16 @@ impl<'a> Attempts<'a> {
     }
 
     /// Adds an answer and the correction.
-    fn correct(&mut self, answer: String, mut told: PromptText, picture: Option<Png>) {
+    fn correct(&mut self, answer: String, mut correction: PromptText, picture: Option<Png>) {
         let answer = PromptText {
             text: answer,
             stretches: Vec::new(),
         };
         self.conversation.say(Speaker::Assistant, answer);
         if picture.is_some() {
-            told.push(SEPARATOR, PromptText::by_fabc(REFUSED_ACTION));
+            correction.push(SEPARATOR, PromptText::by_fabc(REFUSED_ACTION));
         }
-        self.conversation.say(Speaker::User, told);
+        self.conversation.say(Speaker::User, correction);
         if let Some(png) = picture {
             self.conversation.add_refused_action(png);
         }

@@ -112,8 +112,9 @@ pub fn opening(
         spoken.push(UndrawnMessage { speaker, parts });
     }
     let question = spoken.len().saturating_sub(1);
-    let told = examples.told(program, &stage.name, step, values.pointing(program))?;
-    let told = told
+    let answered =
+        examples.answered_examples(program, &stage.name, step, values.pointing(program))?;
+    let answered = answered
         .into_iter()
         .flat_map(|AnsweredExample { question, answer }| {
             let turn = |speaker, said| UndrawnMessage {
@@ -125,7 +126,7 @@ pub fn opening(
                 turn(Speaker::Assistant, answer),
             ]
         });
-    spoken.splice(question..question, told);
+    spoken.splice(question..question, answered);
     Ok(spoken)
 }
 

@@ -28,12 +28,12 @@ pub(super) struct Body<'a> {
 #[derive(Serialize)]
 struct Turn<'a> {
     role: &'static str,
-    content: Content<'a>,
+    content: AnthropicContent<'a>,
 }
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Content<'a> {
+enum AnthropicContent<'a> {
     Text(String),
     Blocks(Vec<Block<'a>>),
 }
@@ -99,7 +99,7 @@ pub(super) fn body<'a>(
 
 fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
     if message.speaker == Speaker::Assistant {
-        let content = Content::Text(words(message)?);
+        let content = AnthropicContent::Text(words(message)?);
         return Ok(Turn {
             role: "assistant",
             content,
@@ -116,7 +116,7 @@ fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
     });
     Ok(Turn {
         role: "user",
-        content: Content::Blocks(blocks.collect()),
+        content: AnthropicContent::Blocks(blocks.collect()),
     })
 }
 
@@ -126,7 +126,7 @@ struct Reply {
     stop_reason: Option<String>,
     stop_details: Option<Details>,
     #[serde(default, deserialize_with = "if_readable")]
-    usage: Option<Tokens>,
+    usage: Option<AnthropicTokens>,
     error: Option<Value>,
 }
 
@@ -147,7 +147,7 @@ enum ContentBlock {
 }
 
 #[derive(Deserialize)]
-struct Tokens {
+struct AnthropicTokens {
     input_tokens: u64,
     output_tokens: u64,
     cache_creation_input_tokens: Option<u64>,

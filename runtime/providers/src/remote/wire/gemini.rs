@@ -13,7 +13,7 @@ use serde_json::Value;
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Body<'a> {
-    contents: Vec<Content<'a>>,
+    contents: Vec<GeminiContent<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     system_instruction: Option<Frame>,
     generation_config: Config<'a>,
@@ -30,7 +30,7 @@ struct OwnText {
 }
 
 #[derive(Serialize)]
-struct Content<'a> {
+struct GeminiContent<'a> {
     role: &'static str,
     parts: Vec<Piece<'a>>,
 }
@@ -84,7 +84,7 @@ pub(super) fn body<'a>(
     })
 }
 
-fn content(message: &Message) -> Result<Content<'_>, Unfit> {
+fn content(message: &Message) -> Result<GeminiContent<'_>, Unfit> {
     let role = if message.speaker == Speaker::Assistant {
         words(message)?;
         "model"
@@ -98,7 +98,7 @@ fn content(message: &Message) -> Result<Content<'_>, Unfit> {
             data: base64(png),
         }),
     });
-    Ok(Content {
+    Ok(GeminiContent {
         role,
         parts: parts.collect(),
     })
@@ -110,7 +110,7 @@ struct Reply {
     candidates: Option<Vec<Candidate>>,
     prompt_feedback: Option<Feedback>,
     #[serde(default, deserialize_with = "if_readable")]
-    usage_metadata: Option<Tokens>,
+    usage_metadata: Option<GeminiTokens>,
     error: Option<Value>,
 }
 
@@ -143,7 +143,7 @@ struct Feedback {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct Tokens {
+struct GeminiTokens {
     prompt_token_count: Option<u64>,
     cached_content_token_count: Option<u64>,
     candidates_token_count: Option<u64>,

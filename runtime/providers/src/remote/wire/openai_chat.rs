@@ -31,12 +31,12 @@ pub(super) struct Body<'a> {
 #[derive(Serialize)]
 struct Turn<'a> {
     role: &'static str,
-    content: Content<'a>,
+    content: ChatContent<'a>,
 }
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Content<'a> {
+enum ChatContent<'a> {
     Text(String),
     Parts(Vec<Piece<'a>>),
 }
@@ -93,17 +93,17 @@ pub(super) fn body<'a>(
 
 fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
     let (role, content) = match message.speaker {
-        Speaker::System => ("system", Content::Text(words(message)?)),
-        Speaker::Assistant => ("assistant", Content::Text(words(message)?)),
+        Speaker::System => ("system", ChatContent::Text(words(message)?)),
+        Speaker::Assistant => ("assistant", ChatContent::Text(words(message)?)),
         Speaker::User => ("user", asked(message)),
     };
     Ok(Turn { role, content })
 }
 
-fn asked(message: &Message) -> Content<'_> {
+fn asked(message: &Message) -> ChatContent<'_> {
     // Some servers accept text-only content only as a string.
     if let [Part::Text(text)] = &message.parts[..] {
-        return Content::Text(text.clone());
+        return ChatContent::Text(text.clone());
     }
     let pieces = message.parts.iter().map(|part| match part {
         Part::Text(text) => Piece::Text { text },
@@ -111,14 +111,14 @@ fn asked(message: &Message) -> Content<'_> {
             image_url: ImageUrl { url: data_url(png) },
         },
     });
-    Content::Parts(pieces.collect())
+    ChatContent::Parts(pieces.collect())
 }
 
 #[derive(Deserialize)]
 struct Completion {
     choices: Option<Vec<Choice>>,
     #[serde(default, deserialize_with = "if_readable")]
-    usage: Option<Tokens>,
+    usage: Option<ChatTokens>,
     error: Option<Value>,
 }
 
@@ -150,7 +150,7 @@ struct TextPiece {
 }
 
 #[derive(Deserialize)]
-struct Tokens {
+struct ChatTokens {
     prompt_tokens: u64,
     #[serde(default)]
     completion_tokens: u64,

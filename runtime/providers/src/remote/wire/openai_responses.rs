@@ -28,12 +28,12 @@ pub(super) struct Body<'a> {
 #[derive(Serialize)]
 struct Turn<'a> {
     role: &'static str,
-    content: Content<'a>,
+    content: ResponsesContent<'a>,
 }
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Content<'a> {
+enum ResponsesContent<'a> {
     Text(String),
     Parts(Vec<Piece<'a>>),
 }
@@ -90,11 +90,11 @@ pub(super) fn body<'a>(
 
 fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
     let (role, content) = match message.speaker {
-        Speaker::System => ("system", Content::Text(words(message)?)),
-        Speaker::Assistant => ("assistant", Content::Text(words(message)?)),
+        Speaker::System => ("system", ResponsesContent::Text(words(message)?)),
+        Speaker::Assistant => ("assistant", ResponsesContent::Text(words(message)?)),
         Speaker::User => (
             "user",
-            Content::Parts(message.parts.iter().map(piece).collect()),
+            ResponsesContent::Parts(message.parts.iter().map(piece).collect()),
         ),
     };
     Ok(Turn { role, content })
@@ -117,7 +117,7 @@ struct Response {
     incomplete_details: Option<Incomplete>,
     output: Option<Vec<Item>>,
     #[serde(default, deserialize_with = "if_readable")]
-    usage: Option<Tokens>,
+    usage: Option<ResponsesTokens>,
 }
 
 #[derive(Deserialize)]
@@ -145,7 +145,7 @@ enum ContentPart {
 }
 
 #[derive(Deserialize)]
-struct Tokens {
+struct ResponsesTokens {
     input_tokens: u64,
     output_tokens: u64,
     input_tokens_details: Option<InputDetails>,

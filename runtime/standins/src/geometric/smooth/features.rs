@@ -26,8 +26,8 @@ pub const NAMES: [&str; 22] = [
     "own_behind",          // how far back it is seen
     "other_behind",        // share of what is behind that shows the other face
     "beyond",              // area of cloth farther on than the corner
-    "ahead",               // how far there is cloth in the way's direction
-    "beside",              // on the farther side of the two beside the way
+    "ahead",               // how far there is cloth in the direction of the pull
+    "beside",              // on the farther side of the two beside the pull
     "farthest_from_place", // point of the outline
     "widened",             // area by which the place widens the outline
     "length",              // of the pull
@@ -161,13 +161,13 @@ impl<'a> Cloth<'a> {
     }
 
     /// Measures a corner with a direction; `angle` in radians, clockwise from the picture's right.
-    pub fn way<'c>(&'c self, corner: &'c Corner, angle: f64) -> Pull<'c> {
+    pub fn measure<'c>(&'c self, corner: &'c Corner, angle: f64) -> Pull<'c> {
         let from = corner.at;
         let square = self.side * self.side;
         let back = self.beside(from, angle, -HELD_BACK);
         let quarter = std::f64::consts::FRAC_PI_2;
         let [left, right] =
-            [angle - quarter, angle + quarter].map(|way| self.cloth_along(back, way));
+            [angle - quarter, angle + quarter].map(|angle| self.cloth_along(back, angle));
         let (hold, own) = self.held(corner, angle);
         let [own_behind, other_behind] = self.behind(from, angle, own);
         let fixed = [
@@ -206,7 +206,7 @@ impl<'a> Cloth<'a> {
 
     /// Returns a visible point of the grasped cloth, and its face; little of it is visible if the layer only peeks out.
     fn held(&self, corner: &Corner, angle: f64) -> (Point, Face) {
-        let behind = HOLD.map(|way| self.beside(corner.at, angle, -way));
+        let behind = HOLD.map(|distance| self.beside(corner.at, angle, -distance));
         let seen = behind.into_iter().map(|point| (point, self.view.at(point)));
         let mut cloth = seen.filter(|(_, face)| *face != Face::Table);
         cloth.next().unwrap_or((corner.at, corner.face))
@@ -215,39 +215,39 @@ impl<'a> Cloth<'a> {
     /// Returns how far back the grasped cloth shows its face, in sides, at least [`FIRST`], and how much of the area
     /// behind shows the other face.
     fn behind(&self, from: Point, angle: f64, own: Face) -> [f64; 2] {
-        let at = |way: f64| self.view.at(self.beside(from, angle, -way));
-        let mut way = FIRST;
-        while way < END && at(way) == own {
-            way += STEP;
+        let at = |distance: f64| self.view.at(self.beside(from, angle, -distance));
+        let mut distance = FIRST;
+        while distance < END && at(distance) == own {
+            distance += STEP;
         }
         let steps = (COVERING / STEP) as u32;
         let seen = (1..=steps).map(|step| at(f64::from(step) * STEP));
         let other = seen.filter(|&face| face != own && face != Face::Table);
-        [way, other.count() as f64 / f64::from(steps)]
+        [distance, other.count() as f64 / f64::from(steps)]
     }
 
     /// Returns how far there is cloth along a line, in sides; [`FIRST`] if there is none.
     fn cloth_along(&self, from: Point, angle: f64) -> f64 {
-        let mut way = FIRST;
-        while way < END && self.view.at(self.beside(from, angle, way)) != Face::Table {
-            way += STEP;
+        let mut distance = FIRST;
+        while distance < END && self.view.at(self.beside(from, angle, distance)) != Face::Table {
+            distance += STEP;
         }
-        way
+        distance
     }
 
     /// Returns a point at a distance, in sides.
-    fn beside(&self, from: Point, angle: f64, way: f64) -> Point {
+    fn beside(&self, from: Point, angle: f64, distance: f64) -> Point {
         let (sin, cos) = angle.sin_cos();
         [
-            from[0] + way * self.side * cos,
-            from[1] + way * self.side * sin,
+            from[0] + distance * self.side * cos,
+            from[1] + distance * self.side * sin,
         ]
     }
 }
 
 impl Pull<'_> {
     /// Returns the features of a pull to a place, in the order of [`NAMES`].
-    pub fn pull(&self, to: Point) -> [f64; NAMES.len()] {
+    pub fn features(&self, to: Point) -> [f64; NAMES.len()] {
         let length = hull::distance(self.corner.at, to) / self.cloth.side;
         let of_place = [self.cloth.farthest(to), self.cloth.widened(to), length];
         let mut fixed = self.fixed.iter().chain(&of_place);
@@ -265,14 +265,19 @@ struct Distribution {
 
 /// Returns the cloth's mean darkness and mean variation of brightness over its inner pixels; 0 if none are visible.
 fn shading(view: &View, side: f64) -> [f64; 2] {
-    const WAYS: [Point; 4] = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+    const DIRECTIONS: [Point; 4] = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
     let (mut sums, mut count) = ([0.0; 2], 0.0_f64);
     for (at, _) in view.cloth() {
-        let beside = |[right, down]: Point, way: f64| {
-            view.light([at[0] + right * way * side, at[1] + down * way * side])
+        let beside = |[right, down]: Point, distance: f64| {
+            view.light([
+                at[0] + right * distance * side,
+                at[1] + down * distance * side,
+            ])
         };
-        let is_inner = WAYS.into_iter().all(|way| beside(way, INNER).is_some());
-        let near = WAYS.map(|way| beside(way, APART));
+        let is_inner = DIRECTIONS
+            .into_iter()
+            .all(|direction| beside(direction, INNER).is_some());
+        let near = DIRECTIONS.map(|direction| beside(direction, APART));
         if let (true, Some(here), [Some(a), Some(b), Some(c), Some(d)]) =
             (is_inner, view.light(at), near)
         {

@@ -2,14 +2,14 @@
 //!
 //! In: a conversation whose opening question shows the cloth and may list its corners. Out: an answer in the requested
 //! form. The cloth's pose and visible faces come from the picture ([`view`]); the choices, the scale and the limits
-//! from the words ([`brief`]). Each choice is described by numbers ([`features`]) and its gain estimated from them
-//! ([`estimate`]); [`pulls`] ranks the choices, and [`corrections`] removes those ruled out by corrections. It knows
-//! nothing else about the cloth.
+//! from the words ([`parsed_prompt`]). Each choice is described by numbers ([`features`]) and its gain estimated from
+//! them ([`estimate`]); [`pulls`] ranks the choices, and [`corrections`] removes those ruled out by corrections. It
+//! knows nothing else about the cloth.
 
-mod brief;
 mod corrections;
 mod estimate;
 mod features;
+mod parsed_prompt;
 mod pulls;
 mod rim;
 mod view;
@@ -18,11 +18,11 @@ mod view;
 mod tests;
 
 use super::{prompt, spoken};
-use brief::Brief;
 use fab_model::{Message, Part, Speaker};
 use fab_picture::hull::Point;
 use fab_program::PixelPoint;
 pub use features::NAMES as FEATURES;
+use parsed_prompt::ParsedPrompt;
 use pulls::Pull;
 use view::View;
 
@@ -30,7 +30,7 @@ use view::View;
 pub fn is_asked(text: &str) -> bool {
     ["direction", "distance"]
         .iter()
-        .all(|field| !brief::choices(text, field).is_empty())
+        .all(|field| !parsed_prompt::choices(text, field).is_empty())
 }
 
 /// Answers a conversation; if that is impossible, says why in words without an action.
@@ -59,11 +59,11 @@ pub struct Offer {
 /// Returns the pulls permitted by a conversation's rules and corrections, most promising first, for fitting the
 /// estimate to their gains; fails with the reason.
 pub fn offers(messages: &[Message]) -> Result<Vec<Offer>, String> {
-    let Question { brief, pulls, .. } = Question::read(messages)?;
+    let Question { parsed, pulls, .. } = Question::read(messages)?;
     let offer = |pull: Pull| Offer {
         pick: pull.pick,
-        direction_deg: brief.directions[pull.direction].value,
-        distance: brief.distances[pull.distance].value,
+        direction_deg: parsed.directions[pull.direction].value,
+        distance: parsed.distances[pull.distance].value,
         features: pull.features,
         gain: pull.gain,
     };
@@ -74,7 +74,7 @@ pub fn offers(messages: &[Message]) -> Result<Vec<Offer>, String> {
 struct Question {
     /// All text up to it.
     words: String,
-    brief: Brief,
+    parsed: ParsedPrompt,
     /// The pulls permitted by its rules and later corrections, most promising first; never empty.
     pulls: Vec<Pull>,
 }
@@ -95,22 +95,22 @@ impl Question {
             Part::Image(png) => Some(png),
             Part::Text(_) => None,
         });
-        let mut brief = Brief::read(&words)?;
+        let mut parsed = ParsedPrompt::read(&words)?;
         let view = View::decode(pictures.next().ok_or("there is no picture")?.bytes())?;
-        if brief.corners.is_empty() {
-            brief.corners = rim::corners(&view, brief.edge_px);
+        if parsed.corners.is_empty() {
+            parsed.corners = rim::corners(&view, parsed.edge_px);
         }
-        let mut pulls = pulls::ranked(&brief, &view);
+        let mut pulls = pulls::ranked(&parsed, &view);
         if pulls.is_empty() {
             return Err("no pull leads outward and ends where the rules allow".to_owned());
         }
-        pulls.retain(|pull| corrections::leaves(later, &brief, pull));
+        pulls.retain(|pull| corrections::leaves(later, &parsed, pull));
         if pulls.is_empty() {
             return Err("every pull that the rules allow was refused".to_owned());
         }
         Ok(Question {
             words,
-            brief,
+            parsed,
             pulls,
         })
     }
@@ -118,13 +118,13 @@ impl Question {
 
 fn choose(messages: &[Message]) -> Result<String, String> {
     let question = Question::read(messages)?;
-    let (brief, best) = (&question.brief, &question.pulls[0]);
+    let (parsed, best) = (&question.parsed, &question.pulls[0]);
     Ok(format!(
         "{}\nDirection = {}\nDistance = {}\nOf the corners this one looks {}, and I expect that the pull uncovers \
          about {:.0} percent of the cloth's flat area.",
         prompt::AnswerLine::asked_for("pick", &question.words).with(best.pick),
-        brief.directions[best.direction].words,
-        brief.distances[best.distance].words,
+        parsed.directions[best.direction].words,
+        parsed.distances[best.distance].words,
         if best.is_sharp {
             "like one of the cloth's own"
         } else {

@@ -1,9 +1,9 @@
 //! Ranks the pulls that a prompt offers.
 //!
-//! In: a [`Brief`] and a [`View`]. Out: every pull within the prompt's rules, most promising first.
+//! In: a [`ParsedPrompt`] and a [`View`]. Out: every pull within the prompt's rules, most promising first.
 
-use super::brief::Brief;
 use super::features::{Cloth, NAMES};
+use super::parsed_prompt::ParsedPrompt;
 use super::view::View;
 use super::{estimate, middle_of, rim};
 use fab_picture::hull;
@@ -39,13 +39,13 @@ const SHARP: std::ops::Range<f64> = 0.08..0.38;
 
 /// Returns the pulls that a prompt's rules allow, most promising first. Those of corners to avoid come last, since a
 /// task may accept one if there is no other.
-pub fn ranked(brief: &Brief, view: &View) -> Vec<Pull> {
-    let center = brief.center.map_or_else(|| rim::center(view), middle_of);
-    let cloth = Cloth::new(view, center, brief.edge_px);
-    let mut pulls: Vec<Pull> = brief
+pub fn ranked(parsed: &ParsedPrompt, view: &View) -> Vec<Pull> {
+    let center = parsed.center.map_or_else(|| rim::center(view), middle_of);
+    let cloth = Cloth::new(view, center, parsed.edge_px);
+    let mut pulls: Vec<Pull> = parsed
         .corners
         .iter()
-        .flat_map(|&pick| of_corner(pick, brief, &cloth))
+        .flat_map(|&pick| of_corner(pick, parsed, &cloth))
         .collect();
     let last = |pull: &Pull| i32::from(pull.is_avoided);
     pulls.sort_by(|a, b| last(a).cmp(&last(b)).then(b.gain.total_cmp(&a.gain)));
@@ -53,16 +53,16 @@ pub fn ranked(brief: &Brief, view: &View) -> Vec<Pull> {
 }
 
 /// Returns the permitted pulls of one corner.
-fn of_corner(pick: PixelPoint, brief: &Brief, cloth: &Cloth<'_>) -> Vec<Pull> {
+fn of_corner(pick: PixelPoint, parsed: &ParsedPrompt, cloth: &Cloth<'_>) -> Vec<Pull> {
     let from = middle_of(pick);
     let center = cloth.center;
     let corner = cloth.corner(from);
     let is_near =
         |&(point, px): &(PixelPoint, f64)| hull::distance(middle_of(point), from) <= px + SLACK_PX;
-    let is_avoided = brief.avoided.iter().any(is_near);
+    let is_avoided = parsed.avoided.iter().any(is_near);
     let out = [from[0] - center[0], from[1] - center[1]];
     let mut pulls = Vec::new();
-    for (direction, heading) in brief.directions.iter().enumerate() {
+    for (direction, heading) in parsed.directions.iter().enumerate() {
         // Rows run down, while a prompt's angles are counter-clockwise.
         let angle = -heading.value.to_radians();
         let (sin, cos) = angle.sin_cos();
@@ -70,15 +70,15 @@ fn of_corner(pick: PixelPoint, brief: &Brief, cloth: &Cloth<'_>) -> Vec<Pull> {
         if outward < OUTWARD_DEG.to_radians().cos() * out[0].hypot(out[1]) {
             continue;
         }
-        let way = cloth.way(&corner, angle);
-        for (distance, length) in brief.distances.iter().enumerate() {
-            let way_px = length.value * brief.edge_px;
-            let to = [from[0] + way_px * cos, from[1] + way_px * sin];
-            let is_bound = brief
+        let measured = cloth.measure(&corner, angle);
+        for (distance, length) in parsed.distances.iter().enumerate() {
+            let length_px = length.value * parsed.edge_px;
+            let to = [from[0] + length_px * cos, from[1] + length_px * sin];
+            let is_bound = parsed
                 .bound
                 .is_none_or(|(point, px)| hull::distance(middle_of(point), to) <= px - SLACK_PX);
             if is_bound {
-                let features = way.pull(to);
+                let features = measured.features(to);
                 pulls.push(Pull {
                     pick,
                     direction,

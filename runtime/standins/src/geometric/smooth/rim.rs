@@ -39,8 +39,8 @@ pub fn corners(view: &View, edge_px: f64) -> Vec<PixelPoint> {
         }
     }
     let inward = |at: Point| {
-        let way = hull::distance(at, middle).max(f64::MIN_POSITIVE);
-        let share = INWARD_PX.min(way) / way;
+        let distance_px = hull::distance(at, middle).max(f64::MIN_POSITIVE);
+        let share = INWARD_PX.min(distance_px) / distance_px;
         [0, 1].map(|axis| at[axis] + share * (middle[axis] - at[axis]))
     };
     let points = kept.into_iter().map(inward);

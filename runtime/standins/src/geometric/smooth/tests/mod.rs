@@ -109,7 +109,7 @@ fn asked(messages: Vec<Message>) -> String {
 /// Pick, direction in degrees, distance in edges.
 fn pull_of(reply: &str) -> ([i32; 2], f64, f64) {
     let PixelPoint { u, v } = prompt::answered("pick", reply).unwrap_or_else(|| panic!("{reply}"));
-    let number = |field: &str| super::brief::choices(reply, field)[0].value;
+    let number = |field: &str| super::parsed_prompt::choices(reply, field)[0].value;
     ([u, v], number("direction"), number("distance"))
 }
 

@@ -36,7 +36,7 @@ pub struct StepScene {
 /// Lays the cloth, executes the steps before `step`, which is counted from 1, and takes a picture.
 ///
 /// Fails if the cloth cannot be laid, nothing is found in the picture, or the stand-in gives no answer.
-pub fn at(
+pub fn scene_at_step(
     program: &Program,
     start: &Start,
     step: u32,
@@ -60,7 +60,7 @@ pub fn at(
     for earlier in 1..step {
         let (motion, done) = match folds.get(earlier as usize - 1) {
             Some(fold) => demonstrated(fold, start, &seen.observation.camera, world)?,
-            None => decided(program, &seen, earlier, subgoals)?,
+            None => stand_in_action(program, &seen, earlier, subgoals)?,
         };
         world
             .act(&motion, interrupt)
@@ -113,7 +113,7 @@ fn demonstrated(
 }
 
 /// Lets the stand-in decide a step.
-fn decided(
+fn stand_in_action(
     program: &Program,
     seen: &StepScene,
     step: u32,
@@ -130,13 +130,13 @@ fn decided(
     let examples = Examples::default();
     let pictures = Pictures::of(program, scene, observation, last, subgoals, examples)
         .map_err(Failure::environment)?;
-    let view = StepView::outside(program, scene, observation, step, last, &pictures);
+    let view = StepView::without_rollout(program, scene, observation, step, last, &pictures);
     let models = Models {
         vision: &Geometric,
         text: &Geometric,
     };
     let mut exchange = Exchange {
-        asking: &mut Asking::unkept(),
+        asking: &mut Asking::unrecorded(),
         record: &mut |_| Ok(()),
         interrupt: &Interrupt::default(),
     };

@@ -1,7 +1,7 @@
 //! Reads smoothing prompts, independent of their exact wording.
 //!
-//! In: the words of a question. Out: a [`Brief`]. Sentences are recognised by their content, such as `px` beside `edge`
-//! for the scale; nothing is assumed that no sentence states.
+//! In: the words of a question. Out: a [`ParsedPrompt`]. Sentences are recognised by their content, such as `px` beside
+//! `edge` for the scale; nothing is assumed that no sentence states.
 
 use super::super::prompt;
 use fab_program::PixelPoint;
@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 
 /// The contents of a prompt for a pick, a direction and a distance.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Brief {
+pub struct ParsedPrompt {
     /// The corners to pick from; empty if the prompt lists none.
     pub corners: Vec<PixelPoint>,
     /// The cloth's center, if the prompt states it.
@@ -47,9 +47,9 @@ const PIXELS: std::ops::RangeInclusive<f64> = 1.0..=8192.0;
 /// The largest number of degrees or sides that is read, of either sign.
 const MAX_VALUE: f64 = 1e4;
 
-impl Brief {
+impl ParsedPrompt {
     /// Reads a prompt; fails with what is missing.
-    pub fn read(text: &str) -> Result<Brief, String> {
+    pub fn read(text: &str) -> Result<ParsedPrompt, String> {
         // A sentence about points to avoid may mention corners, too.
         let is_listing =
             |line: &&str| !line.contains("away from") && !line.contains("farther than");
@@ -83,7 +83,7 @@ impl Brief {
         });
         let bound =
             said(&["farther than", "middle"]).and_then(|(points, px)| Some((*points.first()?, px)));
-        Ok(Brief {
+        Ok(ParsedPrompt {
             center: prompt::center(text),
             corners,
             directions,

@@ -13,12 +13,12 @@ const NAMES: [&str; 3] = ["127.0.0.1", "localhost", "[::1]"];
 
 /// Refuses a request that names another host, or comes from a page of one.
 pub(super) fn check(headers: &HeaderMap) -> Result<(), Refusal> {
-    if !headers.contains_key(HOST) || !all(headers, &HOST, is_host_near) {
+    if !headers.contains_key(HOST) || !all(headers, &HOST, is_local_host) {
         return Err(Refusal::forbidden(
             "`Host` is not this machine; it has to be 127.0.0.1, localhost or [::1], with any port",
         ));
     }
-    if !all(headers, &ORIGIN, is_origin_near) {
+    if !all(headers, &ORIGIN, is_local_origin) {
         return Err(Refusal::forbidden(
             "`Origin` is not this machine; pages of 127.0.0.1, localhost and [::1] alone are answered",
         ));
@@ -43,19 +43,19 @@ fn all(headers: &HeaderMap, name: &HeaderName, holds: impl Fn(&str) -> bool) -> 
     values.all(|value| value.to_str().is_ok_and(&holds))
 }
 
-fn is_origin_near(origin: &str) -> bool {
+fn is_local_origin(origin: &str) -> bool {
     let origin = origin.parse::<Uri>().unwrap_or_default();
     let is_page = matches!(origin.scheme_str(), Some("http" | "https"));
     is_page
         && origin
             .authority()
-            .is_some_and(|host| is_host_near(host.as_str()))
+            .is_some_and(|host| is_local_host(host.as_str()))
 }
 
-fn is_host_near(host: &str) -> bool {
+fn is_local_host(host: &str) -> bool {
     let Ok(authority) = host.parse::<Authority>() else {
         return false;
     };
-    let is_near = |name: &&str| authority.host().eq_ignore_ascii_case(name);
-    !host.contains('@') && NAMES.iter().any(is_near)
+    let is_named = |name: &&str| authority.host().eq_ignore_ascii_case(name);
+    !host.contains('@') && NAMES.iter().any(is_named)
 }

@@ -5,26 +5,26 @@ use fab_program::PixelPoint;
 
 /// A whole pixel, as prompts and answers name it, and the exact point behind it, which is executed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Located {
+pub struct SubpixelPoint {
     /// The whole pixel that prompts and answers name.
     pub pixel: PixelPoint,
     /// The exact point, `[column, row]` in the camera's pixels; a pixel's centre is at one half.
     pub at: [f64; 2],
 }
 
-impl Located {
+impl SubpixelPoint {
     /// Takes an exact point `[column, row]`, and the pixel that holds it.
-    pub fn at(at: [f64; 2]) -> Located {
+    pub fn at(at: [f64; 2]) -> SubpixelPoint {
         let [column, row] = at.map(|at| at.floor() as i32);
-        Located {
+        SubpixelPoint {
             pixel: PixelPoint::new(column, row),
             at,
         }
     }
 
     /// Takes a pixel's own centre.
-    pub fn at_center_of(pixel: PixelPoint) -> Located {
-        Located {
+    pub fn at_center_of(pixel: PixelPoint) -> SubpixelPoint {
+        SubpixelPoint {
             pixel,
             at: center_of(pixel),
         }
