@@ -143,7 +143,7 @@ impl ClothTable {
         let pixels = rgb.pixels_mut().zip(depth_m.pixels());
         for ((color, depth_m), printed) in pixels.zip(&self.printed) {
             let is_table = f64::from(depth_m.0[0]) >= height_m - TABLE_M;
-            if let (true, Some(grey)) = (is_table, *printed) {
+            if is_table && let Some(grey) = *printed {
                 color.0 = [grey; 3];
             }
         }
