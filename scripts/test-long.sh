@@ -10,8 +10,8 @@
 #
 # If WebAssembly cannot be built or run (wasm-parts.sh), or cargo-insta or mdBook cannot be installed, only the
 # peer_node_, peer_cargo_insta_ or peer_mdbook_ tests are left out. They count as skipped, and the reason is printed.
-# The same holds for ROS (ros-parts.sh). Its tests work in real time, so all others run beside them at the lowest
-# priority.
+# The same holds for ROS (ros-parts.sh). Its tests work in real time and leave a core free, so all others run
+# beside them at the lowest priority.
 set -u
 here=$(dirname "$0")
 
@@ -43,7 +43,7 @@ prepare() {
 
 work=$(mktemp -d) || exit
 trap 'rm -rf "$work"' EXIT
-# What runs beside ignores the interrupt of a terminal.
+# Background jobs ignore Ctrl-C.
 trap 'trap "" TERM; kill 0; exit 130' INT
 trap 'exit 143' TERM
 
