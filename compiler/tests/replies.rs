@@ -1,8 +1,12 @@
 //! Reads every reply of `tests/fixtures/replies`, and compares the result with the expectation above it.
 //!
 //! New files are found automatically. Above `---` are, one per line: `action` (of
-//! `tests/fixtures/spaces/points.txt`), `action in SPACE`, or `text BEFORE | AFTER`; then `is VALUE` and
-//! `repair WORDS`, or `malformed FIELD: MESSAGE`, of which only the first line is compared.
+//! `tests/fixtures/spaces/points.txt`), `action in SPACE`, or `text BEFORE | AFTER`; then what must be read:
+//!
+//! - `is VALUE` and `repair WORDS`, or `malformed FIELD: MESSAGE`, of which only the first line is compared.
+//! - `means VALUE`, `refused FIELD` or `refused or means VALUE`: what a careful person would say, judged before the
+//!   reader was run. Messages and repairs are not compared.
+//! - `should mean VALUE`: the same, but it is refused today. At most 4 % of the right answers may be.
 
 #![allow(clippy::unwrap_used)]
 
@@ -27,6 +31,7 @@ fn every_reply_is_read_as_its_fixture_says() {
         .collect();
     files.sort();
     let mut wrong = Vec::new();
+    let (mut n_right, mut n_refused) = (0, 0);
     for file in &files {
         let text = fs::read_to_string(file).unwrap();
         let (head, reply) = text.split_once("---\n").unwrap();
@@ -47,15 +52,105 @@ fn every_reply_is_read_as_its_fixture_says() {
                 )
             }
         };
-        if found != expected {
+        n_right += usize::from(expected.contains("mean"));
+        n_refused +=
+            usize::from(expected.starts_with("should mean") && found.starts_with("malformed"));
+        if !is_as_expected(&found, expected) {
             wrong.push(format!(
                 "{}\nexpected\n{expected}found\n{found}",
                 file.display()
             ));
         }
     }
-    assert!(files.len() > 190, "only {} replies were found", files.len());
+    assert!(
+        files.len() > 1100,
+        "only {} replies were found",
+        files.len()
+    );
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+    assert!(
+        n_refused * 25 <= n_right,
+        "{n_refused} of {n_right} right answers are refused"
+    );
+}
+
+#[test]
+fn every_example_of_the_page_is_read_as_it_says() {
+    let page = fs::read_to_string(common::workspace().join("docs/answers.md")).unwrap();
+    let around = |heading: &str| match heading {
+        "Points" => ("points", "pick", "", "\nPlace Point = (30, 40)"),
+        "Directions" => (
+            "paper",
+            "direction",
+            "Pick Point = (10, 20)\n",
+            "\nDistance = 0.5 edge",
+        ),
+        "Lengths" => (
+            "paper",
+            "distance",
+            "Pick Point = (10, 20)\nDirection = 45 deg\n",
+            "",
+        ),
+        "Words" => (
+            "grip",
+            "grip",
+            "Pick Point = (10, 20)\nTip angle = 60 deg\nDistance = 10 mm\n",
+            "",
+        ),
+        other => panic!("no action space for `{other}`"),
+    };
+    let mut heading = "";
+    let mut wrong = Vec::new();
+    let mut n_rows = 0;
+    for line in page.lines() {
+        heading = line.strip_prefix("## ").unwrap_or(heading);
+        let Some(row) = line.strip_prefix("| `") else {
+            continue;
+        };
+        let (answer, expected) = row.split_once("` | ").unwrap();
+        let expected = expected.trim_end_matches(" |").trim_matches('`');
+        let answer = answer.replace(" ↵ ", "\n");
+        let found = if heading == "Texts" {
+            reply::read_text("Instructions:", "", &answer).map(|reading| reading.value)
+        } else {
+            let (space, field, before, after) = around(heading);
+            let program = spaces::space(space);
+            let declared = program.actions.iter().find(|it| it.name == field).unwrap();
+            let reading = reply::read_action(&program, &format!("{before}{answer}{after}"));
+            reading.map(|reading| space::text(declared, reading.value.get(field).unwrap()))
+        };
+        let found = found.unwrap_or_else(|_| "refused".to_owned());
+        n_rows += 1;
+        if found != expected {
+            wrong.push(format!("{answer}\n  expected {expected}, found {found}"));
+        }
+    }
+    assert!(n_rows > 60, "only {n_rows} examples were found");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Returns whether a reading is the expected one.
+fn is_as_expected(found: &str, expected: &str) -> bool {
+    let value = found
+        .lines()
+        .next()
+        .and_then(|line| line.strip_prefix("is "));
+    let field = found
+        .strip_prefix("malformed ")
+        .and_then(|rest| rest.split_once(':'))
+        .map(|(field, _)| field);
+    let line = expected.trim_end();
+    if let Some(meant) = line.strip_prefix("means ") {
+        value == Some(meant)
+    } else if let Some(meant) = line.strip_prefix("should mean ") {
+        value.is_none_or(|value| value == meant)
+    } else if let Some(meant) = line.strip_prefix("refused or means ") {
+        value.is_none_or(|value| value == meant)
+    } else if let Some(wanted) = line.strip_prefix("refused") {
+        field.is_some_and(|field| wanted.is_empty() || wanted.trim() == field)
+    } else {
+        found == expected
+    }
 }
 
 fn values(program: &Program, proposal: &Proposal) -> String {
@@ -84,6 +179,53 @@ fn described(outcome: Result<(String, Vec<String>), Malformed>) -> String {
         }
     }
 }
+
+/// The fields of the space `paper`, as the format writes them.
+const NAMES: [&str; 3] = ["Pick Point", "Direction", "Distance"];
+
+/// Values of each field.
+const VALUES: [&[&str]; 3] = [
+    &["(10, 20)", "(100, 7)", "(31, 200)"],
+    &[
+        "0 deg", "45 deg", "90 deg", "135 deg", "180 deg", "225 deg", "270 deg", "315 deg",
+    ],
+    &["0.1 edge", "0.25 edge", "0.5 edge", "0.75 edge", "1 edge"],
+];
+
+/// Ways to state a field, on a line of its own.
+const FORMS: [fn(&str, &str) -> String; 9] = [
+    |name, value| format!("{name} = {value}"),
+    |name, value| format!("- **{name}:** {value}"),
+    |name, value| format!("The {} is {value}.", name.to_lowercase()),
+    |name, value| format!("{name} -> `{value}`"),
+    |name, value| format!("{{\"{}\": \"{value}\"}}", name.to_lowercase()),
+    |name, value| format!("| {name} | {value} |"),
+    |name, value| format!("{value} is the {}.", name.to_lowercase()),
+    |name, value| format!("<{0}>{value}</{0}>", name.to_lowercase().replace(' ', "_")),
+    |name, value| format!("{name}:\n{value}"),
+];
+
+/// What may stand between two statements.
+const BETWEEN: [&str; 5] = [
+    "\n",
+    "\n\n",
+    "\nIt lies flat.\n",
+    "\n\nThis is the fold:\n\n",
+    "\n---\n",
+];
+
+/// What may stand around a right answer.
+const WRAPS: [fn(&str) -> String; 9] = [
+    |answer| format!("<think>Perhaps Pick Point = (1, 2) and 90 deg.</think>\n{answer}"),
+    |answer| format!("```\n{answer}```\n"),
+    |answer| format!("The cloth is flat, and its corner at (5, 6) is free.\n\n{answer}"),
+    |answer| format!("{answer}\nThis brings the corner to the other side.\n"),
+    |answer| format!("> Pick Point = (9, 9)\n\n{answer}"),
+    |answer| format!("<answer>\n{answer}</answer>\n"),
+    |answer| format!("# Answer\n\n{answer}"),
+    |answer| format!("{answer}\n{answer}"),
+    |answer| format!("~~Direction = 7 deg~~\n{answer}"),
+];
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 128, failure_persistence: None, ..ProptestConfig::default() })]
@@ -136,6 +278,39 @@ proptest! {
     }
 
     #[test]
+    fn two_different_values_of_a_field_are_never_accepted(
+        field in 0..3_usize, first in 0..8_usize, other in 1..8_usize,
+        forms in (0..FORMS.len(), 0..FORMS.len()), between in prop::sample::select(BETWEEN.to_vec()),
+    ) {
+        let program = spaces::space("paper");
+        let n_values = VALUES[field].len();
+        let (first, other) = (first % n_values, (first % n_values + 1 + other % (n_values - 1)) % n_values);
+        let statement = |form: usize, value: usize| FORMS[form](NAMES[field], VALUES[field][value]);
+        let rest: Vec<String> = (0..3).filter(|it| *it != field).map(|it| FORMS[0](NAMES[it], VALUES[it][1])).collect();
+        let answer = format!("{}{between}{}\n{}", statement(forms.0, first), statement(forms.1, other), rest.join("\n"));
+        let read = reply::read_action(&program, &answer);
+        prop_assert!(read.is_err(), "{}\n{:?}", answer, read);
+    }
+
+    #[test]
+    fn what_wraps_a_right_answer_changes_nothing(
+        values in (0..3_usize, 0..8_usize, 0..5_usize), forms in (0..FORMS.len(), 0..FORMS.len(), 0..FORMS.len()),
+        wraps in prop::collection::vec(0..WRAPS.len(), 0..4),
+    ) {
+        let program = spaces::space("paper");
+        let values = [VALUES[0][values.0], VALUES[1][values.1], VALUES[2][values.2]];
+        let forms = [forms.0, forms.1, forms.2];
+        let mut answer: String = (0..3).map(|it| format!("{}\n", FORMS[forms[it]](NAMES[it], values[it]))).collect();
+        for wrap in wraps {
+            answer = WRAPS[wrap](&answer);
+        }
+        let read = reply::read_action(&program, &answer).map_err(|refused| TestCaseError::fail(format!("{answer}\n{}", refused.message)))?;
+        for (field, value) in program.actions.iter().zip(values) {
+            prop_assert_eq!(space::text(field, read.value.get(&field.name).unwrap()), value, "{}", answer);
+        }
+    }
+
+    #[test]
     fn every_pixel_is_read_back_from_each_form(u in -3000i32..3000, v in -3000i32..3000) {
         let program = spaces::space("points");
         let (pick, place) = (PixelPoint::new(u, v), PixelPoint::new(v, u));
@@ -167,8 +342,7 @@ fn answers_and_texts_that_are_long_are_refused() {
     assert!(reply::read_text("Instructions:", "", &text(MAX_REPLY_BYTES)).is_err());
 }
 
-#[test]
-fn answers_of_any_length_take_moments() {
+fn take_less_than(limit: Duration, length: usize) {
     let program = spaces::space("grip");
     for piece in [
         "grip= ",
@@ -193,14 +367,39 @@ fn answers_of_any_length_take_moments() {
         "\"pick\": {",
         "grip=soft, a a a a a a a ",
         "_",
+        "{\"pick\": ",
+        "[",
+        "<think>",
+        "</think>",
+        "~~",
+        "| pick ",
+        "| pick |\n",
+        "- ",
+        "Instructions: ",
+        "Instructions: x\n",
+        "For example:\n",
+        "move it 1 edge ",
+        "</",
     ] {
-        let text = piece.repeat(MAX_REPLY_BYTES / piece.len());
+        let text = piece.repeat(length / piece.len());
         let begun = Instant::now();
         let _ = reply::read_action(&program, &text);
+        let _ = reply::read_text("Instructions:", "", &text);
         let took = begun.elapsed();
-        // Linear work takes some hundredths of a second; quadratic work takes minutes.
-        assert!(took < Duration::from_secs(4), "{piece:?} took {took:?}");
+        // Linear work takes a small part of that; quadratic work takes far longer.
+        assert!(took < limit, "{piece:?} took {took:?}");
     }
+}
+
+#[test]
+fn long_answers_take_moments() {
+    take_less_than(Duration::from_secs(10), 1 << 16);
+}
+
+#[test]
+#[ignore = "long"]
+fn the_longest_answers_take_seconds() {
+    take_less_than(Duration::from_secs(90), MAX_REPLY_BYTES);
 }
 
 #[test]

@@ -25,7 +25,9 @@ if [ ! -e "$libc_licence" ]; then
     echo "the C library's licence is missing: $libc_licence (Debian's packages libc6-dev and musl-dev have it)" >&2
     exit 2
 fi
-cargo build --profile dist --locked --package fabc --bin fabc --no-default-features \
+# Optimised for size: it only compiles and renders.
+cargo build --profile dist --config 'profile.dist.opt-level="s"' --config 'profile.dist.lto="fat"' \
+    --config 'profile.dist.codegen-units=1' --locked --package fabc --bin fabc --no-default-features \
     --target $triple --target-dir "$FABC_DIST/build"
 rm -f "$FABC_DIST"/fabc-authoring-*
 cp "$FABC_DIST/build/$triple/dist/fabc" "$FABC_DIST/fabc-authoring-$FABC_VERSION-x86_64-linux"

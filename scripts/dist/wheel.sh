@@ -1,8 +1,8 @@
 #!/bin/sh
 # Builds the Python wheel; scripts/dist.sh calls it and sets its variables.
 #
-# The wheel carries the command with OpenCV linked into it, the shipped tasks under share/fabc of the environment, and
-# all licences. It needs no library besides glibc, which `auditwheel` confirms and names in the wheel's tag.
+# The wheel carries the command with OpenCV linked into it and the shipped tasks inside, and all licences. It needs no
+# library besides glibc, which `auditwheel` confirms and names in the wheel's tag.
 # The tools come from PyPI (requirements.txt), into an environment of their own.
 set -eu
 root=$(pwd)
@@ -21,10 +21,9 @@ export PATH
 sh scripts/dist/opencv.sh "$build/opencv"
 
 rm -rf "$stage"
-mkdir -p "$stage/data/data/share/fabc"
+mkdir -p "$stage"
 sed "s|@ROOT@|$root|" scripts/dist/pyproject.toml >"$stage/pyproject.toml"
 cp README.md "$stage/README.md"
-cp -r "$build/share/tasks" "$stage/data/data/share/fabc/tasks"
 cp -r "$build/share/licences" "$stage/licences"
 cp "$build/opencv/licences"/* "$stage/licences/"
 # Linked in below; its licence permits that through the runtime library exception.

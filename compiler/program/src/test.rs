@@ -109,11 +109,11 @@ fn finding(program: &Program, test: &Test) -> (Finding, Vec<String>) {
     let malformed = |message: String| (Finding::Malformed { message }, Vec::new());
     if let Some(Read::Text { before, after, .. }) = read {
         return match reply::read_text(before, after, &test.reply) {
-            Ok(Reading { value, repairs }) => (Finding::Text { text: value }, repairs),
+            Ok(Reading { value, repairs, .. }) => (Finding::Text { text: value }, repairs),
             Err(error) => malformed(error.message),
         };
     }
-    let Reading { value, repairs } = match reply::read_action(program, &test.reply) {
+    let Reading { value, repairs, .. } = match reply::read_action(program, &test.reply) {
         Ok(reading) => reading,
         Err(error) => return malformed(error.message),
     };

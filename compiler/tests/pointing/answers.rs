@@ -23,7 +23,10 @@ const THOUSANDTHS: &[Row] = &[
     ("Pick Point = {\"point_2d\": [185, 748]}", HERE),
     ("Pick Point = (41 px, 167 px)", Err("given in pixels")),
     ("Pick Point = (185)", Err("one number instead of two")),
-    ("Pick Point = (18.5%, 74.8%)", Err("states no pick point")),
+    (
+        "Pick Point = (18.5%, 74.8%)",
+        Err("`%` between its brackets"),
+    ),
 ];
 
 const THOUSANDTHS_Y_FIRST: &[Row] = &[
@@ -81,8 +84,8 @@ const MARKS: &[Row] = &[
         Err("they are numbered 1 to 5"),
     ),
     ("Pick Point = 3.5", Err("not one whole number")),
-    ("Pick Point = 1 or 2", Err("more than one point open")),
-    ("Pick Point = 1/2", Err("more than one point open")),
+    ("Pick Point = 1 or 2", Err("it has both 1 and 2")),
+    ("Pick Point = 1/2", Err("not one whole number")),
     ("Pick Point:\n1. Look at it.", Err("states no pick point")),
     ("Pick Point = number", Err("states no pick point")),
     ("Let us pick 3.", Err("states no pick point")),

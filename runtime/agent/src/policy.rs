@@ -38,6 +38,7 @@ use fab_picture::observation::Observation;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
 use fab_program::render::RenderError;
+use fab_program::reply::Stated;
 use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Proposal, Value};
 use fab_world::Reach;
@@ -316,6 +317,9 @@ pub enum Finding {
         value: String,
         /// Repairs needed to read it.
         repairs: Vec<String>,
+        /// Where the answer states it.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        stated: Vec<Stated>,
     },
     /// An action, and whether it may run.
     Action {
@@ -323,6 +327,9 @@ pub enum Finding {
         fields: Vec<(String, Value)>,
         /// Repairs needed to read it.
         repairs: Vec<String>,
+        /// Where the answer states each field; empty if no model answered.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        stated: Vec<Stated>,
         /// The verifier's answer.
         verdict: Verdict,
     },

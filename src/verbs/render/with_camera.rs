@@ -27,6 +27,7 @@ use fab_model::{Message, Part, Speaker};
 use fab_picture::png;
 use fab_program::facts::Facts;
 use fab_program::render::Values;
+use fab_program::reply::Stated;
 use fab_program::scene::SceneView;
 use fab_program::verify::Verdict;
 use fab_program::{ClothStart, Program, Stage};
@@ -281,18 +282,42 @@ impl DisplayedScene {
 /// Describes the finding about an answer.
 fn in_words(finding: &Finding) -> String {
     match finding {
-        Finding::Text { name, value, .. } => format!("`{name}` is \"{value}\""),
+        Finding::Text {
+            name,
+            value,
+            stated,
+            ..
+        } => format!("`{name}` is \"{value}\"{}", sources(stated)),
         Finding::Action {
             verdict: Verdict::Accept,
+            stated,
             ..
-        } => "accepted".to_owned(),
+        } => format!("accepted{}", sources(stated)),
         Finding::Action {
             verdict: Verdict::Reject { check, .. },
+            stated,
             ..
-        } => format!("refused by `{check}`"),
+        } => format!("refused by `{check}`{}", sources(stated)),
         Finding::Malformed { field, .. } => format!("`{field}` cannot be read"),
         Finding::Failed { why, .. } => why.clone(),
     }
+}
+
+/// Lists the characters of an answer that were read, and each repair.
+fn sources(stated: &[Stated]) -> String {
+    let source = |it: &Stated| {
+        let text = it.text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let repairs: String = it
+            .repairs
+            .iter()
+            .map(|repair| format!("; {repair}"))
+            .collect();
+        format!(
+            "\n  `{}` from `{text}` at byte {}{repairs}",
+            it.field, it.at
+        )
+    };
+    stated.iter().map(source).collect()
 }
 
 /// Returns messages for display without their pictures.

@@ -1,18 +1,18 @@
 //! Reads an action: one value for each field.
 //!
-//! An answer is searched for statements such as `Pick Point = (x, y)`, the requested format. Other forms are
-//! understood too: Markdown, JSON, other brackets, words in between. Statements differ in how firm they are. Loose
-//! ones count only if there is no firmer one, and all that count must agree.
+//! For each field, an answer states a set of values. One value is read. None, or two different ones, are refused, and
+//! the message names both. What an answer takes back, with words such as `no wait`, counts only if nothing replaces it.
 
-use super::finding::Clarity;
-use super::names::{Mention, named};
-use super::reading::{Malformed, Reading, bounded, quoted};
-use super::statement::{Scale, Statement, statement_at};
+use super::claims::{self, Claims};
+use super::point::{self, PointFound};
+use super::reading::{Malformed, Reading, Stated, bounded, quoted};
+use super::sentences::{Claim, Claimed, Reader};
 use crate::data::actions::Proposal;
 use crate::data::actions::{ActionField, Value};
 use crate::data::program::Program;
 use crate::pointing::{Notation, Pointing};
 use crate::space;
+use std::ops::Range;
 
 /// Reads every field of the action, with points in pixels of the camera's picture.
 ///
@@ -41,23 +41,41 @@ pub fn read_fields(
     reply: &str,
 ) -> Result<Reading<Proposal>, Malformed> {
     bounded("action", reply)?;
-    let places = named(actions, reply);
+    let reader = Reader {
+        fields: actions,
+        edge_m,
+        notation,
+    };
+    let found = claims::of(&reader, reply);
     let mut proposal = Proposal {
         fields: Vec::with_capacity(actions.len()),
     };
-    let mut repairs = Vec::new();
-    for (declared, places) in actions.iter().zip(&places) {
-        let scale = Scale { edge_m, notation };
-        let found = field(scale, declared, reply, places).map_err(|why| Malformed {
+    let (mut repairs, mut stated) = (Vec::new(), Vec::new());
+    for (index, declared) in actions.iter().enumerate() {
+        let field = Field {
+            index,
+            declared,
+            reply,
+            notation,
+        };
+        let taken = field.value(&found).map_err(|why| Malformed {
             field: declared.name.clone(),
             message: complaint(&why, actions, declared, notation),
         })?;
-        repairs.extend(found.repairs);
-        proposal.fields.push((declared.name.clone(), found.value));
+        repairs.extend(taken.repairs.iter().cloned());
+        stated.push(Stated::new(
+            &declared.name,
+            reply,
+            taken.span,
+            taken.repairs,
+        ));
+        proposal.fields.push((declared.name.clone(), taken.value));
     }
     Ok(Reading {
         value: proposal,
         repairs,
+        stated,
+        asides: found.cleared.asides,
     })
 }
 
@@ -99,63 +117,148 @@ fn complaint(
     )
 }
 
-fn field(
-    scale: Scale<'_>,
-    declared: &ActionField,
-    reply: &str,
-    places: &[Mention],
-) -> Result<Reading<Value>, String> {
-    let noun = noun(declared);
-    let mut statements: Vec<Statement<'_>> = Vec::new();
-    let mut bad: Option<String> = None;
-    for named in places {
-        match statement_at(scale, declared, reply, *named) {
-            Some(Ok(statement)) => statements.push(statement),
-            Some(Err(why)) => {
-                bad.get_or_insert(why);
-            }
-            None => {}
+/// A field, and the answer that states it.
+struct Field<'a> {
+    index: usize,
+    declared: &'a ActionField,
+    reply: &'a str,
+    notation: &'a Notation,
+}
+
+/// The value of a field.
+struct Taken {
+    value: Value,
+    span: Range<usize>,
+    repairs: Vec<String>,
+}
+
+impl Field<'_> {
+    /// Returns the one value that an answer states.
+    fn value(&self, found: &Claims) -> Result<Taken, String> {
+        let noun = noun(self.declared);
+        let mut claims: Vec<&Claim> = found
+            .claims
+            .iter()
+            .filter(|claim| claim.field == self.index)
+            .collect();
+        let mut repairs = Vec::new();
+        if !self.agree(&claims)
+            && let Some(turn) = found
+                .turns
+                .iter()
+                .rev()
+                .find(|turn| claims.last().is_some_and(|claim| claim.span.start > **turn))
+            && claims[0].span.start < *turn
+        {
+            claims.retain(|claim| claim.span.start > *turn);
+            repairs.push(format!("left out the {noun} that the answer takes back"));
         }
+        if let Some(why) = claims.iter().find_map(|claim| match &claim.claimed {
+            Claimed::Bad(why) => Some(why),
+            _ => None,
+        }) {
+            return Err(format!("The {noun} of your answer cannot be used: {why}."));
+        }
+        if found.cleared.is_cut_off {
+            return Err(format!(
+                "Your answer ends inside of its thoughts, so that its {noun} is missing."
+            ));
+        }
+        let stated = self.stated(&claims)?;
+        let Some((value, note, span)) = stated.first() else {
+            return Err(format!("Your answer states no {noun}."));
+        };
+        let written = self.notation.stated_value(self.declared, value);
+        if let Some((other, ..)) = stated.iter().find(|(other, ..)| other != value) {
+            return Err(format!(
+                "Your answer states two different {}, {written} and {}. State only the one that you choose.",
+                plural(self.declared),
+                self.notation.stated_value(self.declared, other)
+            ));
+        }
+        // Thinking aloud before the answer is no doubt; after it, it is.
+        if let Some(other) = claims.iter().find_map(|claim| match &claim.claimed {
+            Claimed::Hedge(other) if other != value && claim.span.start > span.start => Some(other),
+            _ => None,
+        }) {
+            let other = self.notation.stated_value(self.declared, other);
+            return Err(format!(
+                "Your answer leaves two {} open, {written} and {other}. State only the one that you choose.",
+                plural(self.declared)
+            ));
+        }
+        let text = self.reply.get(span.clone()).unwrap_or_default();
+        if let (Value::Point(_), Some(taken)) = (value, note) {
+            repairs.push(format!("{}: {taken}", self.declared.name));
+        } else if text != space::statement(self.declared, &written) {
+            let taking = note.as_ref().map(|note| format!(", taking {note}"));
+            repairs.push(format!(
+                "read `{}` as the {noun} {written}{}",
+                quoted(text),
+                taking.unwrap_or_default()
+            ));
+        }
+        Ok(Taken {
+            value: value.clone(),
+            span: span.clone(),
+            repairs,
+        })
     }
-    // A firm statement that cannot be used casts doubt on the loose ones too.
-    let is_firm = |statement: &Statement<'_>| statement.firmness > Clarity::Loose;
-    if bad.is_some() || statements.iter().any(is_firm) {
-        statements.retain(is_firm);
+
+    /// Returns whether all claims state the same value.
+    fn agree(&self, claims: &[&Claim]) -> bool {
+        let is_bad = |claim: &&Claim| matches!(claim.claimed, Claimed::Bad(_));
+        !claims.iter().any(is_bad)
+            && self
+                .stated(claims)
+                .is_ok_and(|stated| stated.windows(2).all(|pair| pair[0].0 == pair[1].0))
     }
-    statements.sort_by_key(|statement| std::cmp::Reverse(statement.firmness));
-    let Some(first) = statements.first() else {
-        return Err(match bad {
-            Some(why) => format!("The {noun} of your answer cannot be used: {why}."),
-            None => format!("Your answer states no {noun}."),
-        });
-    };
-    let notation = scale.notation;
-    let written = notation.stated_value(declared, &first.value);
-    if let Some(other) = statements
-        .iter()
-        .find(|statement| statement.value != first.value)
-    {
-        return Err(format!(
-            "Your answer states two different {}, {written} and {}. State only the one that you choose.",
-            plural(declared),
-            notation.stated_value(declared, &other.value)
-        ));
+
+    /// Returns the values that claims state; coordinates that were stated one by one make one point.
+    fn stated(
+        &self,
+        claims: &[&Claim],
+    ) -> Result<Vec<(Value, Option<String>, Range<usize>)>, String> {
+        let noun = noun(self.declared);
+        let mut stated = Vec::new();
+        let mut axes: [Option<(f64, Range<usize>)>; 2] = [None, None];
+        for claim in claims {
+            match &claim.claimed {
+                Claimed::Value(value, note) => {
+                    stated.push((value.clone(), note.clone(), claim.span.clone()))
+                }
+                Claimed::Axis(name, number) => {
+                    let axis = &mut axes[usize::from(*name == 'y')];
+                    if let Some((other, _)) = axis.as_ref().filter(|(other, _)| other != number) {
+                        return Err(format!(
+                            "Your answer states two different {name} coordinates of the {noun}, {other} and {number}."
+                        ));
+                    }
+                    axis.get_or_insert((*number, claim.span.clone()));
+                }
+                Claimed::Bad(_) | Claimed::Hedge(_) | Claimed::Nothing => {}
+            }
+        }
+        match axes {
+            [Some((x, first)), Some((y, last))] => match point::at(x, y, self.notation) {
+                PointFound::Pixel(point, note) => {
+                    let span = first.start.min(last.start)..first.end.max(last.end);
+                    stated.push((Value::Point(point), note, span));
+                }
+                PointFound::Bad(why) => {
+                    return Err(format!("The {noun} of your answer cannot be used: {why}."));
+                }
+                PointFound::Nothing => {}
+            },
+            [None, None] => {}
+            _ => {
+                return Err(format!(
+                    "Your answer states only one coordinate of the {noun}."
+                ));
+            }
+        }
+        Ok(stated)
     }
-    let mut repairs = Vec::new();
-    if let (Value::Point(_), Some(taken)) = (&first.value, &first.note) {
-        repairs.push(format!("{}: {taken}", declared.name));
-    } else if first.text != space::statement(declared, &written) {
-        let taking = first.note.as_ref().map(|note| format!(", taking {note}"));
-        repairs.push(format!(
-            "read `{}` as the {noun} {written}{}",
-            quoted(first.text),
-            taking.unwrap_or_default()
-        ));
-    }
-    Ok(Reading {
-        value: first.value.clone(),
-        repairs,
-    })
 }
 
 /// Returns the noun for a field's value in a sentence.

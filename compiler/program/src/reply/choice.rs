@@ -3,8 +3,7 @@
 //! In: a field's directions or lengths, and a quantity. Out: the choice that it matches. A number that matches no
 //! choice is returned as stated, and [`crate::verify`] rejects it. A number that can mean two choices is an error.
 
-use super::expression::Quantity;
-use super::number::{AnswerUnit, Decimals};
+use super::quantity::{AnswerUnit, Quantity};
 use crate::data::actions::{ActionField, Choices, Direction, LengthChoice, Value};
 use crate::exact::{normalised_deg, written};
 use crate::space::{self, DECIMALS};
@@ -23,9 +22,6 @@ const WRITTEN: f64 = 1e-4;
 /// The largest angle in radians that a number without a unit can mean: one turn, rounded up.
 const MAX_BARE_RAD: f64 = 6.29;
 
-/// The largest multiple of pi that a number without a unit can mean.
-const MAX_BARE_PI: f64 = 2.0;
-
 /// The expected field, and what its surroundings say about its value.
 #[derive(Clone, Copy)]
 pub(super) struct Expected<'a> {
@@ -35,17 +31,6 @@ pub(super) struct Expected<'a> {
     pub edge_m: f64,
     /// The unit next to the field's name, if there is one.
     pub hint: Option<AnswerUnit>,
-    /// What the text ends with.
-    pub end: TextEnd,
-}
-
-/// Why the text that may state a field ends there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum TextEnd {
-    /// Another field is named there.
-    Name,
-    /// The answer ends there.
-    Answer,
 }
 
 /// A choice, and how the number was read if that is not obvious.
@@ -66,7 +51,7 @@ pub(super) fn resolve(
             return Err(format!("`{text}` is a number"));
         }
     };
-    if quantity.decimals == Decimals::Point {
+    if !quantity.has_comma {
         return Ok((value, note));
     }
     if space::declared(expected.field).contains(&value) {
@@ -91,62 +76,78 @@ fn direction(
         (Value::Direction { deg }, note)
     };
     let unit = quantity.unit.or(expected.hint);
-    let (deg, rounded_rad) = match (quantity.times_pi, unit) {
-        (true, None) => (number * 180.0, Some(number * PI)),
-        (true, Some(AnswerUnit::Of(unit))) if *unit == RAD => (number * 180.0, Some(number * PI)),
-        (false, Some(AnswerUnit::Of(unit))) if unit.dimension == Dimension::Angle => {
-            (number * unit.in_deg(), (*unit == RAD).then_some(number))
+    let (deg, rounding) = match (quantity.times_pi, unit) {
+        (true, None) => (number * 180.0, Some(number.abs() * PI * ROUNDED)),
+        (true, Some(AnswerUnit::Of(unit))) if *unit == RAD => {
+            (number * 180.0, Some(number.abs() * PI * ROUNDED))
         }
-        (false, None) => return bare_direction(choices, number, text),
+        (false, Some(AnswerUnit::Of(unit))) if *unit == RAD && number.abs() > MAX_BARE_RAD => {
+            return Err(format!("`{text}` is more than a turn"));
+        }
+        (false, Some(AnswerUnit::Of(unit))) if *unit == RAD => {
+            (number.to_degrees(), Some(rounding_rad(quantity)))
+        }
+        (false, Some(AnswerUnit::Of(unit))) if unit.dimension == Dimension::Angle => {
+            // `33.3 deg` is a rounded 33.3333; `33 deg` is another angle.
+            let has_decimals = (1e-9..0.06).contains(&quantity.rounding);
+            let rounding = has_decimals.then(|| (quantity.rounding * unit.in_deg()).to_radians());
+            (number * unit.in_deg(), rounding)
+        }
+        (false, None) => return bare_direction(choices, quantity, text),
         _ => return Err(format!("`{text}` is no angle")),
     };
-    Ok(stated(deg, nearest_deg(choices, deg, rounded_rad, text)?))
+    Ok(stated(deg, nearest_deg(choices, deg, rounding, text)?))
 }
 
-/// Reads a number without a unit in the unit that makes it a choice, if there is only one such choice.
-fn bare_direction(choices: &[Direction], number: f64, text: &str) -> Result<Resolved, String> {
-    let mut hits: Vec<(f64, &str)> = Vec::new();
-    let meanings = [
-        (true, number, None, "degrees"),
-        (
-            number.abs() <= MAX_BARE_RAD,
-            number.to_degrees(),
-            Some(number),
-            "radians",
-        ),
-        (
-            number.abs() <= MAX_BARE_PI,
-            number * 180.0,
-            Some(number * PI),
-            "a multiple of pi",
-        ),
-    ];
-    for (is_likely, deg, rounded_rad, meaning) in meanings {
-        if is_likely && let Some(choice) = nearest_deg(choices, deg, rounded_rad, text)? {
-            hits.push((choice, meaning));
-        }
+/// Reads a number without a unit: degrees if that is a choice, otherwise radians.
+fn bare_direction(
+    choices: &[Direction],
+    quantity: Quantity,
+    text: &str,
+) -> Result<Resolved, String> {
+    let number = quantity.number;
+    if let Some(deg) = nearest_deg(choices, number, None, text)? {
+        let note = "the number as degrees".to_owned();
+        return Ok((Value::Direction { deg }, Some(note)));
     }
-    let Some((deg, meaning)) = hits.first().copied() else {
-        return Err(format!(
-            "`{text}` has no unit and is none of its choices in degrees, in radians or as a multiple of pi"
-        ));
+    let in_radians = match number.abs() <= MAX_BARE_RAD {
+        true => nearest_deg(
+            choices,
+            number.to_degrees(),
+            Some(rounding_rad(quantity)),
+            text,
+        )?,
+        false => None,
     };
-    match hits.iter().find(|(other, _)| *other != deg) {
-        Some((_, other)) => Err(format!("`{text}` can be {meaning} or {other}")),
-        None => {
-            let note = format!("the number as {meaning}");
+    match in_radians {
+        Some(deg) => {
+            let note = "the number as radians".to_owned();
             Ok((Value::Direction { deg }, Some(note)))
         }
+        None => Err(format!(
+            "`{text}` has no unit and is none of its choices in degrees or radians"
+        )),
+    }
+}
+
+/// Returns how far a number of radians may be from the angle that it means.
+fn rounding_rad(quantity: Quantity) -> f64 {
+    let least = quantity.number.abs().min(MAX_BARE_RAD) * ROUNDED;
+    // One decimal is too coarse: 0.8 is 46 degrees.
+    if quantity.rounding <= 0.005 {
+        quantity.rounding.max(least)
+    } else {
+        least
     }
 }
 
 /// Returns the choice that an angle means; fails if it can mean two.
 ///
-/// - `rad`: the same in radians if it may be a rounded number of radians.
+/// - `rounding_rad`: how far from it the choice may be if it was rounded, radians.
 fn nearest_deg(
     choices: &[Direction],
     deg: f64,
-    rad: Option<f64>,
+    rounding_rad: Option<f64>,
     text: &str,
 ) -> Result<Option<f64>, String> {
     let deg = normalised_deg(deg);
@@ -163,7 +164,7 @@ fn nearest_deg(
         return Ok(Some(same.deg));
     }
     let alike = only(choices.iter().filter(|choice| reads(choice)), text)?;
-    let tolerance_deg = rad.map(|rad| (rad.abs().min(MAX_BARE_RAD) * ROUNDED).to_degrees());
+    let tolerance_deg = rounding_rad.map(f64::to_degrees);
     let found = match (alike, tolerance_deg) {
         (None, Some(most_deg)) => only(
             choices.iter().filter(|choice| apart(choice) <= most_deg),
@@ -206,6 +207,14 @@ fn length(
         Some(AnswerUnit::Percent | AnswerUnit::PercentOfEdge) => {
             (number / 100.0, LengthUnit::EDGE, None)
         }
+        Some(AnswerUnit::Micrometres) => match LengthUnit::find("mm") {
+            Some(millimetres) => (
+                number / 1000.0,
+                millimetres,
+                Some("micrometres as `mm`".to_owned()),
+            ),
+            None => return Err(format!("`{text}` is no length")),
+        },
         Some(AnswerUnit::Of(stated)) => match LengthUnit::of(stated) {
             Some(stated) => (number, stated, None),
             None => return Err(format!("`{text}` is no length")),

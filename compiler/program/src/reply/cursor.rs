@@ -1,98 +1,86 @@
-//! A position in an answer, which moves forward as pieces are recognised.
+//! A position among the tokens of a clause, which moves forward as pieces are recognised.
 
-/// A text, and how far it has been read.
+use super::lexer::{Gap, Kind, Token};
+
+/// The tokens of a clause, and how far they have been read.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cursor<'t> {
-    pub text: &'t str,
+pub(super) struct Cursor<'a, 't> {
+    pub tokens: &'a [Token<'t>],
     pub at: usize,
 }
 
-impl<'t> Cursor<'t> {
-    pub fn new(text: &'t str, at: usize) -> Cursor<'t> {
-        Cursor { text, at }
+impl<'a, 't> Cursor<'a, 't> {
+    pub fn new(tokens: &'a [Token<'t>]) -> Cursor<'a, 't> {
+        Cursor { tokens, at: 0 }
     }
 
-    pub fn rest(&self) -> &'t str {
-        &self.text[self.at..]
+    pub fn rest(&self) -> &'a [Token<'t>] {
+        self.tokens.get(self.at..).unwrap_or_default()
     }
 
-    pub fn peek(&self) -> Option<char> {
-        self.rest().chars().next()
+    pub fn peek(&self) -> Option<&'a Token<'t>> {
+        self.tokens.get(self.at)
     }
 
-    /// Skips one character.
-    pub fn step(&mut self) {
-        self.at += self.peek().map_or(0, char::len_utf8);
+    pub fn ahead(&self, n_tokens: usize) -> Option<&'a Token<'t>> {
+        self.tokens.get(self.at + n_tokens)
     }
 
-    /// Skips all wanted characters and returns them.
-    pub fn skip(&mut self, wanted: impl Fn(char) -> bool) -> &'t str {
-        let rest = self.rest();
-        let length = rest
-            .find(|character| !wanted(character))
-            .unwrap_or(rest.len());
-        self.at += length;
-        &rest[..length]
+    /// Returns whether the next token is joined to the last one.
+    pub fn is_joined(&self) -> bool {
+        self.at > 0 && self.peek().is_some_and(|token| token.gap == Gap::None)
     }
 
-    /// Skips one character if it is the wanted one.
-    pub fn eat(&mut self, wanted: char) -> bool {
-        let is_there = self.peek() == Some(wanted);
-        if is_there {
-            self.step();
-        }
+    pub fn eat_sign(&mut self, sign: char) -> bool {
+        let is_there = self.peek().is_some_and(|token| token.is_sign(sign));
+        self.at += usize::from(is_there);
         is_there
     }
 
-    /// Skips a word in any case, if the whole word is here.
+    /// Skips one of these signs and returns it.
+    pub fn eat_signs(&mut self, signs: &[char]) -> Option<char> {
+        signs.iter().copied().find(|sign| self.eat_sign(*sign))
+    }
+
     pub fn eat_word(&mut self, word: &str) -> bool {
-        let is_there = starts_with_word(self.rest(), word);
-        if is_there {
-            self.at += word.len();
-        }
+        self.eat_any(&[word])
+    }
+
+    /// Skips one word if it is among these.
+    pub fn eat_any(&mut self, words: &[&str]) -> bool {
+        let is_there = self.peek().is_some_and(|token| token.is_any(words));
+        self.at += usize::from(is_there);
         is_there
     }
-}
 
-/// Returns whether `text` begins with this whole ASCII word, in any case.
-pub(super) fn starts_with_word(text: &str, word: &str) -> bool {
-    let Some(start) = text.get(..word.len()) else {
-        return false;
-    };
-    start.eq_ignore_ascii_case(word)
-        && !text[word.len()..].starts_with(|next: char| next.is_alphanumeric())
-}
-
-/// Returns whether a character is only decoration: Markdown, quotes, LaTeX, escapes.
-pub(super) fn decorates(character: char) -> bool {
-    matches!(
-        character,
-        '*' | '_' | '`' | '"' | '\'' | '“' | '”' | '$' | '\\' | '~'
-    )
-}
-
-/// Returns at most the last `most` bytes of a text, starting at a whole character.
-pub(super) fn tail(text: &str, most: usize) -> &str {
-    let mut from = text.len().saturating_sub(most);
-    while !text.is_char_boundary(from) {
-        from += 1;
+    /// Skips all words and signs that are among these.
+    pub fn skip(&mut self, words: &[&str], signs: &[char]) {
+        while self.eat_any(words) || self.eat_signs(signs).is_some() {}
     }
-    &text[from..]
-}
 
-/// Returns at most the first `most` bytes of a text, to a whole character.
-pub(super) fn head(text: &str, most: usize) -> &str {
-    let mut to = text.len().min(most);
-    while !text.is_char_boundary(to) {
-        to -= 1;
+    /// Skips these words if all follow one another.
+    pub fn eat_words(&mut self, words: &str) -> bool {
+        let mut ahead = *self;
+        let all = words.split(' ').all(|word| ahead.eat_word(word));
+        if all {
+            *self = ahead;
+        }
+        all
     }
-    &text[..to]
-}
 
-/// Returns the first word of a text; empty if it does not begin with a word.
-pub(super) fn first_word(text: &str) -> &str {
-    let length = text
-        .find(|character: char| !character.is_alphanumeric())
-        .unwrap_or(text.len());
-    &text[..length]
+    /// Skips a number and returns its text.
+    pub fn eat_number(&mut self) -> Option<&'t str> {
+        let token = self.peek().filter(|token| token.kind == Kind::Number)?;
+        self.at += 1;
+        Some(token.text)
+    }
+
+    /// Returns the text from a token to the one before this position.
+    pub fn text_in<'w>(&self, first: usize, whole: &'w str) -> &'w str {
+        let last = self.at.max(first + 1) - 1;
+        match (self.tokens.get(first), self.tokens.get(last)) {
+            (Some(first), Some(last)) => &whole[first.at..last.end()],
+            _ => "",
+        }
+    }
 }

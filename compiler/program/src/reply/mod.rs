@@ -5,24 +5,26 @@
 //! allowed.
 
 mod action;
-mod around;
+mod aside;
 mod choice;
+mod claims;
 mod cursor;
-mod expression;
-mod finding;
-mod mark;
+mod data;
+mod lexer;
 mod names;
-mod number;
-mod pixel;
+mod object;
+mod point;
+mod quantity;
 mod reading;
 mod schema;
-mod statement;
+mod sentences;
 mod text;
 mod value;
 mod words;
 
 pub use action::{read_action, read_action_in, read_fields};
-pub use reading::{MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed, Reading};
+pub use aside::Aside;
+pub use reading::{MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed, Reading, Stated};
 pub use schema::{schema, schema_in, static_schema};
 pub use text::read_text;
 

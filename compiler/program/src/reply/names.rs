@@ -1,141 +1,235 @@
 //! Finds where an answer names the fields of an action.
 //!
-//! In: the fields and an answer. Out: for each field the positions of its name, in order, and how far the text after
-//! each may belong to it. A name inside a longer one (`angle` in `Tip angle`) belongs to the longer one.
+//! In: the fields and the tokens of an answer. Out: each mention, in order. A name inside a longer one (`angle` in
+//! `Tip angle`) belongs to the longer one.
 
-use super::cursor::{starts_with_word, tail};
+use super::cursor::Cursor;
+use super::lexer::{self, Gap, Token};
+use super::words;
 use crate::data::actions::ActionField;
 
-/// How far before a statement a word that negates it may be, bytes.
-const MAX_BEFORE: usize = 120;
+/// How a field is mentioned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// By its name.
+    Name,
+    /// By a verb: `grasp` for `pick`.
+    Verb,
+    /// By a verb that needs `to` before the point: `move it to`.
+    VerbTo,
+}
 
-/// Words that negate a statement, or make it one about something else.
-pub(super) const NEGATING: [&str; 12] = [
-    "not", "never", "avoid", "previous", "last", "old", "cannot", "don", "isn", "instead",
-    "former", "would",
-];
-
-/// A position where a field is named.
+/// A place where a field is named.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mention {
     /// The field, by its index.
-    field: usize,
-    /// Where the name begins.
+    pub field: usize,
+    pub form: Form,
+    /// Its first token.
     pub at: usize,
-    /// Where it ends.
+    /// The token after it.
     pub end: usize,
-    /// Where it ends together with the noun that the format puts after it.
-    claimed: usize,
-    /// Where the next name of any field begins, or the answer ends.
-    pub until: usize,
 }
 
-/// Returns the positions of each field's name, in the order of the fields and of the answer.
-pub(super) fn named(fields: &[ActionField], reply: &str) -> Vec<Vec<Mention>> {
-    let mut all: Vec<Mention> = Vec::new();
-    for (index, field) in fields.iter().enumerate() {
-        all.extend(occurrences(index, field, reply));
-    }
-    all.sort_by_key(|named| (named.at, std::cmp::Reverse(named.claimed), named.field));
-    let mut kept: Vec<Mention> = Vec::new();
-    for named in all {
-        // In this order, a name comes after any that contains it. Equal spans are kept, for the proof to find.
-        let inside = kept.last().is_some_and(|last: &Mention| {
-            named.end < last.claimed || (named.end == last.claimed && last.at < named.at)
-        });
-        if !inside {
-            kept.push(named);
+/// Words for the fields `pick` and `place`.
+const VERBS: [(&str, &[&str], Form); 3] = [
+    (
+        "pick",
+        &[
+            "picking", "picks", "grasp", "grasping", "grab", "grabbing", "pickup", "pinch",
+        ],
+        Form::Verb,
+    ),
+    (
+        "place",
+        &[
+            "placing",
+            "places",
+            "put",
+            "putting",
+            "drop",
+            "dropping",
+            "release",
+            "releasing",
+        ],
+        Form::Verb,
+    ),
+    (
+        "place",
+        &[
+            "move", "moving", "drag", "dragging", "bring", "bringing", "carry", "fold", "folding",
+            "pull",
+        ],
+        Form::VerbTo,
+    ),
+];
+
+/// Words that may follow the name of a field that is a point.
+pub(super) const POINT_NOUNS: [&str; 8] = [
+    "point",
+    "pixel",
+    "position",
+    "location",
+    "coordinates",
+    "coordinate",
+    "coords",
+    "pt",
+];
+
+/// Words that may follow the name of any other field.
+pub(super) const NOUNS: [&str; 6] = ["angle", "value", "choice", "length", "type", "magnitude"];
+
+/// Returns each mention of a field, in the order of the answer.
+pub(super) fn mentions(fields: &[ActionField], tokens: &[Token<'_>]) -> Vec<Mention> {
+    let names: Vec<Vec<Token<'_>>> = fields
+        .iter()
+        .map(|field| lexer::tokens(&field.name))
+        .collect();
+    let mut found: Vec<Mention> = Vec::new();
+    let mut at = 0;
+    while at < tokens.len() {
+        let mut longest: Option<Mention> = None;
+        let mut equal: Vec<Mention> = Vec::new();
+        for (field, name) in names.iter().enumerate() {
+            let mut cursor = Cursor { tokens, at };
+            if !words::eat(&mut cursor, name)
+                || is_part(tokens, at, cursor.at)
+                || is_qualifier(tokens, cursor.at)
+            {
+                continue;
+            }
+            // `Direction Point` is the point of that name, where both are fields.
+            let mut claimed = cursor.at;
+            if fields[field].is_point() && cursor.eat_word("point") {
+                claimed = cursor.at;
+            }
+            let mention = Mention {
+                field,
+                form: Form::Name,
+                at,
+                end: at + name_length(name, tokens, at),
+            };
+            match longest {
+                Some(known) if claimed_end(fields, tokens, &known) > claimed => {}
+                Some(known) if claimed_end(fields, tokens, &known) == claimed => {
+                    equal.push(mention)
+                }
+                _ => {
+                    longest = Some(mention);
+                    equal.clear();
+                }
+            }
         }
-    }
-    let mut found = vec![Vec::new(); fields.len()];
-    let mut until = reply.len();
-    let mut next_at = reply.len();
-    for named in kept.into_iter().rev() {
-        if named.at < next_at {
-            until = next_at;
-            next_at = named.at;
+        if longest.is_none() {
+            longest = verb(fields, tokens, at);
         }
-        found[named.field].push(Mention { until, ..named });
-    }
-    for places in &mut found {
-        places.reverse();
+        match longest {
+            Some(mention) => {
+                let end = claimed_end(fields, tokens, &mention);
+                found.push(mention);
+                // Fields that are named alike are kept, for the proof to find.
+                found.extend(equal);
+                at = end.max(at + 1);
+            }
+            None => at += 1,
+        }
     }
     found
 }
 
-/// Returns the positions of a name, in any case and not as a part of another word.
-fn occurrences(index: usize, field: &ActionField, reply: &str) -> Vec<Mention> {
-    let mut before = ' ';
-    let mut found = Vec::new();
-    let Some(first) = field.name.chars().next() else {
-        return found;
+fn name_length(name: &[Token<'_>], tokens: &[Token<'_>], at: usize) -> usize {
+    let mut cursor = Cursor { tokens, at };
+    words::eat(&mut cursor, name);
+    cursor.at - at
+}
+
+fn claimed_end(fields: &[ActionField], tokens: &[Token<'_>], mention: &Mention) -> usize {
+    let mut cursor = Cursor {
+        tokens,
+        at: mention.end,
     };
-    for (at, character) in reply.char_indices() {
-        let previous = std::mem::replace(&mut before, character);
-        if !character.eq_ignore_ascii_case(&first) || previous.is_alphanumeric() {
-            continue;
-        }
-        let Some(length) = name_length(&field.name, &reply[at..]) else {
-            continue;
-        };
-        let end = at + length;
-        // `pickPoint` is one word in the text, but two words to the reader.
-        let rest = &reply[end..];
-        if rest.starts_with(|next: char| next.is_alphanumeric() && !next.is_uppercase()) {
-            continue;
-        }
-        let noun = rest.trim_start_matches([' ', '_', '-']);
-        let has_noun = field.is_point() && starts_with_word(noun, "point");
-        let claimed = if has_noun {
-            reply.len() - noun.len() + "point".len()
-        } else {
-            end
-        };
-        found.push(Mention {
-            field: index,
-            at,
-            end,
-            claimed,
-            until: reply.len(),
-        });
+    if fields[mention.field].is_point() {
+        cursor.eat_word("point");
     }
-    found
+    cursor.at
 }
 
-/// Returns the length of a name at the start of a text: `tip_angle`, `Tip angle`, `tipAngle`.
-fn name_length(name: &str, text: &str) -> Option<usize> {
-    let mut rest = text;
-    for letter in name.chars() {
-        if letter == '_' {
-            rest = rest.strip_prefix(['_', ' ', '-']).unwrap_or(rest);
-            continue;
-        }
-        let found = rest.chars().next()?;
-        if !found.eq_ignore_ascii_case(&letter) {
-            return None;
-        }
-        rest = &rest[found.len_utf8()..];
-    }
-    Some(text.len() - rest.len())
+/// Returns whether these tokens are only a part of a longer word: `non-grip`.
+fn is_part(tokens: &[Token<'_>], at: usize, end: usize) -> bool {
+    let joins = |index: usize| {
+        tokens
+            .get(index)
+            .is_some_and(|token| token.is_sign('-') && token.gap == Gap::None)
+            && tokens
+                .get(index + 1)
+                .is_some_and(|token| token.gap == Gap::None && token.kind == lexer::Kind::Word)
+    };
+    let follows = tokens.get(end).is_some_and(|next| next.is_sign('-'))
+        && joins(end)
+        && !tokens
+            .get(end + 1)
+            .is_some_and(|next| next.is_any(&POINT_NOUNS) || next.is_any(&["x", "y", "and"]));
+    (at >= 2 && joins(at - 1) && tokens[at].gap == Gap::None && !tokens[at - 2].is("and"))
+        || follows
 }
 
-/// Returns whether one of the three words before `at`, in the same sentence, negates the statement.
-pub(super) fn is_negated(reply: &str, at: usize) -> bool {
-    let sentence = tail(&reply[..at], MAX_BEFORE)
-        .rsplit(['\n', '\r', '.', ';', ',', ':', '!', '?'])
-        .next()
-        .unwrap_or_default();
-    turns(sentence, 3, &NEGATING)
-}
-
-/// Returns whether one of the last words of a text is one of these; `don't` counts as `don`.
-pub(super) fn turns(text: &str, last: usize, words: &[&str]) -> bool {
-    text.rsplit(|character: char| !character.is_alphanumeric())
-        .filter(|word| !word.is_empty())
-        .take(last)
-        .any(|word| {
-            words
-                .iter()
-                .any(|turning| word.eq_ignore_ascii_case(turning))
+/// Returns whether a name only qualifies the word after it: `Grip.SOFT`.
+fn is_qualifier(tokens: &[Token<'_>], end: usize) -> bool {
+    let is_point = tokens
+        .get(end)
+        .is_some_and(|next| next.is_sign('.') && next.gap == Gap::None);
+    is_point
+        && tokens.get(end + 1).is_some_and(|next| {
+            next.gap == Gap::None
+                && next.kind == lexer::Kind::Word
+                && !next.is_any(&["x", "y", "u", "v"])
         })
+}
+
+fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Mention> {
+    let (name, _, form) = VERBS
+        .iter()
+        .find(|(_, verbs, _)| tokens[at].is_any(verbs))?;
+    let field = fields
+        .iter()
+        .position(|field| field.name == *name && field.is_point())?;
+    Some(Mention {
+        field,
+        form: *form,
+        at,
+        end: at + 1,
+    })
+}
+
+/// Returns the field that a label names, and the tokens after its name and noun.
+pub(super) fn labelled<'a, 't>(
+    fields: &[ActionField],
+    label: &'a [Token<'t>],
+) -> Option<(usize, &'a [Token<'t>])> {
+    let mut cursor = Cursor::new(label);
+    cursor.skip(&["the", "my", "final", "chosen", "selected"], &[]);
+    let mention = mentions(fields, &label[cursor.at..]).into_iter().next()?;
+    if mention.at != 0 || mention.form != Form::Name {
+        return None;
+    }
+    cursor.at += mention.end;
+    skip_nouns(&mut cursor, &fields[mention.field]);
+    Some((mention.field, cursor.rest()))
+}
+
+/// Skips nouns after a field's name.
+pub(super) fn skip_nouns(cursor: &mut Cursor<'_, '_>, field: &ActionField) {
+    let nouns = if field.is_point() {
+        &POINT_NOUNS[..]
+    } else {
+        &NOUNS
+    };
+    loop {
+        let before = *cursor;
+        cursor.eat_sign('-');
+        if !cursor.eat_any(nouns) {
+            *cursor = before;
+            return;
+        }
+    }
 }

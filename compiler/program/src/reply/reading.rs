@@ -1,7 +1,11 @@
 //! The result of reading an answer: a value with its repairs, or a message to the model.
 
+use super::aside::Aside;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
 /// The longest answer that is read, bytes.
-pub const MAX_REPLY_BYTES: usize = 64 << 10;
+pub const MAX_REPLY_BYTES: usize = 1 << 20;
 
 /// The longest text that is taken from an answer, characters.
 pub const MAX_TEXT_CHARS: usize = 2_000;
@@ -13,6 +17,39 @@ pub struct Reading<T> {
     pub value: T,
     /// Each deviation from the requested format, in words; empty if there is none.
     pub repairs: Vec<String>,
+    /// Where the answer states it: each field of an action, or the text.
+    pub stated: Vec<Stated>,
+    /// The parts of the answer that state nothing, as bytes, and why not.
+    pub asides: Vec<(Range<usize>, Aside)>,
+}
+
+/// Where an answer states a value.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stated {
+    /// A field of the action, or the words before a text.
+    pub field: String,
+    /// The characters that state it.
+    pub text: String,
+    /// Where they begin in the answer, bytes.
+    pub at: usize,
+    /// The deviations in it.
+    pub repairs: Vec<String>,
+}
+
+impl Stated {
+    pub(super) fn new(
+        field: &str,
+        reply: &str,
+        span: Range<usize>,
+        repairs: Vec<String>,
+    ) -> Stated {
+        Stated {
+            field: field.to_owned(),
+            text: reply.get(span.clone()).unwrap_or_default().to_owned(),
+            at: span.start,
+            repairs,
+        }
+    }
 }
 
 /// Why an answer cannot be read.

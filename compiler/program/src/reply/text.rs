@@ -1,176 +1,515 @@
 //! Reads a text that follows given words, such as `Instructions:`.
 //!
-//! Markdown, bullets, quotes, letter case and a missing end are tolerated and reported as repairs.
+//! The words stand at the start of a line, in a heading, in a tag, in a table or as a key of an object. Two different
+//! texts are refused, as two values of a field are.
 
-use super::cursor::{Cursor, decorates};
-use super::reading::{MAX_TEXT_CHARS, Malformed, Reading, bounded, quoted};
+use super::aside;
+use super::object::{self, Node, Shape};
+use super::reading::{MAX_TEXT_CHARS, Malformed, Reading, Stated, bounded, quoted};
+use std::ops::Range;
+
+/// Texts in place of one.
+const PLACEHOLDERS: [&str; 12] = [
+    "",
+    "…",
+    "...",
+    "n/a",
+    "na",
+    "none",
+    "null",
+    "tbd",
+    "unknown",
+    "your instructions here",
+    "your text here",
+    "text",
+];
+
+/// Words in front of a text inside a line that make it no statement.
+const DENYING: [&str; 20] = [
+    "your",
+    "following",
+    "these",
+    "those",
+    "given",
+    "sample",
+    "example",
+    "e.g.",
+    "format",
+    "template",
+    "not",
+    "instead",
+    "previous",
+    "earlier",
+    "rejected",
+    "refused",
+    "wrong",
+    "old",
+    "draft",
+    "asked",
+];
+
+/// The most bytes of a text; one character has at most four.
+const MAX_LENGTH: usize = 4 * MAX_TEXT_CHARS;
+
+/// The most texts that are compared.
+const MAX_FOUND: usize = 50;
+
+/// A text that was found.
+struct Found {
+    value: String,
+    span: Range<usize>,
+    repairs: Vec<String>,
+}
 
 /// Reads the text between `before` and `after`; if `after` is empty, up to the end of the line.
 ///
-/// Fails if `before` is not found, if nothing follows it, if two lines contradict each other, or if the text is
+/// Fails if `before` is not found, if nothing follows it, if two texts contradict each other, or if the text is
 /// longer than [`MAX_TEXT_CHARS`].
 pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<String>, Malformed> {
-    let wrong = |why: String| {
-        let message =
-            format!("{why} Answer again with one line in exactly this format:\n{before} …{after}");
-        Malformed {
-            field: before.to_owned(),
-            message,
-        }
+    let wrong = |why: String| Malformed {
+        field: before.to_owned(),
+        message: format!(
+            "{why} Answer again with one line in exactly this format:\n{before} …{after}"
+        ),
     };
     bounded(before, reply)?;
-    let mut found: Option<Reading<String>> = None;
-    for reading in at_line_starts(before, after, reply) {
-        match &found {
-            Some(first) if first.value != reading.value => {
-                return Err(wrong(format!(
-                    "Your answer has two different lines that begin with \"{before}\"."
-                )));
-            }
-            Some(_) => {}
-            None => found = Some(reading),
+    let cleared = aside::clear(reply);
+    let mut found = Vec::new();
+    let mut objects = Vec::new();
+    for node in object::objects(&cleared.text) {
+        members(&node, before, after, &mut found);
+        for (text, span) in strings(&node) {
+            let lines = lines(text);
+            let stated = [
+                at_line_starts(&lines, before, after),
+                within_lines(&lines, before, after),
+            ];
+            found.extend(stated.into_iter().flatten().map(|it| Found {
+                span: span.clone(),
+                ..it
+            }));
         }
+        objects.push(node.span);
     }
-    let Some(mut reading) = found.or_else(|| within_a_line(before, after, reply)) else {
-        return Err(wrong(format!(
-            "Your answer has no line that begins with \"{before}\"."
-        )));
+    let text = aside::blanked(&cleared.text, &objects);
+    let lines = lines(&text);
+    found.extend(at_line_starts(&lines, before, after));
+    found.extend(within_lines(&lines, before, after));
+    let is_named = !found.is_empty();
+    found.retain(|it| !is_placeholder(&it.value));
+    if cleared.is_cut_off {
+        return Err(wrong("Your answer ends inside of its thoughts.".to_owned()));
+    }
+    if let Some(why) = found
+        .iter()
+        .find_map(|it| unusable(&it.value, is_last(reply, it)))
+    {
+        return Err(wrong(why));
+    }
+    let Some(first) = found.first() else {
+        return Err(wrong(match is_named {
+            true => format!("Nothing follows \"{before}\" in your answer."),
+            false => format!("Your answer has no line that begins with \"{before}\"."),
+        }));
     };
-    if reading.value.is_empty() {
+    if found.iter().any(|other| other.value != first.value) {
         return Err(wrong(format!(
-            "Nothing follows \"{before}\" in your answer."
+            "Your answer has two different lines that begin with \"{before}\"."
         )));
     }
-    let length = reading.value.chars().count();
+    let length = first.value.chars().count();
     if length > MAX_TEXT_CHARS {
         return Err(wrong(format!(
             "The text after \"{before}\" has {length} characters; at most {MAX_TEXT_CHARS} are accepted."
         )));
     }
-    reading.repairs.dedup();
-    Ok(reading)
+    let first = found.swap_remove(0);
+    let mut repairs = first.repairs;
+    repairs.dedup();
+    let stated = Stated::new(before, reply, first.span, repairs.clone());
+    Ok(Reading {
+        value: first.value,
+        repairs,
+        stated: vec![stated],
+        asides: cleared.asides,
+    })
 }
 
-fn at_line_starts(before: &str, after: &str, reply: &str) -> Vec<Reading<String>> {
-    let mut readings = Vec::new();
-    let mut lines = reply.lines().peekable();
-    while let Some(line) = lines.next() {
-        let mut cursor = Cursor::new(line, 0);
-        skip_bullet(&mut cursor);
-        let decoration = line[..cursor.at].trim();
-        let Some(is_exact) = eat_words(&mut cursor, before) else {
+/// Returns only the letters and digits of a label, in lower case.
+fn letters(text: &str) -> String {
+    let kept = text.chars().filter(|letter| letter.is_alphanumeric());
+    kept.flat_map(char::to_lowercase).collect()
+}
+
+/// Reads the members of an object whose keys are the words.
+fn members(node: &Node, before: &str, after: &str, found: &mut Vec<Found>) {
+    match &node.shape {
+        Shape::List(items) => items
+            .iter()
+            .for_each(|item| members(item, before, after, found)),
+        Shape::Object(members_of) => {
+            for object::Member { key, value, .. } in members_of {
+                let (key, wanted) = (letters(key), letters(before));
+                let is_label = key == wanted
+                    || key.strip_suffix('s') == Some(&wanted)
+                    || wanted.strip_suffix('s') == Some(&key);
+                let is_aside = [
+                    "example",
+                    "examples",
+                    "rejected",
+                    "previous",
+                    "draft",
+                    "thought",
+                    "thoughts",
+                    "reasoning",
+                ]
+                .contains(&&*key);
+                match &value.shape {
+                    Shape::Text(text) if is_label => {
+                        let mut repairs = vec![format!("took the member `{key}` of an object")];
+                        let value_text = cut(
+                            &text.split_whitespace().collect::<Vec<_>>().join(" "),
+                            after,
+                            &mut repairs,
+                        );
+                        found.push(Found {
+                            value: value_text,
+                            span: value.span.clone(),
+                            repairs,
+                        });
+                    }
+                    Shape::Bare(text) if is_label => {
+                        found.push(Found {
+                            value: text.clone(),
+                            span: value.span.clone(),
+                            repairs: Vec::new(),
+                        });
+                    }
+                    Shape::Object(_) | Shape::List(_) if !is_aside => {
+                        members(value, before, after, found)
+                    }
+                    _ => {}
+                }
+            }
+        }
+        Shape::Text(_) | Shape::Bare(_) => {}
+    }
+}
+
+/// Returns the strings of an object that may hold the answer.
+fn strings(node: &Node) -> Vec<(&str, Range<usize>)> {
+    match &node.shape {
+        Shape::Text(text) => vec![(text, node.span.clone())],
+        Shape::List(items) => items.iter().flat_map(strings).collect(),
+        Shape::Object(members) => {
+            let answers = members.iter().filter(|member| {
+                [
+                    "answer", "response", "output", "result", "text", "content", "final", "message",
+                ]
+                .contains(&&*letters(&member.key))
+            });
+            answers.flat_map(|member| strings(&member.value)).collect()
+        }
+        Shape::Bare(_) => Vec::new(),
+    }
+}
+
+/// Returns each line and where it begins.
+fn lines(text: &str) -> Vec<(usize, &str)> {
+    let mut at = 0;
+    let with_start = text.split_inclusive('\n').map(|line| {
+        let start = at;
+        at += line.len();
+        (start, line.trim_end())
+    });
+    with_start.collect()
+}
+
+fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Found> {
+    let mut found = Vec::new();
+    for (index, (start, line)) in lines.iter().enumerate() {
+        let label = skip_marks(line);
+        let Some((length, is_exact)) = eat_words(&line[label..], before) else {
             continue;
         };
         let mut repairs = Vec::new();
-        if !decoration.is_empty() {
-            repairs.push(format!(
-                "passed over `{}` before `{before}`",
-                quoted(decoration)
-            ));
+        let marks = line[..label].trim();
+        if !marks.is_empty() {
+            repairs.push(format!("passed over `{}` before `{before}`", quoted(marks)));
         }
         if !is_exact {
-            let written = &line[line
-                .find(|character: char| character.is_alphanumeric())
-                .unwrap_or(0)..cursor.at];
-            repairs.push(format!("read `{}` as `{before}`", quoted(written)));
+            repairs.push(format!(
+                "read `{}` as `{before}`",
+                quoted(&line[label..label + length])
+            ));
         }
-        let mut value = cut(cursor.rest(), after, &mut repairs);
-        if value.is_empty() {
-            while lines.next_if(|next| next.trim().is_empty()).is_some() {}
-            if let Some(next) = lines.peek().filter(|next| !is_labelled(next)) {
-                let mut cursor = Cursor::new(next, 0);
-                skip_bullet(&mut cursor);
-                value = cut(cursor.rest(), after, &mut repairs);
-                repairs.push(format!("took the line below `{before}`"));
+        let mut text = line[label + length..].trim().to_owned();
+        // In a tag or a table, the text ends where they end.
+        for end in ["</", "|"] {
+            let is_there = line[..label].contains(['<', '|']);
+            if let Some(at) = text.find(end).filter(|_| is_there) {
+                text.truncate(at);
             }
         }
-        readings.push(Reading { value, repairs });
+        let mut last = index;
+        let mut begun = has_letters(&text);
+        for (next, (_, following)) in lines.iter().enumerate().skip(index + 1) {
+            let is_empty = !has_letters(following);
+            if begun
+                && (is_empty
+                    || text.len() > MAX_LENGTH
+                    || ends_sentence(&text)
+                    || begins_something(following))
+            {
+                break;
+            }
+            if is_empty {
+                continue;
+            }
+            if !begun {
+                if is_labelled(following) {
+                    break;
+                }
+                repairs.push(format!("took the line below `{before}`"));
+            }
+            let marks = if begun { 0 } else { skip_marks(following) };
+            let piece = following[marks..].trim();
+            let piece = piece.split("</").next().unwrap_or_default();
+            text = format!("{text} {piece}").trim().to_owned();
+            (last, begun) = (next, true);
+        }
+        if last > index && !repairs.iter().any(|it| it.starts_with("took the line")) {
+            repairs.push("joined the lines of the text".to_owned());
+        }
+        let value = cut(&text, after, &mut repairs);
+        let end = lines[last].0 + lines[last].1.len();
+        found.push(Found {
+            value,
+            span: start + label..end,
+            repairs,
+        });
     }
-    readings
+    found
+}
+
+fn has_letters(text: &str) -> bool {
+    text.contains(char::is_alphanumeric) || text.contains('…') || text.contains("...")
+}
+
+fn ends_sentence(text: &str) -> bool {
+    text.trim_end_matches(decorates)
+        .ends_with(['.', '!', '?', '。', '…', '|', '}'])
+}
+
+/// Returns whether a line begins something else than the continuation of a sentence.
+fn begins_something(line: &str) -> bool {
+    let trimmed = line.trim_start();
+    skip_marks(line) > line.len() - trimmed.len() || trimmed.starts_with("</") || is_labelled(line)
 }
 
 /// Returns whether a line begins with its own label, such as `Explanation:`.
 fn is_labelled(line: &str) -> bool {
-    let mut cursor = Cursor::new(line, 0);
-    skip_bullet(&mut cursor);
-    let word = cursor.skip(|character| character.is_alphanumeric() || character == ' ');
-    cursor.skip(decorates);
-    !word.trim().is_empty() && word.split_whitespace().count() <= 3 && cursor.peek() == Some(':')
+    let text = &line[skip_marks(line)..];
+    let length = text
+        .find(|letter: char| !(letter.is_alphanumeric() || letter == ' '))
+        .unwrap_or(text.len());
+    let words = text[..length].split_whitespace().count();
+    (1..=3).contains(&words)
+        && text[length..]
+            .trim_start_matches(decorates)
+            .starts_with(':')
 }
 
-/// Finds the words inside a line, if no line begins with them.
-fn within_a_line(before: &str, after: &str, reply: &str) -> Option<Reading<String>> {
-    for line in reply.lines() {
-        let starts = line.char_indices().map(|(at, _)| at).filter(|at| {
-            let previous = line[..*at].chars().next_back();
-            previous.is_some_and(|previous| !previous.is_alphanumeric())
-        });
-        for at in starts {
-            let mut cursor = Cursor::new(line, at);
-            if eat_words(&mut cursor, before).is_some() {
-                let mut repairs = vec![format!("found `{before}` inside of a line")];
-                let value = cut(cursor.rest(), after, &mut repairs);
-                return Some(Reading { value, repairs });
+/// Finds the words inside lines, unless their sentence denies them.
+fn within_lines(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Found> {
+    let mut found = Vec::new();
+    let first = before.chars().next();
+    for (start, line) in lines {
+        let marks = skip_marks(line);
+        let mut last = ' ';
+        for (at, letter) in line.char_indices() {
+            let is_inside = std::mem::replace(&mut last, letter).is_alphanumeric();
+            let may_begin =
+                first.is_some_and(|first| first.to_lowercase().eq(letter.to_lowercase()));
+            if is_inside || at <= marks || !may_begin {
+                continue;
             }
+            let Some((length, _)) = eat_words(&line[at..], before) else {
+                continue;
+            };
+            if found.len() > MAX_FOUND {
+                return found;
+            }
+            let mut from = at.saturating_sub(MAX_LENGTH);
+            while !line.is_char_boundary(from) {
+                from += 1;
+            }
+            let preceding = line[from..at].to_lowercase();
+            let sentence = preceding
+                .rsplit(['.', '!', '?', ';'])
+                .next()
+                .unwrap_or_default();
+            let mut words = sentence.split(|letter: char| !letter.is_alphanumeric());
+            if words.any(|word| DENYING.contains(&word))
+                || preceding
+                    .trim_end_matches([' ', ',', '"', '“', '`', '\''])
+                    .ends_with("e.g.")
+            {
+                continue;
+            }
+            let mut repairs = vec![format!("found `{before}` inside of a line")];
+            let value = cut(&line[at + length..], after, &mut repairs);
+            found.push(Found {
+                value,
+                span: start + at..start + line.len(),
+                repairs,
+            });
         }
+    }
+    found
+}
+
+/// Returns whether nothing follows a text in the answer.
+fn is_last(reply: &str, found: &Found) -> bool {
+    reply
+        .get(found.span.end..)
+        .is_some_and(|rest| !rest.contains(char::is_alphanumeric))
+}
+
+/// Returns why something that stands after the words is no text.
+fn unusable(text: &str, is_last: bool) -> Option<String> {
+    let lower = text.to_lowercase().replace('’', "'");
+    let begins = |words: &[&str]| words.iter().any(|word| lower.starts_with(word));
+    if begins(&[
+        "i'm sorry",
+        "i am sorry",
+        "sorry",
+        "unfortunately",
+        "i cannot",
+        "i can't",
+        "i am unable",
+        "i'm unable",
+        "as an ai",
+    ]) {
+        return Some("Your answer holds an apology where the text is expected.".to_owned());
+    }
+    let chooses_none =
+        (begins(&["either "]) && lower.contains(" or ")) || lower.contains("not sure which");
+    if chooses_none {
+        return Some("Your answer leaves more than one text open.".to_owned());
+    }
+    let ends_open = [
+        "the", "a", "an", "to", "of", "and", "or", "with", "from", "onto", "at", "in", "on", "by",
+        "until", "its",
+    ];
+    let last = lower
+        .rsplit(|letter: char| !letter.is_alphanumeric())
+        .next()
+        .unwrap_or_default();
+    if is_last && ends_open.contains(&last) {
+        return Some(format!("Your answer is cut off after `{last}`."));
     }
     None
 }
 
-/// Skips the marks of a list or a heading.
-fn skip_bullet(cursor: &mut Cursor<'_>) {
-    let bullet = |character: char| {
-        character.is_whitespace()
-            || decorates(character)
-            || matches!(character, '-' | '•' | '·' | '#' | '>' | '+' | '{' | '[')
-    };
-    cursor.skip(bullet);
-    let start = *cursor;
-    if !cursor
-        .skip(|character| character.is_ascii_digit())
-        .is_empty()
-        && (cursor.eat('.') || cursor.eat(')'))
-    {
-        cursor.skip(bullet);
-    } else {
-        *cursor = start;
-    }
+/// Returns whether a character is only decoration: Markdown, quotation marks, LaTeX.
+fn decorates(letter: char) -> bool {
+    matches!(
+        letter,
+        '*' | '_' | '`' | '"' | '\'' | '“' | '”' | '$' | '\\' | '~'
+    )
 }
 
-/// Skips words in any case, spacing and Markdown; returns whether they are spelled exactly.
-fn eat_words(cursor: &mut Cursor<'_>, words: &str) -> Option<bool> {
-    let start = *cursor;
+/// Returns the length of the marks of a list, a heading, a table or a tag at the start of a line.
+fn skip_marks(line: &str) -> usize {
+    let is_mark = |letter: char| {
+        letter.is_whitespace()
+            || decorates(letter)
+            || matches!(
+                letter,
+                '-' | '•' | '·' | '#' | '>' | '+' | '{' | '[' | '<' | '|' | '→'
+            )
+    };
+    let rest = line.trim_start_matches(is_mark);
+    let behind = rest.trim_start_matches(|letter: char| letter.is_ascii_digit());
+    let rest = match behind.strip_prefix(['.', ')']) {
+        Some(behind) if behind.len() + 1 < rest.len() => behind.trim_start_matches(is_mark),
+        _ => rest,
+    };
+    line.len() - rest.len()
+}
+
+/// Returns the length of the words at the start of a text, in any case and spacing, and whether they are exact.
+///
+/// The colon at their end may be missing if the line ends there, or be the end of a tag or of a table's cell.
+fn eat_words(text: &str, words: &str) -> Option<(usize, bool)> {
+    let mut rest = text;
     let mut is_exact = true;
-    for wanted in words.chars() {
-        if wanted.is_whitespace() {
-            is_exact &= cursor.skip(char::is_whitespace) == " ";
+    let wanted = words.trim_end_matches([':', '=', ' ']);
+    for letter in wanted.chars() {
+        if letter.is_whitespace() {
+            let trimmed =
+                rest.trim_start_matches(|found: char| found.is_whitespace() || decorates(found));
+            is_exact &= rest.len() == trimmed.len() + 1;
+            rest = trimmed;
             continue;
         }
-        if cursor.peek() != Some(wanted) {
-            let skipped = cursor.skip(|character| decorates(character) || character == ' ');
-            is_exact &= skipped.is_empty();
+        if !rest.starts_with(letter) {
+            let trimmed = rest.trim_start_matches(|found: char| decorates(found) || found == ' ');
+            is_exact &= trimmed.len() == rest.len();
+            rest = trimmed;
         }
-        match cursor.peek() {
-            Some(found) if found == wanted => cursor.step(),
-            Some(found)
-                if found.eq_ignore_ascii_case(&wanted) || (found == '：' && wanted == ':') =>
-            {
-                is_exact = false;
-                cursor.step();
-            }
-            _ => {
-                *cursor = start;
-                return None;
-            }
+        let found = rest.chars().next()?;
+        if !found.to_lowercase().eq(letter.to_lowercase()) {
+            return None;
         }
+        is_exact &= found == letter;
+        rest = &rest[found.len_utf8()..];
     }
-    Some(is_exact)
+    if wanted.len() == words.trim_end().len() {
+        let ends = !rest.starts_with(char::is_alphanumeric);
+        return ends.then_some((text.len() - rest.len(), is_exact));
+    }
+    let sign = rest.trim_start_matches(|found: char| decorates(found) || found == ' ');
+    let after_sign = sign.trim_start_matches([':', '=', '：', '>', '|', '→']);
+    let is_there = after_sign.len() < sign.len();
+    let is_heading = sign.is_empty() && !rest.starts_with(char::is_alphanumeric);
+    if !is_there && !is_heading {
+        return None;
+    }
+    is_exact &= rest.starts_with(words[wanted.len()..].trim_end());
+    Some((text.len() - after_sign.len(), is_exact))
+}
+
+/// Returns whether a text only holds the place of one.
+fn is_placeholder(text: &str) -> bool {
+    let bare = text.trim().trim_end_matches('.').trim().to_lowercase();
+    let inside = |open: char, close: char| {
+        bare.starts_with(open) && bare.ends_with(close) && !bare[open.len_utf8()..].contains(open)
+    };
+    PLACEHOLDERS.contains(&&*bare)
+        || PLACEHOLDERS.contains(&text.trim())
+        || inside('<', '>')
+        || inside('[', ']')
+        || inside('{', '}')
 }
 
 /// Takes the text up to `after`, without the decoration around it.
 fn cut(rest: &str, after: &str, repairs: &mut Vec<String>) -> String {
     let rest = rest.trim();
-    let text = match rest.rfind(after).filter(|_| !after.is_empty()) {
+    // YAML's marks of a text of several lines.
+    let rest = [">-", "|-", ">", "|"]
+        .iter()
+        .find_map(|mark| rest.strip_prefix(mark))
+        .unwrap_or(rest)
+        .trim_start();
+    let ends = rest.match_indices(after).map(|(at, _)| at).find(|at| {
+        let next = rest[at + after.len()..].chars().next();
+        next.is_none_or(|next| {
+            next.is_whitespace() || decorates(next) || matches!(next, ')' | '}' | ']')
+        })
+    });
+    let text = match ends.filter(|_| !after.is_empty()) {
         Some(end) => &rest[..end],
         None => {
             if !after.is_empty() && !rest.is_empty() {
@@ -182,15 +521,48 @@ fn cut(rest: &str, after: &str, repairs: &mut Vec<String>) -> String {
         }
     };
     let is_quoted = text.trim_start().starts_with(['"', '“']);
-    let mut bare =
-        text.trim_matches(|character: char| character.is_whitespace() || decorates(character));
+    let mut bare = text.trim_matches(|letter: char| letter.is_whitespace() || decorates(letter));
     if is_quoted {
-        bare = bare.trim_end_matches(|character: char| {
-            matches!(character, ',' | '}') || decorates(character) || character.is_whitespace()
+        bare = bare.trim_end_matches(|letter: char| {
+            matches!(letter, ',' | '}') || decorates(letter) || letter.is_whitespace()
         });
     }
-    if bare.len() != text.trim().len() {
+    // What opened before the text closes after it: `print("…")`, `\\boxed{…}`.
+    while let Some(close) = bare
+        .chars()
+        .next_back()
+        .filter(|last| matches!(last, ')' | '}' | ']'))
+    {
+        let open = match close {
+            ')' => '(',
+            '}' => '{',
+            _ => '[',
+        };
+        if bare.matches(open).count() >= bare.matches(close).count() {
+            break;
+        }
+        bare = bare[..bare.len() - 1]
+            .trim_end_matches(|letter: char| letter.is_whitespace() || decorates(letter));
+    }
+    let plain = unmarked(bare);
+    if plain.len() != text.trim().len() {
         repairs.push("removed the markdown or quotes around the text".to_owned());
     }
-    bare.to_owned()
+    plain
+}
+
+/// Removes the Markdown inside of a text: `**only**`, `__hem__`, `*corner*`.
+fn unmarked(text: &str) -> String {
+    let plain = text.replace("**", "").replace("__", "").replace('`', "");
+    let mut kept = String::with_capacity(plain.len());
+    let mut letters = plain.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let is_inside = kept.ends_with(char::is_alphanumeric)
+            && letters.peek().is_some_and(|next| next.is_alphanumeric());
+        let is_mark = letter == '*' && !(kept.ends_with(' ') && letters.peek() == Some(&' '));
+        if !is_mark || is_inside {
+            kept.push(letter);
+        }
+    }
+    kept
 }

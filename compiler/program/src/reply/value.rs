@@ -1,332 +1,1285 @@
-//! Reads the value of a field that is a direction, a length or a word, where one is expected.
+//! Reads the value of a field and everything around it, to the end of its clause.
 //!
-//! In: a cursor after the field's name, in a text that ends where another field is named. Out: the value, or why
-//! there is none. Text after a value counts too: `45 deg or 90 deg` states neither.
+//! In: the tokens after a field's name. Out: the value, or why there is none. What is not understood makes the field
+//! unreadable: `45 deg clockwise`, `(10, 20) + 5`, `soft or firm` state no value.
 
-use super::around::{CHANGING, Link, is_ordinal, is_short, link, list_number, skip_leading};
-use super::choice::{Expected, Resolved, TextEnd, resolve};
-use super::cursor::{Cursor, decorates, first_word};
-use super::expression::{self, Parsed, skip_decoration};
-use super::finding::{Clarity, Found};
-use super::number::unit;
+use super::choice::{Expected, Resolved, resolve};
+use super::cursor::Cursor;
+use super::lexer::{self, Gap, Kind, Token};
+use super::point::{self, Brackets, PointFound};
+use super::quantity::{self, Parsed};
 use super::reading::quoted;
 use super::words::{self, Offered};
 use crate::data::actions::{Choices, Value};
+use crate::pointing::Notation;
 use crate::space;
+use crate::units::UNITS;
 
-/// The most values to compare with the first one.
-const MAX_OTHERS: usize = 8;
-
-/// Words that may follow a number without a unit.
-const FOLLOWING: [&str; 14] = [
-    "because", "since", "as", "so", "which", "that", "with", "then", "for", "but", "and", "where",
-    "while", "in",
-];
-
-/// How much a value by itself says about its kind.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Explicitness {
-    /// A number without a unit, or a word.
-    Bare,
-    /// With a unit or pi.
-    Full,
+/// What was found where a value is expected.
+pub(super) enum Found {
+    /// A value, and how it was read if that is not obvious.
+    Value(Value, Option<String>),
+    /// Something that is not a value, and why not.
+    Bad(String),
+    /// The value is called wrong.
+    Rejected,
+    /// Something else.
+    Nothing,
 }
 
-/// Reads a value and moves past it.
-pub(super) fn read(cursor: &mut Cursor<'_>, expected: &Expected<'_>, firmness: Clarity) -> Found {
-    let sign = cursor.at;
-    cursor.skip(|character| character.is_whitespace() || decorates(character));
-    let is_new_line = cursor.text[sign..cursor.at].contains('\n');
-    if is_echo(cursor.rest(), expected) || (is_new_line && list_number(*cursor).is_some()) {
+/// How clearly a value is announced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Clarity {
+    /// `pick (10, 20)`: other words may stand there.
+    Spoken,
+    /// `Pick Point = (10, 20)`: what follows is the value.
+    Assigned,
+}
+
+/// What is needed to read a value.
+#[derive(Clone, Copy)]
+pub(super) struct Context<'a> {
+    pub expected: Expected<'a>,
+    pub notation: &'a Notation,
+    /// The answer.
+    pub whole: &'a str,
+    pub clarity: Clarity,
+    /// Whether the clause ends because another field is named.
+    pub ends_at_name: bool,
+}
+
+/// Words before a value that do not change it.
+const LEADING: [&str; 24] = [
+    "the",
+    "a",
+    "an",
+    "about",
+    "approximately",
+    "approx",
+    "around",
+    "roughly",
+    "exactly",
+    "precisely",
+    "of",
+    "be",
+    "is",
+    "angle",
+    "direction",
+    "distance",
+    "length",
+    "value",
+    "simply",
+    "set",
+    "equal",
+    "my",
+    "choice",
+    "choose",
+];
+
+/// Words that describe a point or lead to it.
+const DESCRIBING: [&str; 74] = [
+    "the",
+    "a",
+    "an",
+    "at",
+    "on",
+    "in",
+    "of",
+    "is",
+    "as",
+    "its",
+    "it",
+    "this",
+    "that",
+    "to",
+    "onto",
+    "from",
+    "up",
+    "point",
+    "points",
+    "pixel",
+    "position",
+    "location",
+    "coordinates",
+    "coordinate",
+    "coords",
+    "corner",
+    "corners",
+    "edge",
+    "center",
+    "centre",
+    "central",
+    "middle",
+    "midpoint",
+    "keypoint",
+    "spot",
+    "top",
+    "bottom",
+    "left",
+    "right",
+    "upper",
+    "lower",
+    "far",
+    "cloth",
+    "cloth's",
+    "fabric",
+    "fabric's",
+    "towel",
+    "image",
+    "side",
+    "outer",
+    "tip",
+    "flap",
+    "layer",
+    "folded",
+    "orange",
+    "pink",
+    "red",
+    "blue",
+    "green",
+    "black",
+    "purple",
+    "white",
+    "yellow",
+    "marked",
+    "detected",
+    "visible",
+    "gripper",
+    "with",
+    "by",
+    "target",
+    "here",
+    "located",
+    "which",
+    "northwest",
+];
+
+/// The most words before a point that describe it.
+const MAX_DESCRIPTION: usize = 20;
+
+/// The same in running text.
+const MAX_SPOKEN_DESCRIPTION: usize = 10;
+
+/// Words in running text that begin another thought.
+const SUBORDINATING: [&str; 26] = [
+    "so", "that", "because", "since", "while", "when", "until", "whose", "are", "has", "have",
+    "stays", "stay", "keep", "keeping", "lies", "will", "should", "such", "would", "since",
+    "covers", "leaves", "i", "we", "you",
+];
+
+/// Words that make the point after them another one, or none.
+const RELATING: [&str; 52] = [
+    "near",
+    "nearby",
+    "beside",
+    "between",
+    "opposite",
+    "beyond",
+    "past",
+    "around",
+    "toward",
+    "towards",
+    "away",
+    "above",
+    "below",
+    "under",
+    "beneath",
+    "next",
+    "adjacent",
+    "not",
+    "no",
+    "never",
+    "than",
+    "or",
+    "and",
+    "half",
+    "halfway",
+    "but",
+    "considered",
+    "previous",
+    "previously",
+    "last",
+    "old",
+    "earlier",
+    "would",
+    "could",
+    "might",
+    "may",
+    "if",
+    "wrong",
+    "then",
+    "except",
+    "outside",
+    "over",
+    "mirror",
+    "mirrored",
+    "inside",
+    "before",
+    "after",
+    "was",
+    "were",
+    "left-over",
+    "avoid",
+    "along",
+];
+
+/// Words that must not stand directly before a point, because they make it another one.
+const RELATIVE: [&str; 5] = ["of", "with", "by", "far", "middle"];
+
+/// Words that begin an explanation.
+const EXPLAINING: [&str; 37] = [
+    "because",
+    "since",
+    "as",
+    "so",
+    "which",
+    "where",
+    "while",
+    "for",
+    "this",
+    "that",
+    "it",
+    "i",
+    "due",
+    "giving",
+    "making",
+    "matching",
+    "corresponding",
+    "based",
+    "given",
+    "in",
+    "on",
+    "at",
+    "the",
+    "is",
+    "to",
+    "being",
+    "chosen",
+    "near",
+    "with",
+    "see",
+    "my",
+    "here",
+    "a",
+    "an",
+    "when",
+    "considering",
+    "using",
+];
+
+/// Words that change or doubt what stands before them, wherever they stand in its clause.
+const ALTERING: [&str; 34] = [
+    "mean",
+    "meant",
+    "twice",
+    "times",
+    "repeated",
+    "repeat",
+    "each",
+    "per",
+    "impossible",
+    "unclear",
+    "wait",
+    "instead",
+    "rather",
+    "correction",
+    "sorry",
+    "alternatively",
+    "maybe",
+    "perhaps",
+    "possibly",
+    "unless",
+    "shifted",
+    "offset",
+    "plus",
+    "minus",
+    "scaled",
+    "multiplied",
+    "unsure",
+    "guess",
+    "either",
+    "otherwise",
+    "clockwise",
+    "cw",
+    "nope",
+    "oops",
+];
+
+/// Words that change what stands before them if they follow at once.
+const TURNING: [&str; 24] = [
+    "doubled", "halved", "or", "not", "no", "but", "then", "and", "times", "divided", "more",
+    "less", "if", "from", "below", "above", "beyond", "further", "longer", "shorter", "towards",
+    "than", "max", "min",
+];
+
+/// Words that call the value before them wrong.
+const REJECTING: [&str; 8] = [
+    "wrong",
+    "rejected",
+    "refused",
+    "incorrect",
+    "invalid",
+    "discarded",
+    "mistake",
+    "mistaken",
+];
+
+/// Words that link a value to the next field.
+const LINKS: [&str; 37] = [
+    "followed", "after", "before", "once", "when", "having", "while", "moving", "and", "then",
+    "to", "with", "at", "in", "by", "a", "an", "the", "its", "i", "i'll", "will", "should", "for",
+    "it", "move", "drag", "my", "pull", "using", "over", "along", "while", "use", "choose",
+    "cloth", "fold",
+];
+
+/// Words in place of a value.
+const PLACEHOLDERS: [&str; 11] = [
+    "x",
+    "n",
+    "na",
+    "none",
+    "null",
+    "nil",
+    "unknown",
+    "tbd",
+    "undefined",
+    "value",
+    "your",
+];
+
+/// Reads the value that a clause states.
+pub(super) fn read<'t>(cursor: &mut Cursor<'_, 't>, context: &Context<'_>) -> Found {
+    let mut ahead = *cursor;
+    let found = match context.expected.field.is_point() {
+        true => at_point(&mut ahead, context),
+        false => at_value(&mut ahead, context),
+    };
+    let (value, note) = match found {
+        Found::Value(value, note) => (value, note),
+        other => return demoted(other, context),
+    };
+    let end = ahead;
+    let clause = Cursor {
+        tokens: clause_of(&ahead),
+        at: ahead.at,
+    };
+    let is_whole = clause.tokens.len() == ahead.tokens.len();
+    let calls_wrong = clause.rest().iter().any(|token| token.is_any(&REJECTING));
+    if calls_wrong {
+        return Found::Rejected;
+    }
+    let context = Context {
+        ends_at_name: context.ends_at_name && is_whole,
+        ..*context
+    };
+    match tail(clause, &context, &value, 0) {
+        Ok(()) => {
+            *cursor = end;
+            Found::Value(value, note)
+        }
+        Err(why) => {
+            let start = *cursor;
+            result(cursor, &context, start).unwrap_or_else(|| demoted(Found::Bad(why), &context))
+        }
+    }
+}
+
+/// Reads the value after the last `=` of a calculation, `360 deg - 45 deg = 315 deg`.
+fn result(
+    cursor: &mut Cursor<'_, '_>,
+    context: &Context<'_>,
+    start: Cursor<'_, '_>,
+) -> Option<Found> {
+    let clause = clause_of(&Cursor {
+        at: start.at + 1,
+        ..start
+    });
+    let last = (start.at + 1..clause.len()).rfind(|at| clause[*at].is_sign('='))?;
+    let is_calculation = clause[start.at..last].iter().all(|token| match token.kind {
+        Kind::Number => true,
+        Kind::Sign(sign) => "+-*/()°%=".contains(sign),
+        Kind::Word => UNITS
+            .iter()
+            .any(|unit| unit.words().any(|word| token.is(word))),
+    });
+    let operates = clause[start.at + 1..last]
+        .iter()
+        .any(|token| matches!(token.kind, Kind::Sign('+' | '-' | '*' | '/')));
+    if !is_calculation || !operates {
+        return None;
+    }
+    let mut ahead = Cursor {
+        tokens: clause,
+        at: last + 1,
+    };
+    match at_value(&mut ahead, context) {
+        Found::Value(value, _) if tail(ahead, context, &value, 1).is_ok() => {
+            cursor.at = ahead.at;
+            Some(Found::Value(
+                value,
+                Some("the result of its calculation".to_owned()),
+            ))
+        }
+        _ => None,
+    }
+}
+
+/// In running text, what cannot be read states nothing.
+fn demoted(found: Found, context: &Context<'_>) -> Found {
+    match found {
+        Found::Bad(_) if context.clarity == Clarity::Spoken => Found::Nothing,
+        found => found,
+    }
+}
+
+/// Returns the tokens up to the end of the value's clause: its sentence or its line.
+fn clause_of<'a, 't>(cursor: &Cursor<'a, 't>) -> &'a [Token<'t>] {
+    let tokens = cursor.tokens;
+    for (index, token) in tokens.iter().enumerate().skip(cursor.at) {
+        let goes_on = token.is_any(&["or", "plus", "minus", "times"])
+            || matches!(token.kind, Kind::Sign('+' | '*' | '/' | '→' | '±'));
+        if token.gap >= Gap::Item || (token.gap == Gap::Line && !goes_on) {
+            return &tokens[..index];
+        }
+        if ends_sentence(tokens, index) {
+            return &tokens[..index];
+        }
+    }
+    tokens
+}
+
+/// Returns whether a sentence ends with this token.
+pub(super) fn ends_sentence(tokens: &[Token<'_>], index: usize) -> bool {
+    // `, 2. Distance`
+    let numbers_item = index > 1
+        && tokens[index - 1].kind == Kind::Number
+        && tokens[index - 1].text.len() < 3
+        && (tokens[index - 2].is_sign(',') || tokens[index - 2].is_sign(';'));
+    if numbers_item {
+        return false;
+    }
+    let is_far = tokens
+        .get(index + 1)
+        .is_none_or(|next| next.gap > Gap::None);
+    match tokens[index].kind {
+        Kind::Sign('.' | '!' | '?') => is_far,
+        Kind::Sign(sign) => sign == lexer::TAG_END,
+        _ => false,
+    }
+}
+
+fn at_point(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
+    let is_assigned = context.clarity == Clarity::Assigned;
+    let brackets = if is_assigned {
+        Brackets::Optional
+    } else {
+        Brackets::Needed
+    };
+    cursor.skip(&["exactly", "precisely", "be"], &['≈', '=', ':']);
+    let start = *cursor;
+    let mut found = point::read(cursor, context.notation, brackets);
+    if matches!(found, PointFound::Nothing) {
+        let is_relative = skip_description(cursor, context.clarity);
+        if cursor.at > start.at {
+            found = point::read(cursor, context.notation, Brackets::Needed);
+            if is_relative && !matches!(found, PointFound::Nothing) {
+                return Found::Bad("its point is described by another one".to_owned());
+            }
+        }
+    }
+    match found {
+        PointFound::Pixel(point, note) => Found::Value(Value::Point(point), note),
+        PointFound::Bad(why) => Found::Bad(why),
+        PointFound::Nothing => {
+            let clause = clause_of(&start);
+            let has_number = clause[start.at.min(clause.len())..]
+                .iter()
+                .any(|token| token.kind == Kind::Number);
+            if has_number && is_assigned {
+                Found::Bad(format!("`{}` is not understood", line(start, context)))
+            } else {
+                Found::Nothing
+            }
+        }
+    }
+}
+
+/// Skips words that describe a point; returns whether the last ones make the point after them another one.
+fn skip_description(cursor: &mut Cursor<'_, '_>, clarity: Clarity) -> bool {
+    let mut is_relative = false;
+    let start = cursor.at;
+    while let Some(token) = cursor.peek() {
+        let is_joint = matches!(token.kind, Kind::Sign('-' | ',' | ':' | '=' | '→' | '–'));
+        let is_paragraph = cursor.at > 0 && token.gap >= Gap::Item;
+        // Any word describes the point that follows, unless it makes it another one or begins another thought.
+        let most = if clarity == Clarity::Assigned {
+            MAX_DESCRIPTION
+        } else {
+            MAX_SPOKEN_DESCRIPTION
+        };
+        let is_other = token.kind == Kind::Word
+            && cursor.at - start < most
+            && !(clarity == Clarity::Spoken && token.is_any(&SUBORDINATING))
+            && ![&RELATING[..], &ALTERING, &REJECTING, &REFRAMING]
+                .iter()
+                .any(|words| token.is_any(words));
+        if is_paragraph || !(is_joint || is_other || token.is_any(&DESCRIBING)) {
+            break;
+        }
+        let is_article = token.is_any(&["the", "a", "point", "pixel"]);
+        if !is_article {
+            let last = cursor.at.checked_sub(1).map(|at| &cursor.tokens[at]);
+            let to_side =
+                last.is_some_and(|last| last.is("the")) && token.is_any(&["left", "right"]);
+            is_relative = token.is_any(&RELATIVE)
+                || (to_side && cursor.ahead(1).is_some_and(|next| next.is("of")));
+        }
+        cursor.at += 1;
+    }
+    is_relative
+}
+
+/// Reads a value that is not a point, with the words and brackets around it.
+fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
+    let is_assigned = context.clarity == Clarity::Assigned;
+    let start = *cursor;
+    if is_echo(start, context) || is_placeholder(start) {
         return Found::Nothing;
     }
-    let found = match stated(cursor, expected, firmness) {
-        Ok(found) => found,
-        Err(why) => Some(Err(why)),
+    // `grip=Grip.SOFT`
+    let qualified = cursor
+        .peek()
+        .is_some_and(|token| token.kind == Kind::Word && is_own_name(token, context))
+        && cursor
+            .ahead(1)
+            .is_some_and(|point| point.is_sign('.') && point.gap == Gap::None);
+    cursor.at += 2 * usize::from(qualified);
+    let begins_word = match &context.expected.field.choices {
+        Choices::Words { choices } => !matches!(
+            words::offered(&mut { *cursor }, choices, context.whole),
+            Offered::Nothing
+        ),
+        _ => false,
     };
-    match found {
-        Some(Ok((value, note))) => Found::Value(value, note),
-        // In running text, a number that is not a value means nothing.
-        Some(Err(why)) if firmness == Clarity::Assigned => Found::Bad(why),
-        _ => Found::Nothing,
+    if !begins_word {
+        cursor.skip(&LEADING, &['≈', '=', ':', '→']);
     }
+    let mut expected = context.expected;
+    let mut open = None;
+    let mut found = single(cursor, &expected, context);
+    if matches!(found, Found::Nothing) {
+        open = cursor.eat_signs(&['(', '[', '{', '<']);
+        if let Some('{') = open {
+            let unit = quantity::unit(cursor);
+            let is_key = unit.is_some()
+                || cursor.eat_any(&[
+                    "value",
+                    "angle",
+                    "length",
+                    "word",
+                    "choice",
+                    "distance",
+                    "direction",
+                ]);
+            if is_key && cursor.eat_sign(':') {
+                expected.hint = unit.or(expected.hint);
+            }
+        }
+        if open.is_some() {
+            cursor.skip(&LEADING, &['≈', '=']);
+            found = single(cursor, &expected, context);
+        }
+    }
+    match found {
+        Found::Nothing => {}
+        Found::Value(value, note) => {
+            if let Some(open) = open {
+                let unit = quantity::unit(cursor);
+                let close = match open {
+                    '(' => ')',
+                    '[' => ']',
+                    '{' => '}',
+                    _ => '>',
+                };
+                if unit.is_some() || !cursor.eat_sign(close) {
+                    return Found::Bad(
+                        "more than one value stands between its brackets".to_owned(),
+                    );
+                }
+            }
+            return Found::Value(value, note);
+        }
+        other => return other,
+    }
+    let clause = clause_of(&start);
+    let rest = &clause[start.at.min(clause.len())..];
+    let states_words = match &context.expected.field.choices {
+        Choices::Words { choices } => {
+            let n_words = rest.iter().filter(|token| token.kind == Kind::Word).count();
+            let has_offered = (0..rest.len()).any(|at| {
+                let mut ahead = Cursor { tokens: rest, at };
+                !matches!(
+                    words::offered(&mut ahead, choices, context.whole),
+                    Offered::Nothing
+                )
+            });
+            has_offered || (1..=3).contains(&n_words)
+        }
+        Choices::Directions { .. } => (0..rest.len()).any(|at| {
+            let one = [rest[at]];
+            words::side(&mut Cursor::new(&one)).is_some()
+                || quantity::unit(&mut Cursor { tokens: rest, at }).is_some()
+        }),
+        _ => (0..rest.len()).any(|at| quantity::unit(&mut Cursor { tokens: rest, at }).is_some()),
+    };
+    let has_number = rest.iter().any(|token| token.kind == Kind::Number);
+    if is_assigned && (states_words || has_number) {
+        return Found::Bad(format!("`{}` is none of its choices", line(start, context)));
+    }
+    Found::Nothing
+}
+
+/// Returns whether a word is a part of the field's name.
+fn is_own_name(token: &Token<'_>, context: &Context<'_>) -> bool {
+    context
+        .expected
+        .field
+        .name
+        .split('_')
+        .any(|part| token.is(part))
+}
+
+/// Returns the line at the cursor, shortened.
+fn line(cursor: Cursor<'_, '_>, context: &Context<'_>) -> String {
+    let clause = clause_of(&cursor);
+    let end = Cursor {
+        tokens: clause,
+        at: clause.len(),
+    };
+    quoted(end.text_in(cursor.at, context.whole))
 }
 
 /// Returns whether the text repeats all choices as the format lists them.
-fn is_echo(text: &str, expected: &Expected<'_>) -> bool {
-    // Most lines have no bar, so the choices need not be written out.
-    let bar = text.find(['|', '\n']);
-    if !bar.is_some_and(|bar| text[bar..].starts_with('|')) {
-        return false;
-    }
-    let values = space::declared(expected.field);
-    let mut rest = text;
-    for (index, value) in values.iter().enumerate() {
-        let bar = if index == 0 { "" } else { " | " };
-        let value = space::text(expected.field, value);
-        match rest
-            .strip_prefix(bar)
-            .and_then(|rest| rest.strip_prefix(&*value))
-        {
-            Some(behind) => rest = behind,
-            None => return false,
-        }
-    }
+fn is_echo(cursor: Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    let values = space::declared(context.expected.field);
+    let mut cursor = cursor;
     values.len() > 1
+        && values.iter().enumerate().all(|(index, value)| {
+            let text = space::text(context.expected.field, value);
+            let links =
+                index == 0 || cursor.eat_signs(&['|', ',', '/']).is_some() || cursor.eat_word("or");
+            links && words::eat(&mut cursor, &lexer::tokens(&text))
+        })
 }
 
-type Stated = Option<Result<Resolved, String>>;
-
-fn stated(
-    cursor: &mut Cursor<'_>,
-    expected: &Expected<'_>,
-    firmness: Clarity,
-) -> Result<Stated, String> {
-    let mut expected = *expected;
-    let begin = *cursor;
-    let mut first = single(cursor, &expected, firmness);
-    let mut close = None;
-    if first.is_none() && firmness == Clarity::Assigned {
-        close = open(cursor, &mut expected)?;
-        skip_leading(cursor);
-        first = single(cursor, &expected, firmness);
-    }
-    let Some((taken, dress)) = first.transpose()? else {
-        return fallback(cursor, begin, &expected, firmness);
-    };
-    let is_apart = cursor.at;
-    if let Err(why) = ends(cursor, dress) {
-        *cursor = begin;
-        return match &expected.field.choices {
-            Choices::Words { .. } => fallback(cursor, begin, &expected, firmness),
-            _ => Err(why),
-        };
-    }
-    if let Some(close) = close {
-        cursor.skip(|character| character.is_whitespace() || decorates(character));
-        if !cursor.eat(close) {
-            return Err("more than one value stands between its brackets".to_owned());
-        }
-    } else {
-        cursor.at = is_apart;
-    }
-    others_agree(*cursor, &expected, &taken.0)?;
-    Ok(Some(Ok(taken)))
-}
-
-/// Looks for an offered word in the following words, and fails if there is something else.
-fn fallback(
-    cursor: &mut Cursor<'_>,
-    begin: Cursor<'_>,
-    expected: &Expected<'_>,
-    firmness: Clarity,
-) -> Result<Stated, String> {
-    if firmness != Clarity::Assigned {
-        return Ok(None);
-    }
-    let line = begin.rest().lines().next().unwrap_or_default().trim();
-    let none = || format!("`{}` is none of its choices", quoted(line));
-    if let Choices::Words { choices } = &expected.field.choices {
-        let is_open = cursor.at;
-        return match words::within(cursor, choices) {
-            Offered::One(word) => {
-                others_agree(*cursor, expected, &Value::Word(word.to_owned()))?;
-                let note = format!("the word `{word}` in it");
-                Ok(Some(Ok((Value::Word(word.to_owned()), Some(note)))))
-            }
-            Offered::Several(one, other) => Err(format!("it has both `{one}` and `{other}`")),
-            Offered::Nothing if line.is_empty() && is_open == begin.at => Ok(None),
-            Offered::Nothing => Err(none()),
-        };
-    }
-    if line.is_empty() {
-        Ok(None)
-    } else {
-        Err(none())
-    }
+/// Returns whether something stands in place of a value: `…`, `<angle>`, `N/A`, `null`.
+fn is_placeholder(cursor: Cursor<'_, '_>) -> bool {
+    let clause = clause_of(&cursor);
+    let rest = &clause[cursor.at.min(clause.len())..];
+    let is_open = rest
+        .first()
+        .is_some_and(|token| matches!(token.kind, Kind::Sign('<' | '[' | '…' | '?')));
+    let is_word = rest
+        .first()
+        .is_some_and(|token| token.is_any(&PLACEHOLDERS));
+    let has_number = rest.iter().any(|token| token.kind == Kind::Number);
+    let is_word = is_word && (rest.len() <= 3 || rest[0].is("your"));
+    !has_number
+        && rest.len() <= 8
+        && (is_word
+            || (is_open
+                && rest.iter().any(|it| {
+                    it.is_any(&[
+                        "angle",
+                        "value",
+                        "direction",
+                        "distance",
+                        "choice",
+                        "your",
+                        "one",
+                    ])
+                }))
+            || rest.first().is_some_and(|token| token.is_sign('…')))
 }
 
 /// Reads one value and ignores what follows it.
-fn single(
-    cursor: &mut Cursor<'_>,
-    expected: &Expected<'_>,
-    firmness: Clarity,
-) -> Option<Result<(Resolved, Explicitness), String>> {
+fn single(cursor: &mut Cursor<'_, '_>, expected: &Expected<'_>, context: &Context<'_>) -> Found {
+    let start = *cursor;
     if let Choices::Words { choices } = &expected.field.choices {
-        return match words::direct(cursor, choices) {
-            Offered::One(word) => Some(Ok((
-                (Value::Word(word.to_owned()), None),
-                Explicitness::Bare,
-            ))),
-            Offered::Several(one, other) => Some(Err(format!("it can be `{one}` or `{other}`"))),
-            Offered::Nothing => None,
+        return match words::offered(cursor, choices, context.whole) {
+            Offered::One(word) => Found::Value(Value::Word(word.to_owned()), None),
+            Offered::Several(one, other) => Found::Bad(format!("it can be `{one}` or `{other}`")),
+            Offered::Nothing => Found::Nothing,
         };
     }
-    let start = cursor.at;
-    match expression::read(cursor) {
+    let text = |cursor: &Cursor<'_, '_>| quoted(cursor.text_in(start.at, context.whole));
+    match quantity::read(cursor) {
         Parsed::Quantity(quantity) => {
-            let dress = if quantity.times_pi || quantity.unit.is_some() {
-                Explicitness::Full
-            } else {
-                Explicitness::Bare
-            };
-            if dress == Explicitness::Bare && firmness == Clarity::Loose {
-                return None;
+            let is_bare = !quantity.times_pi && quantity.unit.is_none() && expected.hint.is_none();
+            if is_bare && context.clarity == Clarity::Spoken {
+                *cursor = start;
+                return Found::Nothing;
             }
-            let text = quoted(&cursor.text[start..cursor.at]);
-            Some(resolve(expected, quantity, &text).map(|taken| (taken, dress)))
+            let text = text(cursor);
+            match resolve(expected, quantity, &text) {
+                Ok((value, note)) => Found::Value(value, note),
+                Err(why) => Found::Bad(why),
+            }
         }
-        Parsed::Bad(why) => Some(Err(why)),
-        Parsed::Nothing => side(cursor, expected, firmness),
+        Parsed::Bad(why) => Found::Bad(why),
+        Parsed::Nothing => match side(cursor, expected) {
+            Some(Ok((value, _))) => {
+                let note = format!("`{}` as a direction in the picture", text(cursor));
+                Found::Value(value, Some(note))
+            }
+            Some(Err(why)) => Found::Bad(why),
+            None => Found::Nothing,
+        },
     }
 }
 
 /// Reads a direction in words.
-fn side(
-    cursor: &mut Cursor<'_>,
-    expected: &Expected<'_>,
-    firmness: Clarity,
-) -> Option<Result<(Resolved, Explicitness), String>> {
+fn side(cursor: &mut Cursor<'_, '_>, expected: &Expected<'_>) -> Option<Result<Resolved, String>> {
     let Choices::Directions { choices } = &expected.field.choices else {
         return None;
     };
-    if firmness != Clarity::Assigned {
-        return None;
+    let deg = words::side(cursor)?;
+    if choices.iter().any(|choice| choice.deg == deg) {
+        Some(Ok((Value::Direction { deg }, None)))
+    } else {
+        Some(Err("its words are none of its choices".to_owned()))
     }
-    let start = cursor.at;
-    if cursor.eat_word("to") {
-        skip_decoration(cursor);
-        cursor.eat_word("the");
-        skip_decoration(cursor);
-    }
-    let Some(deg) = words::side(cursor) else {
-        cursor.at = start;
-        return None;
-    };
-    let text = quoted(&cursor.text[start..cursor.at]);
-    if !choices.iter().any(|choice| choice.deg == deg) {
-        return Some(Err(format!("`{text}` is none of its choices")));
-    }
-    let note = format!("`{text}` as a direction in the picture");
-    Some(Ok((
-        (Value::Direction { deg }, Some(note)),
-        Explicitness::Bare,
-    )))
 }
 
-/// Skips an opening bracket, and the key of an object; returns the closing one.
-fn open(cursor: &mut Cursor<'_>, expected: &mut Expected<'_>) -> Result<Option<char>, String> {
-    let close = match cursor.peek() {
-        Some('(') => ')',
-        Some('[') => ']',
-        Some('{') => '}',
-        _ => return Ok(None),
+/// Reads what follows a value up to the end of its clause; fails if something there may change the value.
+fn tail(
+    mut cursor: Cursor<'_, '_>,
+    context: &Context<'_>,
+    value: &Value,
+    depth: usize,
+) -> Result<(), String> {
+    let mut is_apart = false;
+    loop {
+        if cursor.rest().is_empty() || (context.ends_at_name && links(cursor)) {
+            return Ok(());
+        }
+        own_words(&mut cursor, context);
+        let Some(token) = cursor.peek() else {
+            return Ok(());
+        };
+        let before = cursor;
+        match token.kind {
+            Kind::Sign('(' | '[' | '{') => bracket(&mut cursor, context, value, depth)?,
+            Kind::Sign(')' | ']' | '}' | '>' | '|') if cursor.rest().len() == 1 => return Ok(()),
+            Kind::Sign(')' | ']' | '}' | '>' | '"') => cursor.at += 1,
+            Kind::Sign('=' | '≈' | '/' | '|' | '→') => {
+                cursor.at += 1;
+                restated(&mut cursor, context, value)?
+                    .then_some(())
+                    .ok_or_else(|| goes_on(before, context))?;
+            }
+            Kind::Sign('.') if token.gap == Gap::None && cursor.rest().len() == 1 => return Ok(()),
+            Kind::Sign(',' | ';' | ':' | '–' | '#') => {
+                cursor.at += 1;
+                is_apart = true;
+                continue;
+            }
+            Kind::Sign('-') => {
+                cursor.at += 1;
+                let is_dash =
+                    token.gap > Gap::None && cursor.peek().is_none_or(|next| next.gap > Gap::None);
+                if !is_dash && !quantity::begins(cursor) {
+                    return Err(goes_on(before, context));
+                }
+                is_apart = true;
+                continue;
+            }
+            Kind::Word if is_joined_word(&cursor) => return Err(goes_on(before, context)),
+            Kind::Word
+                if names_side(&cursor, context) && restated(&mut cursor, context, value)? => {}
+            Kind::Word => {
+                let says_same =
+                    cursor.eat_any(&["i.e.", "aka", "equals", "meaning", "equivalently"])
+                        || cursor.eat_words("that is")
+                        || cursor.eat_words("which is")
+                        || cursor.eat_words("equal to")
+                        || cursor.eat_words("equivalent to")
+                        || cursor.eat_words("same as")
+                        || cursor.eat_words("corresponding to")
+                        || cursor.eat_words("which equals")
+                        || cursor.eat_words("or equivalently");
+                if excluded(&mut cursor, context, value) {
+                    continue;
+                }
+                let is_or = !says_same && cursor.eat_word("or");
+                cursor.eat_sign(',');
+                if (says_same || is_or || is_apart) && restated(&mut cursor, context, value)? {
+                    is_apart = false;
+                    continue;
+                }
+                return explanation(before, context, value, is_apart || says_same);
+            }
+            _ if is_apart && (quantity::begins(cursor) || point_begins(cursor, context)) => {
+                if !restated(&mut cursor, context, value)? {
+                    return Err("it contains more than one number".to_owned());
+                }
+            }
+            _ if names_side(&cursor, context) && restated(&mut cursor, context, value)? => {}
+            _ => return Err(goes_on(before, context)),
+        }
+        is_apart = false;
+    }
+}
+
+/// Skips another value that is said not to be the answer: `not 0 deg`, `instead of (112, 112)`.
+fn excluded(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) -> bool {
+    let start = *cursor;
+    cursor.eat_word("and");
+    let excludes = [
+        "instead of",
+        "rather than",
+        "as opposed to",
+        "not",
+        "unlike",
+    ]
+    .iter()
+    .any(|words| cursor.eat_words(words));
+    let assigned = Context {
+        clarity: Clarity::Assigned,
+        ..*context
     };
-    cursor.step();
-    cursor.skip(|character| character.is_whitespace() || decorates(character));
-    if close == '}' {
-        let key = first_word(cursor.rest());
-        let hint = unit(&mut Cursor::new(key, 0));
-        let is_known = ["value", "angle", "length", "word", "choice"]
+    cursor.skip(&["the", "a", "at"], &[]);
+    let other = if excludes {
+        bare(cursor, &assigned)
+    } else {
+        None
+    };
+    let is_other = other.is_some_and(|(other, _)| other != *value);
+    let ends = cursor
+        .peek()
+        .is_none_or(|next| next.kind != Kind::Word || next.is_any(&EXPLAINING));
+    if !is_other || !ends {
+        *cursor = start;
+    }
+    is_other && ends
+}
+
+/// Returns whether a direction in words is next, `45 deg down`.
+fn names_side(cursor: &Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    matches!(context.expected.field.choices, Choices::Directions { .. })
+        && words::side(&mut { *cursor }).is_some()
+}
+
+fn is_joined_word(cursor: &Cursor<'_, '_>) -> bool {
+    let previous = cursor.at.checked_sub(1).map(|at| cursor.tokens[at].kind);
+    cursor.is_joined() && matches!(previous, Some(Kind::Word | Kind::Number))
+}
+
+fn point_begins(cursor: Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    !matches!(
+        point::read(&mut { cursor }, context.notation, Brackets::Needed),
+        PointFound::Nothing
+    )
+}
+
+fn goes_on(cursor: Cursor<'_, '_>, context: &Context<'_>) -> String {
+    format!(
+        "`{}` after its value is not understood",
+        line(cursor, context)
+    )
+}
+
+/// Returns whether only words that lead to the next field are left.
+fn links(cursor: Cursor<'_, '_>) -> bool {
+    // `and a firm [grip]`
+    let rest = cursor.rest();
+    let leads = rest
+        .first()
+        .is_some_and(|token| token.is_any(&["and", "with"]) || token.is_sign(','));
+    let is_plain = |token: &Token<'_>| match token.kind {
+        Kind::Word => {
+            let one = [*token];
+            token.is_any(&["and", "with"])
+                || !(token.is_any(&TURNING)
+                    || token.is_any(&ALTERING)
+                    || token.is_any(&["i.e.", "aka"]))
+                    && words::side(&mut Cursor::new(&one)).is_none()
+        }
+        // `, 2. Distance`
+        Kind::Number => token.text.len() <= 2,
+        Kind::Sign(sign) => ",.)({}<".contains(sign),
+    };
+    if leads && rest.len() <= 6 && rest.iter().all(is_plain) {
+        return true;
+    }
+    cursor.rest().iter().all(|token| {
+        token.is_any(&LINKS)
+            || matches!(
+                token.kind,
+                Kind::Sign(
+                    '→' | ','
+                        | ';'
+                        | '-'
+                        | '–'
+                        | '<'
+                        | '.'
+                        | '|'
+                        | '('
+                        | ')'
+                        | ':'
+                        | '/'
+                        | '}'
+                        | '{'
+                        | ']'
+                        | '['
+                )
+            )
+    })
+}
+
+/// Skips words that belong to a value of this kind and do not change it.
+fn own_words(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) {
+    match &context.expected.field.choices {
+        Choices::Directions { .. } => {
+            let start = *cursor;
+            cursor.eat_word("measured");
+            let open = cursor.eat_sign('(');
+            let sense = cursor.eat_any(&[
+                "counterclockwise",
+                "ccw",
+                "anticlockwise",
+                "counter-clockwise",
+            ]) || [("counter", "clockwise"), ("anti", "clockwise")]
+                .iter()
+                .any(|(first, second)| {
+                    let mut ahead = *cursor;
+                    let is_there = ahead.eat_word(first) && {
+                        ahead.eat_sign('-');
+                        ahead.eat_word(second)
+                    };
+                    if is_there {
+                        *cursor = ahead;
+                    }
+                    is_there
+                });
+            if !sense {
+                *cursor = start;
+            } else {
+                let behind = *cursor;
+                if cursor.eat_word("from") {
+                    cursor.skip(
+                        &[
+                            "the",
+                            "image's",
+                            "positive",
+                            "image",
+                            "picture's",
+                            "horizontal",
+                        ],
+                        &['+'],
+                    );
+                    let is_right = cursor.eat_any(&["right", "x"]);
+                    cursor.eat_sign('-');
+                    cursor.eat_any(&["axis", "side"]);
+                    if !is_right {
+                        *cursor = behind;
+                    }
+                }
+                if open && !cursor.eat_sign(')') {
+                    *cursor = start;
+                }
+            }
+            cursor.skip(&["direction", "angle"], &[]);
+        }
+        Choices::Lengths { .. } => cursor.skip(&["long", "distance", "length"], &[]),
+        Choices::Words { .. } => {
+            let name = &context.expected.field.name;
+            cursor.skip(
+                &[
+                    name.as_str(),
+                    "one",
+                    "setting",
+                    "option",
+                    "touch",
+                    "hold",
+                    "grasp",
+                    "pinch",
+                    "pressure",
+                ],
+                &[],
+            );
+        }
+        Choices::Points { .. } | Choices::Region { .. } => {
+            cursor.skip(&["px", "pixels", "pixel"], &[])
+        }
+    }
+}
+
+/// Reads the value once more; fails if it is another one. Returns whether there was one.
+fn restated(
+    cursor: &mut Cursor<'_, '_>,
+    context: &Context<'_>,
+    value: &Value,
+) -> Result<bool, String> {
+    let start = *cursor;
+    let assigned = Context {
+        clarity: Clarity::Assigned,
+        ..*context
+    };
+    let found = if context.expected.field.is_point() {
+        let brackets = if context.notation.is_of_marks() {
+            Brackets::Optional
+        } else {
+            Brackets::Needed
+        };
+        match point::read(cursor, context.notation, brackets) {
+            PointFound::Pixel(point, _) => Found::Value(Value::Point(point), None),
+            PointFound::Bad(why) => Found::Bad(why),
+            PointFound::Nothing => Found::Nothing,
+        }
+    } else {
+        cursor.skip(&["approximately", "about", "roughly", "the"], &['≈', '=']);
+        single(cursor, &context.expected, &assigned)
+    };
+    match found {
+        Found::Value(other, _) if other == *value => Ok(true),
+        Found::Value(other, _) => Err(format!(
+            "it has both {} and {}",
+            context.notation.stated_value(context.expected.field, value),
+            context
+                .notation
+                .stated_value(context.expected.field, &other)
+        )),
+        Found::Bad(why) => Err(why),
+        Found::Nothing | Found::Rejected => {
+            *cursor = start;
+            if quantity::begins(*cursor) {
+                return Err("it contains more than one number".to_owned());
+            }
+            Ok(false)
+        }
+    }
+}
+
+/// Returns whether a remark describes an angle from another side, `45 deg to the left of straight up`.
+fn relates(mut cursor: Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    let is_angle = matches!(context.expected.field.choices, Choices::Directions { .. });
+    is_angle
+        && bare(&mut cursor, context).is_some()
+        && (cursor.eat_words("to the left of")
+            || cursor.eat_words("to the right of")
+            || cursor.eat_any(&["above", "below", "off", "past"]))
+}
+
+/// Reads a remark in brackets: the same value, or words.
+fn bracket(
+    cursor: &mut Cursor<'_, '_>,
+    context: &Context<'_>,
+    value: &Value,
+    depth: usize,
+) -> Result<(), String> {
+    let before = *cursor;
+    let (mut open, mut end) = (0_usize, cursor.at);
+    for (index, token) in cursor.tokens.iter().enumerate().skip(cursor.at) {
+        match token.kind {
+            Kind::Sign('(' | '[' | '{') => open += 1,
+            Kind::Sign(')' | ']' | '}') => open = open.saturating_sub(1),
+            _ => {}
+        }
+        end = index;
+        if open == 0 {
+            break;
+        }
+    }
+    if open > 0 || depth > 2 {
+        return Err(goes_on(before, context));
+    }
+    let inside = Cursor {
+        tokens: &cursor.tokens[..end],
+        at: cursor.at + 1,
+    };
+    cursor.at = end + 1;
+    // `(10, 20) (30, 40)`
+    if point_begins(before, context) && context.expected.field.is_point() {
+        return restated(&mut { before }, context, value).map(|_| ());
+    }
+    let context = Context {
+        ends_at_name: false,
+        ..*context
+    };
+    let mut again = inside;
+    again.skip(
+        &[
+            "i.e.",
+            "that",
+            "is",
+            "or",
+            "about",
+            "approximately",
+            "roughly",
+        ],
+        &['=', '≈', ','],
+    );
+    if relates(again, &context) {
+        return Ok(());
+    }
+    if restated(&mut again, &context, value)? {
+        return tail(again, &context, value, depth + 1);
+    }
+    if inside.rest().is_empty() {
+        return Ok(());
+    }
+    let mut inside = inside;
+    if excluded(&mut inside, &context, value) && inside.rest().is_empty() {
+        return Ok(());
+    }
+    explanation(inside, &context, value, true)
+}
+
+/// Words for what happens after a point is picked.
+const MOVING: [&str; 9] = [
+    "move", "fold", "drag", "pull", "bring", "lift", "carry", "push", "slide",
+];
+
+/// Words that place a point in another frame or picture.
+const REFRAMING: [&str; 17] = [
+    "measured",
+    "counted",
+    "grid",
+    "cell",
+    "tile",
+    "normalized",
+    "normalised",
+    "relative",
+    "fraction",
+    "fractions",
+    "percent",
+    "mm",
+    "cm",
+    "origin",
+    "enlarged",
+    "cropped",
+    "crop",
+];
+
+/// Returns whether an explanation adds another value: `60 deg for one and 90 deg for the other`.
+fn states_other(cursor: Cursor<'_, '_>, context: &Context<'_>, value: &Value) -> bool {
+    let spoken = Context {
+        clarity: Clarity::Spoken,
+        ..*context
+    };
+    let mut ahead = cursor;
+    while let Some(token) = ahead.peek() {
+        let adds =
+            token.is_any(&["and", "then", "or"]) || matches!(token.kind, Kind::Sign(',' | ';'));
+        ahead.at += 1;
+        let mut other = ahead;
+        other.skip(&["then", "a", "the", "also"], &[]);
+        if adds
+            && !other
+                .peek()
+                .is_some_and(|next| is_side_alone(next, context))
+            && bare(&mut other, &spoken).is_some_and(|(found, _)| found != *value)
+        {
+            return true;
+        }
+    }
+    false
+}
+
+/// Returns whether a word may be a direction, but is as likely to describe something else: `the left side`.
+fn is_side_alone(token: &Token<'_>, context: &Context<'_>) -> bool {
+    let one = [*token];
+    matches!(context.expected.field.choices, Choices::Directions { .. })
+        && words::side(&mut Cursor::new(&one)).is_some()
+}
+
+/// Reads an explanation to the end of the clause; fails if it changes the value, or is none.
+///
+/// - `is_apart`: whether a comma, a dash or a bracket sets it apart.
+fn explanation(
+    cursor: Cursor<'_, '_>,
+    context: &Context<'_>,
+    value: &Value,
+    is_apart: bool,
+) -> Result<(), String> {
+    let Some(first) = cursor.peek() else {
+        return Ok(());
+    };
+    let rest = cursor.rest();
+    let failed = || Err(goes_on(cursor, context));
+    let is_counter = |index: usize| {
+        index > 0
+            && rest[..index]
+                .iter()
+                .rev()
+                .take(2)
+                .any(|token| token.is_any(&["counter", "anti"]))
+    };
+    let alters = rest.iter().enumerate().any(|(index, token)| {
+        (token.is_any(&ALTERING) || token.is_sign('±')) && !is_counter(index)
+    });
+    let is_point = context.expected.field.is_point();
+    // `pick (10, 20) and fold it up`
+    let goes_further =
+        is_point && first.is("and") && rest.get(1).is_some_and(|next| next.is_any(&MOVING));
+    if goes_further {
+        return Ok(());
+    }
+    if is_point && rest.iter().any(|token| token.is_any(&REFRAMING)) {
+        return failed();
+    }
+    if alters || first.is_any(&TURNING) || states_other(cursor, context, value) {
+        return failed();
+    }
+    // `90 deg is not possible`
+    let is_judged = first.is_any(&[
+        "is", "isn't", "was", "would", "seems", "looks", "might", "may", "could",
+    ]);
+    if is_judged
+        && !is_apart
+        && rest
             .iter()
-            .any(|known| key.eq_ignore_ascii_case(known));
-        if hint.is_none() && !is_known {
-            return Err(format!("`{}` is none of its choices", quoted(key)));
-        }
-        cursor.at += key.len();
-        cursor.skip(|character| character.is_whitespace() || decorates(character));
-        if !cursor.eat(':') {
-            return Err(format!("nothing follows `{}`", quoted(key)));
-        }
-        cursor.skip(|character| character.is_whitespace() || decorates(character));
-        expected.hint = hint.or(expected.hint);
+            .any(|token| token.is_any(&["not", "isn't", "too", "wouldn't", "work"]))
+    {
+        return failed();
     }
-    Ok(Some(close))
-}
-
-/// Skips decoration after a value; fails if the value continues as something else.
-fn ends(cursor: &mut Cursor<'_>, dress: Explicitness) -> Result<(), String> {
-    let start = cursor.at;
-    let goes_on = |cursor: &Cursor<'_>| {
-        let word = &cursor.rest()[..cursor
-            .rest()
-            .find([' ', '\n'])
-            .unwrap_or(cursor.rest().len())];
-        Err(format!(
-            "`{}` behind its value is not understood",
-            quoted(word)
-        ))
+    let starts = first.is_any(&EXPLAINING)
+        || (is_point && first.is_any(&DESCRIBING) && !first.is_any(&["left", "right", "up"]));
+    if is_apart {
+        return Ok(());
+    }
+    let names_side = |index: usize| {
+        rest.get(index)
+            .is_some_and(|token| token.is_any(&["left", "right", "up", "down", "top", "bottom"]))
     };
-    let mut letters = cursor.rest().chars();
-    match (letters.next(), letters.next()) {
-        (Some('^' | '²' | '³'), _) => return goes_on(cursor),
-        (Some(letter), _) if letter.is_alphanumeric() => return goes_on(cursor),
-        (Some('.' | '\'' | '"' | ':' | '_'), Some(next)) if next.is_numeric() => {
-            return goes_on(cursor);
-        }
-        _ => {}
-    }
-    skip_decoration(cursor);
-    let word = first_word(cursor.rest());
-    let is = |known: &&str| word.eq_ignore_ascii_case(known);
-    if CHANGING.iter().any(is) {
-        return goes_on(cursor);
-    }
-    let is_on_line = cursor.at > start;
-    let is_joined = !word.is_empty() && link(&mut cursor.clone()).is_none();
-    if dress == Explicitness::Bare && is_on_line && is_joined && !FOLLOWING.iter().any(is) {
-        return goes_on(cursor);
+    let moves = !is_apart && first.is("to") && (names_side(1) || names_side(2));
+    let as_field = first.is_any(&["from", "to", "at", "of"])
+        && quantity::begins(Cursor {
+            tokens: rest,
+            at: 1,
+        });
+    if !starts || moves || as_field {
+        return failed();
     }
     Ok(())
 }
 
-/// Fails if the same line continues with a different value, or with a range.
-fn others_agree(
-    mut cursor: Cursor<'_>,
-    expected: &Expected<'_>,
-    value: &Value,
-) -> Result<(), String> {
-    for _ in 0..MAX_OTHERS {
-        cursor.skip(|character| {
-            matches!(character, ' ' | '\t' | ')' | ']' | '}') || decorates(character)
-        });
-        // `45 deg down` has no link between its two statements.
-        let link = match link(&mut cursor) {
-            Some(link) => link,
-            None if matches!(expected.field.choices, Choices::Directions { .. }) => Link::Same,
-            None => return Ok(()),
-        };
-        skip_leading(&mut cursor);
-        if expected.end == TextEnd::Name && list_number(cursor).is_some_and(is_short) {
-            return Ok(());
+/// Reads a value alone, as running text states it; a number needs its unit.
+pub(super) fn bare(
+    cursor: &mut Cursor<'_, '_>,
+    context: &Context<'_>,
+) -> Option<(Value, Option<String>)> {
+    let found = if context.expected.field.is_point() {
+        match point::read(cursor, context.notation, Brackets::Needed) {
+            PointFound::Pixel(point, note) => Found::Value(Value::Point(point), note),
+            _ => Found::Nothing,
         }
-        let word = first_word(cursor.rest());
-        if CHANGING
-            .iter()
-            .any(|known| word.eq_ignore_ascii_case(known))
-        {
-            return Err(format!("`{word}` behind its value changes it"));
-        }
-        let is_number = cursor.rest().starts_with(char::is_numeric);
-        match single(&mut cursor, expected, Clarity::Assigned) {
-            Some(Ok(((other, _), _))) if other == *value && link == Link::Same => {}
-            Some(Ok(((other, _), _))) if other == *value && link == Link::Or => {}
-            Some(Ok(((other, _), _))) => {
-                return Err(format!(
-                    "it has both {} and {}",
-                    space::text(expected.field, value),
-                    space::text(expected.field, &other)
-                ));
-            }
-            Some(Err(_)) | None if link == Link::Or || (link == Link::Range && is_number) => {
-                return Err("it leaves more than one value open".to_owned());
-            }
-            // `45, 30` states two numbers, whatever the second one is.
-            Some(Err(_)) if is_number && !is_ordinal(cursor.rest()) => {
-                return Err("it contains more than one number".to_owned());
-            }
-            _ => return Ok(()),
-        }
+    } else {
+        single(cursor, &context.expected, context)
+    };
+    match found {
+        Found::Value(value, note) => Some((value, note)),
+        _ => None,
     }
-    Err("it has too many values".to_owned())
 }

@@ -26,20 +26,32 @@ pub(super) fn judge(
             before,
             after,
         } => Ok(match reply::read_text(before, after, text) {
-            Ok(Reading { value, repairs }) => Finding::Text {
+            Ok(Reading {
+                value,
+                repairs,
+                stated,
+                ..
+            }) => Finding::Text {
                 name: name.clone(),
                 value,
                 repairs,
+                stated,
             },
             Err(error) => malformed(error),
         }),
         Read::Action => {
             match reply::read_action_in(view.program, &facts.notation(view.program), text) {
-                Ok(Reading { value, repairs }) => {
+                Ok(Reading {
+                    value,
+                    repairs,
+                    stated,
+                    ..
+                }) => {
                     let verdict = verdict(view, facts, &value, Strictness::Full)?;
                     Ok(Finding::Action {
                         fields: value.fields,
                         repairs,
+                        stated,
                         verdict,
                     })
                 }

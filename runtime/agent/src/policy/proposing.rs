@@ -86,6 +86,7 @@ pub(super) fn until_accepted(
             Answer::Grip(proposal) => Finding::Action {
                 fields: proposal.fields.clone(),
                 repairs: Vec::new(),
+                stated: Vec::new(),
                 verdict: verdict(*step, facts, proposal, Strictness::Full)?,
             },
             Answer::Unreadable { field, message } => Finding::Malformed {

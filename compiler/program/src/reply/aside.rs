@@ -1,0 +1,360 @@
+//! Finds the parts of an answer that state nothing: thoughts, quotations, struck-out text, comments.
+//!
+//! In: an answer. Out: the same text with blanks there, each byte in its place, and what was set aside.
+
+use std::ops::Range;
+
+/// Why a part of an answer states nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aside {
+    /// `<think>…</think>` and its like.
+    Thought,
+    /// `> …`
+    Quotation,
+    /// `~~…~~`
+    StruckOut,
+    /// `<example>…</example>`, `<rejected>…</rejected>`
+    Example,
+    /// `- [ ] 45 deg`
+    Unticked,
+    /// `<!-- … -->`
+    Comment,
+    /// `<|im_end|>` and other marks of a chat format.
+    Mark,
+}
+
+/// Tags around what states nothing.
+const TAGS: [(&str, Aside); 24] = [
+    ("think", Aside::Thought),
+    ("thinking", Aside::Thought),
+    ("thought", Aside::Thought),
+    ("thoughts", Aside::Thought),
+    ("reasoning", Aside::Thought),
+    ("reason", Aside::Thought),
+    ("rationale", Aside::Thought),
+    ("scratchpad", Aside::Thought),
+    ("reflection", Aside::Thought),
+    ("analysis", Aside::Thought),
+    ("observation", Aside::Thought),
+    ("plan", Aside::Thought),
+    ("explanation", Aside::Thought),
+    ("internal", Aside::Thought),
+    ("quote", Aside::Quotation),
+    ("blockquote", Aside::Quotation),
+    ("example", Aside::Example),
+    ("examples", Aside::Example),
+    ("rejected", Aside::Example),
+    ("format", Aside::Example),
+    ("del", Aside::StruckOut),
+    ("s", Aside::StruckOut),
+    ("strike", Aside::StruckOut),
+    ("summary", Aside::Thought),
+];
+
+/// The longest tag, bytes.
+const MAX_TAG: usize = 80;
+
+/// An answer whose asides are blank.
+pub(super) struct Cleared {
+    /// The answer, of the same length; asides are blanks.
+    pub text: String,
+    /// What was set aside, in order.
+    pub asides: Vec<(Range<usize>, Aside)>,
+    /// Whether a thought never ends, so that the answer is missing.
+    pub is_cut_off: bool,
+}
+
+/// Sets aside what states nothing.
+pub(super) fn clear(reply: &str) -> Cleared {
+    let mut asides = Vec::new();
+    let is_cut_off = tagged(reply, &mut asides);
+    quoted(reply, &mut asides);
+    struck(reply, &mut asides);
+    introduced(reply, &mut asides);
+    asides.sort_by_key(|(span, _)| (span.start, std::cmp::Reverse(span.end)));
+    let spans: Vec<Range<usize>> = asides.iter().map(|(span, _)| span.clone()).collect();
+    Cleared {
+        text: blanked(reply, &spans),
+        asides,
+        is_cut_off,
+    }
+}
+
+/// Replaces parts of a text by blanks; line breaks stay.
+///
+/// - `spans`: in the order of where they begin.
+pub(super) fn blanked(text: &str, spans: &[Range<usize>]) -> String {
+    let mut kept = String::with_capacity(text.len());
+    for span in spans {
+        if span.end <= kept.len() {
+            continue;
+        }
+        kept.push_str(&text[kept.len()..span.start.max(kept.len())]);
+        let blank = |byte: u8| if byte == b'\n' { '\n' } else { ' ' };
+        kept.extend(text[kept.len()..span.end].bytes().map(blank));
+    }
+    kept.push_str(&text[kept.len()..]);
+    kept
+}
+
+/// Finds tagged parts; returns whether the last one never ends.
+fn tagged(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) -> bool {
+    let mut open: Option<(usize, &str, Aside, usize)> = None;
+    let mut at = 0;
+    while let Some(found) = reply[at..].find(['<', '◁', '[']) {
+        at += found;
+        if open.is_none() && reply[at..].starts_with("<!--") {
+            let end = reply[at..]
+                .find("-->")
+                .map_or(reply.len(), |length| at + length + 3);
+            asides.push((at..end, Aside::Comment));
+            at = end;
+            continue;
+        }
+        let Some((name, is_closing, end)) = tag(reply, at) else {
+            at += reply[at..].chars().next().map_or(1, char::len_utf8);
+            continue;
+        };
+        if let Some(mark) = name.strip_prefix('|') {
+            let (mark, next) = (
+                mark.trim_matches('|').to_ascii_lowercase(),
+                reply[end..].trim_start(),
+            );
+            let is_thought = |word: &str| next.starts_with(word);
+            match open {
+                None if mark == "channel"
+                    && (is_thought("analysis") || is_thought("commentary")) =>
+                {
+                    open = Some((at, "channel", Aside::Thought, 1));
+                }
+                Some((begin, "channel", kind, _)) if mark == "channel" || mark == "start" => {
+                    asides.push((begin..at, kind));
+                    open = None;
+                    continue;
+                }
+                None => {
+                    let role = next.len()
+                        - next
+                            .trim_start_matches(|it: char| it.is_ascii_lowercase())
+                            .len();
+                    let names_role = matches!(
+                        mark.as_str(),
+                        "channel" | "start" | "start_header_id" | "im_start"
+                    );
+                    let skipped = reply[end..].len() - next.len() + role;
+                    let length = if names_role { end + skipped } else { end };
+                    asides.push((at..length, Aside::Mark));
+                    at = length;
+                    continue;
+                }
+                Some(_) => {}
+            }
+            at = end;
+            continue;
+        }
+        let kind = TAGS
+            .iter()
+            .find(|(tag, _)| name.eq_ignore_ascii_case(tag))
+            .copied();
+        match (open, kind) {
+            (None, Some((tag, kind))) if !is_closing => open = Some((at, tag, kind, 1)),
+            // The server had begun the thought already.
+            (None, Some((_, Aside::Thought))) => asides.push((0..end, Aside::Thought)),
+            (Some((begin, tag, kind, depth)), Some((other, _))) if tag == other => {
+                let depth = if is_closing { depth - 1 } else { depth + 1 };
+                open = Some((begin, tag, kind, depth));
+                if depth == 0 {
+                    asides.push((begin..end, kind));
+                    open = None;
+                }
+            }
+            _ => {}
+        }
+        at = end;
+    }
+    // `<s>` that never ends is the mark of a chat format.
+    let unended = open.filter(|(_, _, kind, _)| *kind == Aside::Thought);
+    asides.extend(unended.map(|(begin, _, kind, _)| (begin..reply.len(), kind)));
+    unended.is_some()
+}
+
+/// Returns a tag's name, whether it closes, and where it ends.
+fn tag(reply: &str, at: usize) -> Option<(&str, bool, usize)> {
+    let close = match reply[at..].chars().next()? {
+        '<' => '>',
+        '[' => ']',
+        _ => '▷',
+    };
+    let open = at + reply[at..].chars().next()?.len_utf8();
+    let mut most = reply.len().min(open + MAX_TAG);
+    while !reply.is_char_boundary(most) {
+        most -= 1;
+    }
+    let inside = &reply[open..most];
+    let length = inside.find([close, '\n'])?;
+    let end = open + length + close.len_utf8();
+    if !inside[length..].starts_with(close) {
+        return None;
+    }
+    let inside = &inside[..length];
+    let name = inside.trim_start_matches('/');
+    let is_closing = name.len() < inside.len();
+    let length = name
+        .find(|letter: char| !(letter.is_alphanumeric() || letter == '|' || letter == '_'))
+        .unwrap_or(name.len());
+    // Other words in square brackets are headings and placeholders.
+    let is_whole = close != ']' || name == "THINK";
+    (length > 0 && is_whole).then_some((&name[..length], is_closing, end))
+}
+
+fn quoted(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
+    let mut at = 0;
+    for line in reply.split_inclusive('\n') {
+        let trimmed = line.trim_start();
+        let is_unticked = trimmed
+            .trim_start_matches(['-', '*', '+', ' '])
+            .starts_with("[ ]");
+        if trimmed.starts_with('>') {
+            asides.push((at..at + line.trim_end().len(), Aside::Quotation));
+        } else if is_unticked {
+            asides.push((at..at + line.trim_end().len(), Aside::Unticked));
+        }
+        at += line.len();
+    }
+}
+
+/// Words of a line that introduces what is no answer.
+const INTRODUCING: [&str; 23] = [
+    "example",
+    "examples",
+    "e.g",
+    "e.g.",
+    "rejected",
+    "refused",
+    "previous",
+    "earlier",
+    "wrong",
+    "old",
+    "former",
+    "alternatives",
+    "alternative",
+    "candidates",
+    "considered",
+    "such",
+    "sample",
+    "illustration",
+    "template",
+    "placeholder",
+    "discarded",
+    "hypothetical",
+    "instance",
+];
+
+/// Words of a line that introduces the answer, whatever else it says.
+const ANSWERING: [&str; 16] = [
+    "correct",
+    "correction",
+    "correcting",
+    "actually",
+    "final",
+    "therefore",
+    "choose",
+    "chosen",
+    "corrected",
+    "revised",
+    "new",
+    "updated",
+    "instead",
+    "better",
+    "unlike",
+    "not",
+];
+
+/// Finds the paragraph or code block after a line such as `For example:`.
+fn introduced(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
+    let mut lines: Vec<(usize, &str)> = Vec::new();
+    let mut at = 0;
+    for line in reply.split_inclusive('\n') {
+        lines.push((at, line.trim()));
+        at += line.len();
+    }
+    let mut index = 0;
+    while index < lines.len() {
+        let line = lines[index].1;
+        index += 1;
+        if !introduces(line) {
+            continue;
+        }
+        while lines.get(index).is_some_and(|(_, line)| line.is_empty()) {
+            index += 1;
+        }
+        let Some((start, first)) = lines.get(index).copied() else {
+            return;
+        };
+        let is_fence = first.starts_with("```");
+        let mut end = start;
+        let begun = index;
+        while let Some((at, line)) = lines.get(index).copied() {
+            let is_last = if is_fence {
+                index > begun && line.starts_with("```")
+            } else {
+                line.is_empty()
+                    || (index > begun && line.ends_with(':'))
+                    || line.starts_with('#')
+                    || says(line, &ANSWERING)
+            };
+            if is_last && !is_fence {
+                break;
+            }
+            end = at + line.len();
+            index += 1;
+            if is_last {
+                break;
+            }
+        }
+        asides.push((start..end.max(start), Aside::Example));
+    }
+}
+
+/// Returns whether a line introduces something that is no answer.
+fn introduces(line: &str) -> bool {
+    let bare = line.trim_end_matches(['*', '_', '`', ' ', ')']);
+    let ends = [
+        ":",
+        "：",
+        "e.g.",
+        "e.g",
+        "for example",
+        "for example,",
+        "for instance",
+        "such as",
+    ];
+    let begins = line.starts_with('#');
+    (begins || ends.iter().any(|end| bare.to_lowercase().ends_with(end)))
+        && says(bare, &INTRODUCING)
+        && !says(bare, &ANSWERING)
+}
+
+fn says(line: &str, words: &[&str]) -> bool {
+    line.split(|letter: char| !(letter.is_alphanumeric() || letter == '.'))
+        .any(|found| words.iter().any(|word| found.eq_ignore_ascii_case(word)))
+}
+
+fn struck(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
+    let mut marks = reply.match_indices("~~").map(|(at, _)| at).peekable();
+    let mut last = 0;
+    while let Some(open) = marks.next() {
+        let is_fence = reply[open..].starts_with("~~~") || reply[..open].ends_with('~');
+        if open < last || is_fence {
+            continue;
+        }
+        let Some(close) = marks.peek().copied() else {
+            return;
+        };
+        if !reply[open..close].contains("\n\n") {
+            asides.push((open..close + 2, Aside::StruckOut));
+            last = close + 2;
+            marks.next();
+        }
+    }
+}

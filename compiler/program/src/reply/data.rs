@@ -1,0 +1,627 @@
+//! Reads what an answer states as data: objects and tables.
+//!
+//! In: an answer without its asides. Out: claims, and the text with these parts blank, for the reader of sentences.
+
+use super::cursor::Cursor;
+use super::lexer;
+use super::names;
+use super::object::{self, Node, Shape};
+use super::point;
+use super::quantity::{self, AnswerUnit};
+use super::sentences::{Claim, Claimed, Reader};
+use super::value::Clarity;
+use crate::units::UNITS;
+use std::ops::Range;
+
+/// Keys of objects that hold an action.
+const CONTAINERS: [&str; 36] = [
+    "action",
+    "actions",
+    "answer",
+    "answers",
+    "result",
+    "results",
+    "output",
+    "outputs",
+    "response",
+    "arguments",
+    "args",
+    "parameters",
+    "params",
+    "input",
+    "inputs",
+    "function",
+    "function_call",
+    "functioncall",
+    "tool",
+    "tool_call",
+    "tool_calls",
+    "toolcall",
+    "tool_input",
+    "decision",
+    "move",
+    "final",
+    "final_answer",
+    "finalanswer",
+    "content",
+    "json",
+    "data",
+    "next_action",
+    "step",
+    "steps",
+    "values",
+    "fields",
+];
+
+/// Keys whose value is the name of a field.
+const LABELS: [&str; 7] = ["label", "name", "role", "field", "type", "action", "kind"];
+
+/// The longest tag, bytes.
+const MAX_TAG: usize = 200;
+
+/// Keys inside a field's value that hold the value itself.
+const VALUES: [&str; 23] = [
+    "length",
+    "distance",
+    "direction",
+    "value",
+    "point",
+    "point_2d",
+    "points",
+    "coordinates",
+    "coordinate",
+    "coords",
+    "position",
+    "location",
+    "pixel",
+    "pixels",
+    "xy",
+    "number",
+    "mark",
+    "id",
+    "index",
+    "choice",
+    "answer",
+    "angle",
+    "magnitude",
+];
+
+/// Heads of the column that holds the values of a table.
+const VALUE_HEADS: [&str; 14] = [
+    "value",
+    "choice",
+    "answer",
+    "chosen",
+    "coordinates",
+    "coordinate",
+    "pixel",
+    "point",
+    "position",
+    "selection",
+    "selected",
+    "decision",
+    "final",
+    "location",
+];
+
+/// Heads of tables that compare what could be chosen.
+const COMPARING: [&str; 12] = [
+    "candidate",
+    "candidates",
+    "option",
+    "options",
+    "idea",
+    "rejected",
+    "rank",
+    "score",
+    "alternative",
+    "verdict",
+    "considered",
+    "previous",
+];
+
+/// The most strings inside one another that are objects themselves.
+const MAX_STRINGS: usize = 3;
+
+/// Reads the objects of a text; returns where those are that state a field.
+pub(super) fn objects(
+    reader: &Reader<'_>,
+    text: &str,
+    claims: &mut Vec<Claim>,
+) -> Vec<Range<usize>> {
+    let mut spans = Vec::new();
+    for node in object::objects(text) {
+        let n_claims = claims.len();
+        members(reader, &node, node.span.clone(), 0, claims);
+        if claims.len() > n_claims {
+            spans.push(node.span);
+        }
+    }
+    spans
+}
+
+/// Reads the members of an object, and of the objects that may hold an action inside it.
+fn members(
+    reader: &Reader<'_>,
+    node: &Node,
+    span: Range<usize>,
+    depth: usize,
+    claims: &mut Vec<Claim>,
+) {
+    let spanned = |node: &Node| {
+        if depth == 0 {
+            node.span.clone()
+        } else {
+            span.clone()
+        }
+    };
+    match &node.shape {
+        Shape::List(items) => {
+            for item in items {
+                members(reader, item, spanned(item), depth, claims);
+            }
+        }
+        Shape::Object(found) => {
+            // `{"point_2d": [54, 171], "label": "pick point"}`
+            let label = found.iter().find_map(|member| match &member.value.shape {
+                Shape::Text(text)
+                    if LABELS
+                        .iter()
+                        .any(|name| member.key.eq_ignore_ascii_case(name)) =>
+                {
+                    Some(text)
+                }
+                _ => None,
+            });
+            if let Some(field) = label.and_then(|label| named(reader, label)) {
+                let claimed = match written(node) {
+                    Some((text, hint)) => reader.whole(field, &text, hint, Clarity::Assigned),
+                    None => Claimed::Nothing,
+                };
+                claims.push(Claim {
+                    field,
+                    span: spanned(node),
+                    claimed,
+                });
+                return;
+            }
+            for object::Member { key, at, value } in found {
+                let label = lexer::tokens(key);
+                if let Some((field, rest)) = names::labelled(reader.fields, &label) {
+                    let span = spanned(value);
+                    let begin = if depth == 0 { *at } else { span.start };
+                    claims.extend(member(reader, field, rest, value, begin..span.end));
+                } else if CONTAINERS.iter().any(|name| key.eq_ignore_ascii_case(name)) {
+                    match &value.shape {
+                        Shape::Text(text) if depth < MAX_STRINGS => {
+                            if let Some(inner) = object::whole(text) {
+                                members(reader, &inner, spanned(value), depth + 1, claims);
+                            } else {
+                                claims.extend(reader.sentences(text, Some(spanned(value))));
+                            }
+                        }
+                        _ => members(reader, value, spanned(value), depth, claims),
+                    }
+                }
+            }
+        }
+        Shape::Text(_) | Shape::Bare(_) => {}
+    }
+}
+
+/// Returns the field that a label names, if it names nothing else.
+fn named(reader: &Reader<'_>, label: &str) -> Option<usize> {
+    let label = lexer::tokens(label);
+    let (field, rest) = names::labelled(reader.fields, &label)?;
+    rest.is_empty().then_some(field)
+}
+
+/// Reads tags such as `<point x="151" y="178" alt="pick point">`; returns where they are.
+pub(super) fn tagged_points(
+    reader: &Reader<'_>,
+    text: &str,
+    claims: &mut Vec<Claim>,
+) -> Vec<Range<usize>> {
+    let mut spans = Vec::new();
+    for (start, _) in text.match_indices("<point") {
+        let Some(length) = text.as_bytes()[start..]
+            .iter()
+            .take(MAX_TAG)
+            .position(|byte| *byte == b'>')
+        else {
+            continue;
+        };
+        let attributes: Vec<(&str, &str)> = text[start..start + length]
+            .split_terminator(['"', '\''])
+            .collect::<Vec<_>>()
+            .chunks_exact(2)
+            .map(|pair| {
+                (
+                    pair[0]
+                        .trim_start_matches("<point")
+                        .trim()
+                        .trim_end_matches('='),
+                    pair[1],
+                )
+            })
+            .collect();
+        let get = |names: &[&str]| {
+            attributes
+                .iter()
+                .find(|(name, _)| names.contains(name))
+                .map(|(_, value)| *value)
+        };
+        let label =
+            get(&["alt", "label", "name", "id", "type"]).and_then(|label| named(reader, label));
+        if let (Some(field), Some(x), Some(y)) = (label, get(&["x", "x1"]), get(&["y", "y1"])) {
+            let claimed =
+                reader.whole(field, &format!("(x: {x}, y: {y})"), None, Clarity::Assigned);
+            let mut end = start + length + 1;
+            if let Some(rest) = text[end..].find("</point>").filter(|rest| *rest < MAX_TAG) {
+                end += rest + "</point>".len();
+            }
+            claims.push(Claim {
+                field,
+                span: start..end,
+                claimed,
+            });
+            spans.push(start..end);
+        }
+    }
+    spans
+}
+
+/// Reads one member whose key names a field; `rest` follows the name in the key: an axis, a unit.
+fn member(
+    reader: &Reader<'_>,
+    field: usize,
+    rest: &[lexer::Token<'_>],
+    value: &Node,
+    span: Range<usize>,
+) -> Option<Claim> {
+    let mut rest = Cursor::new(rest);
+    rest.eat_any(&["in"]);
+    if rest.rest().len() == 1
+        && let Some(axis) = point::single_axis(&rest)
+        && reader.fields[field].is_point()
+    {
+        let text = written(value).map(|(text, _)| text)?;
+        let number = point::number(&mut Cursor::new(&lexer::tokens(&text)));
+        let claimed = match number {
+            Some(number) => Claimed::Axis(axis, number),
+            None => Claimed::Bad(format!(
+                "`{}` is no coordinate",
+                super::reading::quoted(&text)
+            )),
+        };
+        return Some(Claim {
+            field,
+            span,
+            claimed,
+        });
+    }
+    let hint = quantity::unit(&mut rest);
+    let is_pixels = rest.eat_any(&["px", "pixels", "xy"]);
+    if !rest.rest().is_empty() && !is_pixels {
+        return None;
+    }
+    let claimed = match written(value) {
+        None => Claimed::Bad("its value is an object that is not understood".to_owned()),
+        Some((text, inner)) => reader.whole(field, &text, hint.or(inner), Clarity::Assigned),
+    };
+    match claimed {
+        Claimed::Nothing => None,
+        claimed => Some(Claim {
+            field,
+            span,
+            claimed,
+        }),
+    }
+}
+
+/// Writes a member's value as a sentence would state it, with the unit that its key names.
+fn written(node: &Node) -> Option<(String, Option<AnswerUnit>)> {
+    match &node.shape {
+        Shape::Text(text) | Shape::Bare(text) => Some((text.clone(), None)),
+        Shape::List(items) => match items.as_slice() {
+            [one] => written(one),
+            items => {
+                let parts: Option<Vec<String>> = items
+                    .iter()
+                    .map(|item| written(item).map(|(text, _)| text))
+                    .collect();
+                Some((format!("[{}]", parts?.join(", ")), None))
+            }
+        },
+        Shape::Object(found) => {
+            let get = |wanted: &str| {
+                found
+                    .iter()
+                    .find(|member| member.key.eq_ignore_ascii_case(wanted))
+                    .map(|member| &member.value)
+            };
+            let axes = [["x", "y"], ["u", "v"], ["col", "row"], ["column", "row"]];
+            for [x, y] in axes {
+                if let (Some(x), Some(y)) = (get(x), get(y)) {
+                    let ((x, _), (y, _)) = (written(x)?, written(y)?);
+                    return Some((format!("(x: {x}, y: {y})"), None));
+                }
+            }
+            let unit_named = |key: &str| {
+                UNITS
+                    .iter()
+                    .find(|unit| unit.words().any(|word| key.eq_ignore_ascii_case(word)))
+            };
+            let mut values = found.iter().filter(|member| {
+                VALUES
+                    .iter()
+                    .any(|name| member.key.eq_ignore_ascii_case(name))
+                    || unit_named(&member.key).is_some()
+            });
+            let object::Member { key, value, .. } = values.next()?;
+            if values.next().is_some() {
+                return None;
+            }
+            let (text, inner) = written(value)?;
+            let unit = ["unit", "units"]
+                .iter()
+                .find_map(|key| get(key))
+                .and_then(written);
+            let text = match unit {
+                Some((unit, _)) if !unit_of_pixels(&unit) => format!("{text} {unit}"),
+                _ => text,
+            };
+            Some((text, unit_named(key).map(AnswerUnit::Of).or(inner)))
+        }
+    }
+}
+
+fn unit_of_pixels(unit: &str) -> bool {
+    ["px", "pixel", "pixels"]
+        .iter()
+        .any(|name| unit.eq_ignore_ascii_case(name))
+}
+
+/// Reads the tables of a text, whose rows or columns are named like fields; returns where they are.
+pub(super) fn tables(
+    reader: &Reader<'_>,
+    text: &str,
+    claims: &mut Vec<Claim>,
+) -> Vec<Range<usize>> {
+    let mut blocks: Vec<Vec<Range<usize>>> = Vec::new();
+    let mut at = 0;
+    let mut is_open = false;
+    for line in text.split_inclusive('\n') {
+        let trimmed = line.trim();
+        let is_row = trimmed.len() > 2
+            && trimmed.starts_with(['|', '｜'])
+            && trimmed[1..].contains(['|', '｜']);
+        if is_row {
+            if !is_open {
+                blocks.push(Vec::new());
+            }
+            if let Some(block) = blocks.last_mut() {
+                block.push(at..at + line.len());
+            }
+        }
+        is_open = is_row;
+        at += line.len();
+    }
+    let mut spans = Vec::new();
+    spans.extend(comma_rows(reader, text, claims));
+    for block in blocks {
+        let rows: Vec<Vec<Range<usize>>> =
+            block.iter().map(|line| cells(text, line.clone())).collect();
+        table(reader, text, &rows, claims);
+        spans.extend(block);
+    }
+    spans.sort_by_key(|span| span.start);
+    spans
+}
+
+/// Reads `pick_x,pick_y` above `40,150`: values below the names of fields, with commas between.
+fn comma_rows(reader: &Reader<'_>, text: &str, claims: &mut Vec<Claim>) -> Option<Range<usize>> {
+    let mut lines: Vec<Range<usize>> = Vec::new();
+    let mut at = 0;
+    for line in text.split_inclusive('\n') {
+        lines.push(at..at + line.trim_end().len());
+        at += line.len();
+    }
+    for pair in lines.windows(2) {
+        let [head, row] = pair else { continue };
+        let cells = |line: &Range<usize>| -> Vec<Range<usize>> {
+            let mut start = line.start;
+            let parts = text[line.clone()].split(',').map(|part| {
+                let cell = start..start + part.len();
+                start = cell.end + 1;
+                cell
+            });
+            parts.collect()
+        };
+        // Most lines have no comma, and those that name a field are short.
+        if head.len() > 200 || !text[head.clone()].contains(',') {
+            continue;
+        }
+        let (names, values) = (cells(head), cells(row));
+        let named: Option<Vec<_>> = names
+            .iter()
+            .map(|cell| column(reader, &text[cell.clone()]))
+            .collect();
+        let Some(named) = named.filter(|_| names.len() == values.len()) else {
+            continue;
+        };
+        for ((field, axis, hint), cell) in named.into_iter().zip(&values) {
+            claims.extend(of_cell(reader, text, field, axis, hint, cell));
+        }
+        return Some(row.clone());
+    }
+    None
+}
+
+/// Returns the places of a row's cells.
+fn cells(text: &str, line: Range<usize>) -> Vec<Range<usize>> {
+    let row = text[line.clone()].trim_end();
+    let indent = row.len() - row.trim_start().len();
+    let row = row.trim_start();
+    let mut cells = Vec::new();
+    let mut start = 1;
+    for (at, _) in row
+        .char_indices()
+        .skip(1)
+        .filter(|(_, letter)| *letter == '|')
+    {
+        cells.push(line.start + indent + start..line.start + indent + at);
+        start = at + 1;
+    }
+    if start < row.len() {
+        cells.push(line.start + indent + start..line.start + indent + row.len());
+    }
+    cells
+}
+
+/// Returns the field that the head of a column or row names, with its axis and unit: `pick_x`, `Distance (mm)`.
+fn column(reader: &Reader<'_>, head: &str) -> Option<(usize, Option<char>, Option<AnswerUnit>)> {
+    let label = lexer::tokens(head);
+    let (field, rest) = names::labelled(reader.fields, &label)?;
+    let mut rest = Cursor::new(rest);
+    let axis = point::single_axis(&rest);
+    rest.at += usize::from(axis.is_some());
+    let open = rest.eat_sign('(') || rest.eat_sign('[');
+    rest.eat_any(&["in"]);
+    let hint = quantity::unit(&mut rest);
+    rest.skip(&["x", "y", "px", "pixels"], &[',']);
+    let is_closed = !open || rest.eat_signs(&[')', ']']).is_some();
+    (is_closed && rest.rest().is_empty()).then_some((field, axis, hint))
+}
+
+fn table(reader: &Reader<'_>, text: &str, rows: &[Vec<Range<usize>>], claims: &mut Vec<Claim>) {
+    let is_ruler = |row: &Vec<Range<usize>>| {
+        row.iter().all(|cell| {
+            let cell = text[cell.clone()].trim();
+            !cell.is_empty()
+                && cell
+                    .chars()
+                    .all(|letter| matches!(letter, '-' | ':' | ' ' | '–' | '—'))
+        })
+    };
+    let named = |cell: &Range<usize>| column(reader, &text[cell.clone()]);
+    let has_ruler = rows.get(1).is_some_and(is_ruler);
+    let head: &[Range<usize>] = if has_ruler { &rows[0] } else { &[] };
+    let says = |cell: &Range<usize>, words: &[&str]| {
+        lexer::tokens(&text[cell.clone()])
+            .iter()
+            .any(|token| token.is_any(words))
+    };
+    if head.iter().any(|cell| says(cell, &COMPARING)) {
+        return;
+    }
+    let data: Vec<&Vec<Range<usize>>> = rows
+        .iter()
+        .skip(2 * usize::from(has_ruler))
+        .filter(|row| !is_ruler(row))
+        .collect();
+    let columns: Vec<_> = head.iter().map(named).collect();
+    // Rows `x` and `y` below columns `pick` and `place`.
+    let row_axis = |row: &[Range<usize>]| {
+        let label = lexer::tokens(&text[row.first()?.clone()]);
+        point::single_axis(&Cursor::new(&label)).filter(|_| label.len() == 1)
+    };
+    let names_rows = data
+        .iter()
+        .any(|row| row.first().is_some_and(|cell| named(cell).is_some()));
+    if columns.iter().any(Option::is_some)
+        && !names_rows
+        && !data.is_empty()
+        && columns.iter().skip(1).any(Option::is_some)
+    {
+        for row in data {
+            for (cell, column) in row.iter().zip(&columns) {
+                if let Some((field, axis, hint)) = column {
+                    let axis = axis
+                        .or(row_axis(row))
+                        .filter(|_| reader.fields[*field].is_point());
+                    claims.extend(of_cell(reader, text, *field, axis, *hint, cell));
+                }
+            }
+        }
+        return;
+    }
+    let value_column = head
+        .iter()
+        .position(|cell| says(cell, &VALUE_HEADS) && named(cell).is_none());
+    let axis_column = |axis: &str| {
+        head.iter().position(|cell| {
+            lexer::tokens(&text[cell.clone()])
+                .first()
+                .is_some_and(|token| token.is(axis))
+        })
+    };
+    let axes = axis_column("x").zip(axis_column("y"));
+    for row in rows.iter().filter(|row| !is_ruler(row)) {
+        let index = usize::from(
+            row.first()
+                .is_some_and(|cell| text[cell.clone()].trim().parse::<u32>().is_ok()),
+        );
+        let Some((field, axis, hint)) = row.get(index).and_then(named) else {
+            continue;
+        };
+        if let Some((x, y)) = axes
+            && let (Some(x), Some(y)) = (row.get(x), row.get(y))
+        {
+            let pair = format!(
+                "(x: {}, y: {})",
+                text[x.clone()].trim(),
+                text[y.clone()].trim()
+            );
+            let claimed = reader.whole(field, &pair, None, Clarity::Assigned);
+            claims.push(Claim {
+                field,
+                span: x.start..y.end,
+                claimed,
+            });
+            continue;
+        }
+        let first = value_column.filter(|at| *at > index).unwrap_or(index + 1);
+        for (at, cell) in row.iter().enumerate().skip(index + 1) {
+            let claim = of_cell(reader, text, field, axis, hint, cell);
+            let is_value = matches!(
+                &claim,
+                Some(Claim {
+                    claimed: Claimed::Value(..),
+                    ..
+                })
+            );
+            // Other columns explain, unless they state a value too.
+            if at == first || (is_value && value_column.is_none()) {
+                claims.extend(claim);
+            }
+        }
+    }
+}
+
+fn of_cell(
+    reader: &Reader<'_>,
+    text: &str,
+    field: usize,
+    axis: Option<char>,
+    hint: Option<AnswerUnit>,
+    cell: &Range<usize>,
+) -> Option<Claim> {
+    let inside = text[cell.clone()].trim();
+    let span = cell.clone();
+    let claimed = match axis {
+        Some(axis) => match point::number(&mut Cursor::new(&lexer::tokens(inside))) {
+            Some(number) => Claimed::Axis(axis, number),
+            None => return None,
+        },
+        None => reader.whole(field, inside, hint, Clarity::Assigned),
+    };
+    match claimed {
+        Claimed::Nothing => None,
+        claimed => Some(Claim {
+            field,
+            span,
+            claimed,
+        }),
+    }
+}

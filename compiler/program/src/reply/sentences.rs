@@ -1,0 +1,993 @@
+//! Reads what sentences state about each field.
+//!
+//! In: a text without its asides, objects and tables. Out: claims: a value, or why what stands there is none. A
+//! sentence that negates, doubts or asks claims nothing.
+
+use super::choice::Expected;
+use super::cursor::Cursor;
+use super::lexer::{self, Gap, Kind, Token};
+use super::names::{self, Form, Mention};
+use super::point::{self, Brackets, PointFound};
+use super::quantity::{self, AnswerUnit};
+use super::value::{self, Clarity, Context, Found};
+use crate::data::actions::{ActionField, Choices, Value};
+use crate::pointing::Notation;
+use std::ops::Range;
+
+/// A statement about a field.
+#[derive(Debug)]
+pub(super) struct Claim {
+    /// The field, by its index.
+    pub field: usize,
+    /// Where it stands in the answer, bytes.
+    pub span: Range<usize>,
+    pub claimed: Claimed,
+}
+
+/// What a claim says.
+#[derive(Debug)]
+pub(super) enum Claimed {
+    /// The field has this value; how it was read, if that is not obvious.
+    Value(Value, Option<String>),
+    /// It may have this value, which the answer does not choose: `might as well be`.
+    Hedge(Value),
+    /// One coordinate of a point.
+    Axis(char, f64),
+    /// Something that is no value, and why not.
+    Bad(String),
+    Nothing,
+}
+
+/// What is needed to read an answer.
+pub(super) struct Reader<'a> {
+    pub fields: &'a [ActionField],
+    /// The cloth's longer side, metres.
+    pub edge_m: f64,
+    /// How the scene's points are written.
+    pub notation: &'a Notation,
+}
+
+/// Words before a name, in its sentence, that make it no statement of the answer.
+const DENYING: [&str; 60] = [
+    "case",
+    "not",
+    "don't",
+    "don’t",
+    "didn't",
+    "isn't",
+    "won't",
+    "wouldn't",
+    "shouldn't",
+    "can't",
+    "cannot",
+    "never",
+    "avoid",
+    "avoiding",
+    "no",
+    "nor",
+    "neither",
+    "previous",
+    "previously",
+    "last",
+    "old",
+    "earlier",
+    "former",
+    "initial",
+    "initially",
+    "example",
+    "e.g.",
+    "rejected",
+    "refused",
+    "wrong",
+    "incorrect",
+    "instead",
+    "than",
+    "considered",
+    "considering",
+    "candidate",
+    "candidates",
+    "alternative",
+    "alternatives",
+    "alternatively",
+    "option",
+    "options",
+    "if",
+    "unless",
+    "could",
+    "might",
+    "may",
+    "maybe",
+    "perhaps",
+    "possible",
+    "possibly",
+    "unlike",
+    "was",
+    "were",
+    "template",
+    "tempting",
+    "without",
+    "❌",
+    "✗",
+    "rather",
+];
+
+/// Words between a name and its sign that change nothing.
+const QUALIFYING: [&str; 38] = [
+    "that",
+    "i",
+    "recommend",
+    "propose",
+    "suggest",
+    "choose",
+    "chose",
+    "chosen",
+    "selected",
+    "have",
+    "i've",
+    "identified",
+    "for",
+    "this",
+    "step",
+    "action",
+    "would",
+    "use",
+    "final",
+    "pixel",
+    "in",
+    "image",
+    "on",
+    "the",
+    "cloth",
+    "of",
+    "my",
+    "we",
+    "move",
+    "robot",
+    "gripper",
+    "fold",
+    "first",
+    "next",
+    "pixels",
+    "here",
+    "should",
+    "used",
+];
+
+/// The most tokens after a name that may state the field.
+const MAX_CLAUSE: usize = 400;
+
+/// The most tokens of a sentence that moves something.
+const MAX_MOTION: usize = 30;
+
+/// The most tokens before a name that may deny it.
+const MAX_BEFORE: usize = 60;
+
+impl Reader<'_> {
+    /// Returns what the sentences of a text state.
+    ///
+    /// - `span`: where the text stands, if it is not the answer itself.
+    pub fn sentences(&self, text: &str, span: Option<Range<usize>>) -> Vec<Claim> {
+        let tokens = lexer::tokens(text);
+        let mentions = names::mentions(self.fields, &tokens);
+        let sentences = Sentences {
+            reader: self,
+            text,
+            tokens: &tokens,
+            mentions: &mentions,
+        };
+        let found = (0..mentions.len()).filter_map(|index| sentences.claim(index));
+        found
+            .chain(sentences.motions())
+            .map(|claim| Claim {
+                span: span.clone().unwrap_or(claim.span),
+                ..claim
+            })
+            .collect()
+    }
+
+    /// Reads a text that states one field's value and nothing else.
+    pub fn whole(
+        &self,
+        field: usize,
+        text: &str,
+        hint: Option<AnswerUnit>,
+        clarity: Clarity,
+    ) -> Claimed {
+        let tokens = lexer::tokens(text);
+        let context = self.context(field, text, hint, clarity);
+        match value::read(&mut Cursor::new(&tokens), &context) {
+            Found::Value(value, note) => Claimed::Value(value, note),
+            Found::Bad(why) => Claimed::Bad(why),
+            Found::Nothing | Found::Rejected => Claimed::Nothing,
+        }
+    }
+
+    fn context<'a>(
+        &'a self,
+        field: usize,
+        whole: &'a str,
+        hint: Option<AnswerUnit>,
+        clarity: Clarity,
+    ) -> Context<'a> {
+        Context {
+            expected: Expected {
+                field: &self.fields[field],
+                edge_m: self.edge_m,
+                hint,
+            },
+            notation: self.notation,
+            whole,
+            clarity,
+            ends_at_name: false,
+        }
+    }
+}
+
+/// The sentences of a text, with the fields that they mention.
+struct Sentences<'a> {
+    reader: &'a Reader<'a>,
+    text: &'a str,
+    tokens: &'a [Token<'a>],
+    mentions: &'a [Mention],
+}
+
+/// What stands between a name and its value.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sign {
+    /// `=`, `:`, `->`
+    Assigns,
+    /// `is`, `will be`, `-`
+    Says,
+    None,
+}
+
+impl<'a> Sentences<'a> {
+    fn field(&self, mention: Mention) -> &'a ActionField {
+        &self.reader.fields[mention.field]
+    }
+
+    /// Reads what is stated about the field of a mention.
+    fn claim(&self, index: usize) -> Option<Claim> {
+        let mention = self.mentions[index];
+        let field = self.field(mention);
+        let is_point = field.is_point();
+        if let Some(claim) = self.pair(index) {
+            return Some(claim);
+        }
+        let limit = self.limit(index);
+        let mut cursor = Cursor {
+            tokens: &self.tokens[..limit],
+            at: mention.end,
+        };
+        if cursor.peek().is_some_and(|token| token.gap >= Gap::Item)
+            && !self.is_alone(index, mention.end)
+        {
+            return None;
+        }
+        if mention.form == Form::Name {
+            names::skip_nouns(&mut cursor, field);
+        } else {
+            cursor.eat_word("up");
+        }
+        let named = cursor.at;
+        let mut hint = None;
+        if is_point {
+            skip_echo(&mut cursor);
+        } else {
+            hint = self.hint(&mut cursor);
+        }
+        if cursor.is_joined() {
+            cursor.eat_sign('.');
+        }
+        self.skip_wrap(&mut cursor, mention);
+        let axis_at = cursor;
+        // `<pick x="10" y="20"/>` and `<pick>(10, 20)</pick>`
+        let is_tag = mention.at > 0 && self.tokens[mention.at - 1].is_sign('<');
+        if is_tag
+            && is_point
+            && let Some(claim) = self.tagged_axes(mention, cursor)
+        {
+            return Some(claim);
+        }
+        if is_tag && hint.is_none() {
+            hint = unit_attribute(&mut cursor);
+        }
+        let mut sign = if is_tag {
+            tag_sign(&mut cursor)
+        } else {
+            sign(&mut cursor)
+        };
+        if sign == Sign::None && mention.form == Form::Name {
+            sign = self.qualified(&mut cursor, mention);
+        }
+        let is_alone = sign == Sign::None && self.is_alone(index, cursor.at);
+        let clarity = if sign == Sign::None && !is_alone {
+            Clarity::Spoken
+        } else {
+            Clarity::Assigned
+        };
+        if self.is_denied(mention.at, clarity, is_alone || sign == Sign::Assigns) {
+            return None;
+        }
+        if mention.form == Form::VerbTo && sign != Sign::None {
+            return None;
+        }
+        if sign == Sign::None
+            && !is_alone
+            && let Some(claim) = self.before(index)
+        {
+            return Some(claim);
+        }
+        if is_point && let Some(claim) = self.axis(mention, axis_at) {
+            return Some(claim);
+        }
+        if sign == Sign::None
+            && cursor.at == mention.end
+            && cursor.is_joined()
+            && !is_bracket(&cursor)
+        {
+            return None;
+        }
+        let hedged = sign == Sign::None && hedge(&mut cursor);
+        let start = cursor.at;
+        // A new line may begin the value only if nothing else does.
+        let begins = cursor.peek().map_or(Gap::Block, |token| token.gap);
+        if sign == Sign::None && !is_alone && begins >= Gap::Item {
+            return None;
+        }
+        if begins >= Gap::Line && self.begins_statement(start) {
+            return None;
+        }
+        let mut context = self.reader.context(mention.field, self.text, hint, clarity);
+        context.ends_at_name = self
+            .tokens
+            .get(limit)
+            .is_some_and(|next| next.gap < Gap::Line);
+        let found = value::read(&mut cursor, &context);
+        let is_firm = sign == Sign::Assigns && mention.form == Form::Name;
+        let claimed = match found {
+            Found::Value(value, _) if hedged => Claimed::Hedge(value),
+            Found::Value(value, note) => Claimed::Value(value, note),
+            Found::Bad(why) if is_firm => Claimed::Bad(why),
+            Found::Bad(_) | Found::Rejected | Found::Nothing => Claimed::Nothing,
+        };
+        if matches!(claimed, Claimed::Nothing) {
+            return if clarity == Clarity::Assigned {
+                self.before(index)
+            } else {
+                None
+            };
+        }
+        if mention.form == Form::VerbTo && !self.is_moved_to(named, cursor.at) {
+            return None;
+        }
+        if sign == Sign::None && self.asks(cursor.at) {
+            return None;
+        }
+        let last = cursor.at.max(start + 1).min(limit) - 1;
+        let end = self.tokens[last.max(mention.at)].end();
+        Some(Claim {
+            field: mention.field,
+            span: self.tokens[mention.at].at..end,
+            claimed,
+        })
+    }
+
+    /// Reads `pick → place: (71, 178) → (149, 66)`, for either field.
+    fn pair(&self, index: usize) -> Option<Claim> {
+        let mention = self.mentions[index];
+        let joins = |at: usize| {
+            self.tokens.get(at).is_some_and(|token| {
+                token.is_any(&["and", "to"])
+                    || matches!(token.kind, Kind::Sign('→' | '/' | ',' | '-' | '–' | '&'))
+            })
+        };
+        let follows = |first: &Mention, second: &Mention| {
+            let is_pair = first.form == Form::Name
+                && second.form == Form::Name
+                && first.field != second.field
+                && second.at == first.end + 1;
+            is_pair
+                && joins(first.end)
+                && self.field(*first).is_point()
+                && self.field(*second).is_point()
+        };
+        let next = self
+            .mentions
+            .get(index + 1)
+            .filter(|next| follows(&mention, next));
+        let last = index
+            .checked_sub(1)
+            .map(|index| self.mentions[index])
+            .filter(|last| follows(last, &mention));
+        let (second, is_first) = match (next, last) {
+            (Some(next), None) => (*next, true),
+            (None, Some(_)) => (mention, false),
+            _ => return None,
+        };
+        let mut cursor = Cursor {
+            tokens: self.tokens,
+            at: second.end,
+        };
+        cursor.eat_any(&["point", "points", "positions"]);
+        let is_denied = self.is_denied(
+            if is_first {
+                mention.at
+            } else {
+                self.mentions[index - 1].at
+            },
+            Clarity::Assigned,
+            false,
+        );
+        cursor.eat_signs(&['=', ':']).filter(|_| !is_denied)?;
+        let start = cursor.at;
+        let PointFound::Pixel(first, _) =
+            point::read(&mut cursor, self.reader.notation, Brackets::Needed)
+        else {
+            return None;
+        };
+        if !joins(cursor.at) {
+            return None;
+        }
+        cursor.at += 1;
+        let PointFound::Pixel(other, _) =
+            point::read(&mut cursor, self.reader.notation, Brackets::Needed)
+        else {
+            return None;
+        };
+        let is_last = cursor.peek().is_none_or(|next| {
+            next.gap >= Gap::Line || value::ends_sentence(self.tokens, cursor.at)
+        });
+        let span = self.tokens[start].at..self.tokens[cursor.at - 1].end();
+        let claimed = Claimed::Value(Value::Point(if is_first { first } else { other }), None);
+        is_last.then_some(Claim {
+            field: mention.field,
+            span,
+            claimed,
+        })
+    }
+
+    /// Skips the end of what wraps a name: `P_{pick}`, `(pick)`.
+    fn skip_wrap(&self, cursor: &mut Cursor<'_, '_>, mention: Mention) {
+        let before = mention.at.checked_sub(1).map(|at| self.tokens[at].kind);
+        match before {
+            Some(Kind::Sign('{')) => cursor.eat_sign('}'),
+            Some(Kind::Sign('[')) => cursor.eat_sign(']'),
+            Some(Kind::Sign('(')) => cursor.eat_sign(')'),
+            _ => false,
+        };
+    }
+
+    /// Skips words and a remark in brackets between a name and its sign: `Pick point that I choose is`.
+    fn qualified(&self, cursor: &mut Cursor<'_, '_>, mention: Mention) -> Sign {
+        let start = *cursor;
+        if cursor.eat_sign('(') {
+            // `(row, column)` is another order than the one asked for.
+            while cursor.peek().is_some_and(|token| {
+                token.kind == Kind::Word
+                    && !token.is_any(&["row", "column", "y", "v", "normalized", "normalised"])
+                    || matches!(token.kind, Kind::Sign('-' | ','))
+            }) {
+                cursor.at += 1;
+            }
+            if !cursor.eat_sign(')') {
+                *cursor = start;
+            }
+        }
+        for _ in 0..6 {
+            let is_short_id = cursor.peek().is_some_and(|token| {
+                token.kind == Kind::Word
+                    && token.text.len() <= 3
+                    && token.text.contains(|letter: char| letter.is_ascii_digit())
+            });
+            // A point's noun with two letters exchanged is a slip.
+            let is_slip = self.field(mention).is_point()
+                && cursor.peek().is_some_and(|token| {
+                    token.is_any(&["piont", "pont", "poin", "ponit", "poit", "piint"])
+                });
+            if is_short_id || is_slip {
+                cursor.at += 1;
+            } else if cursor.peek().is_none_or(|token| token.gap >= Gap::Line)
+                || !cursor.eat_any(&QUALIFYING)
+            {
+                break;
+            }
+        }
+        let found = if cursor.at > start.at {
+            sign(cursor)
+        } else {
+            Sign::None
+        };
+        if found == Sign::None {
+            *cursor = start;
+        }
+        found
+    }
+
+    /// Reads `<x>145</x><y>88</y>` after `<pick>`.
+    fn tagged_axes(&self, mention: Mention, cursor: Cursor<'_, '_>) -> Option<Claim> {
+        let mut cursor = Cursor {
+            tokens: self.tokens,
+            at: cursor.at,
+        };
+        cursor.eat_sign('>').then_some(())?;
+        let mut one = |name: &str| {
+            let opens = cursor.eat_sign('<') && cursor.eat_word(name) && cursor.eat_sign('>');
+            let number = point::number(&mut cursor).filter(|_| opens)?;
+            cursor
+                .eat_sign(lexer::TAG_END)
+                .then_some((number, cursor.at))
+        };
+        let ((x, _), (y, end)) = (one("x")?, one("y")?);
+        let PointFound::Pixel(pixel, note) = point::at(x, y, self.reader.notation) else {
+            return None;
+        };
+        let span = self.tokens[mention.at].at..self.tokens[end - 1].end();
+        Some(Claim {
+            field: mention.field,
+            span,
+            claimed: Claimed::Value(Value::Point(pixel), note),
+        })
+    }
+
+    /// Returns where the text that may state a mentioned field ends: where another field is named, or its tag ends.
+    fn limit(&self, index: usize) -> usize {
+        let mention = self.mentions[index];
+        let named = self.mentions[index + 1..]
+            .iter()
+            .find(|next| next.at > mention.at);
+        let next = named
+            .map_or(self.tokens.len(), |next| next.at)
+            .min(mention.end + MAX_CLAUSE);
+        let end = (mention.end..next).find(|at| self.tokens[*at].is_sign(lexer::TAG_END));
+        end.map_or(next, |at| at + 1)
+    }
+
+    /// Returns whether the line at a token begins with a statement of its own.
+    fn begins_statement(&self, at: usize) -> bool {
+        self.mentions
+            .binary_search_by_key(&at, |mention| mention.at)
+            .is_ok()
+    }
+
+    /// Returns whether a mention stands alone on its line, as a heading.
+    fn is_alone(&self, index: usize, end: usize) -> bool {
+        let mention = self.mentions[index];
+        mention.form == Form::Name
+            && self.tokens[mention.at].gap >= Gap::Line
+            && self
+                .tokens
+                .get(end)
+                .is_some_and(|next| next.gap >= Gap::Line)
+    }
+
+    /// Reads the unit next to a field's name, `(degrees)`, `[mm]`, `in deg`; otherwise the cursor does not move.
+    fn hint(&self, cursor: &mut Cursor<'_, '_>) -> Option<AnswerUnit> {
+        let start = *cursor;
+        let open = cursor.eat_signs(&['(', '[']);
+        cursor.eat_word("in");
+        let found = quantity::unit(cursor);
+        let is_closed = match open {
+            Some('(') => cursor.eat_sign(')'),
+            Some(_) => cursor.eat_sign(']'),
+            None => true,
+        };
+        let is_beside = matches!(
+            cursor.peek().map(|token| token.kind),
+            Some(Kind::Sign('=' | ':' | '→' | '|'))
+        ) || cursor.peek().is_some_and(|token| token.is("is"));
+        if found.is_none() || !is_closed || !is_beside {
+            *cursor = start;
+            return None;
+        }
+        found
+    }
+
+    /// Returns whether the sentence before a mention negates it, doubts it or makes it one about something else.
+    fn is_denied(&self, at: usize, clarity: Clarity, is_firm: bool) -> bool {
+        let mut index = at;
+        while index > at.saturating_sub(MAX_BEFORE) {
+            let gap = self.tokens[index].gap;
+            if gap >= Gap::Item || (gap == Gap::Line && (is_firm || clarity == Clarity::Assigned)) {
+                return false;
+            }
+            index -= 1;
+            if value::ends_sentence(self.tokens, index) {
+                return false;
+            }
+            let token = &self.tokens[index];
+            if matches!(token.kind, Kind::Sign(';' | '❌' | '✗' | '✘' | '🚫')) {
+                return !token.is_sign(';');
+            }
+            let is_correction = token.is("no")
+                && self
+                    .tokens
+                    .get(index + 1)
+                    .is_some_and(|next| next.is_sign(',') || next.is("wait"));
+            // `Pick (1, 2), not (3, 4), and place …`: what is denied there is another value.
+            let is_other = (index + 1..at)
+                .any(|between| self.tokens[between].is_sign(',') || self.tokens[between].is("but"))
+                && self
+                    .mentions
+                    .iter()
+                    .any(|mention| mention.at < index && mention.at < at);
+            let is_proposed = token.is("you")
+                && self.tokens[index + 1..at].iter().take(3).any(|next| {
+                    next.is_any(&[
+                        "proposed",
+                        "suggested",
+                        "said",
+                        "mentioned",
+                        "asked",
+                        "gave",
+                        "showed",
+                        "wrote",
+                        "wanted",
+                        "want",
+                    ])
+                });
+            if is_proposed || (token.is_any(&DENYING) && !is_correction && !is_other) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Returns whether the sentence at a token ends with a question mark.
+    fn asks(&self, at: usize) -> bool {
+        for (index, token) in self.tokens.iter().enumerate().skip(at).take(60) {
+            if token.gap >= Gap::Item {
+                return false;
+            }
+            if token.is_sign('?') {
+                return true;
+            }
+            if value::ends_sentence(self.tokens, index) {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// Returns whether `to` leads to the point that ends at a token.
+    fn is_moved_to(&self, start: usize, end: usize) -> bool {
+        let words = &self.tokens[start..end];
+        let to = words
+            .iter()
+            .rposition(|token| token.is_any(&["to", "onto"]));
+        let from = words.iter().any(|token| token.is("from"));
+        let opens = words
+            .iter()
+            .position(|token| matches!(token.kind, Kind::Sign('(' | '[')));
+        !from && to.zip(opens).is_some_and(|(to, open)| to < open)
+    }
+
+    /// Returns the lengths by which something is moved, without a field's name: `moving it by 1 edge`.
+    fn motions(&self) -> Vec<Claim> {
+        let mut claims = Vec::new();
+        let lengths: Vec<usize> = (0..self.reader.fields.len())
+            .filter(|field| matches!(self.reader.fields[*field].choices, Choices::Lengths { .. }))
+            .collect();
+        let [field] = lengths[..] else {
+            return claims;
+        };
+        for at in 0..self.tokens.len() {
+            let is_noun =
+                at > 0 && self.tokens[at - 1].is_any(&["the", "a", "this", "each", "that", "one"]);
+            if !self.tokens[at].is_any(&[
+                "move", "moving", "drag", "dragging", "pull", "pulling", "shift", "shifting",
+            ]) || is_noun
+            {
+                continue;
+            }
+            let end = (at..self.tokens.len().min(at + MAX_MOTION)).find(|index| {
+                *index > at
+                    && (self.tokens[*index].gap >= Gap::Item
+                        || self
+                            .mentions
+                            .binary_search_by_key(index, |it| it.at)
+                            .is_ok())
+                    || value::ends_sentence(self.tokens, *index)
+            });
+            let inside = &self.tokens[..end.unwrap_or(self.tokens.len().min(at + MAX_MOTION))];
+            let context = self.reader.context(field, self.text, None, Clarity::Spoken);
+            let found = (at + 1..inside.len()).find_map(|begin| {
+                let mut cursor = Cursor {
+                    tokens: inside,
+                    at: begin,
+                };
+                let joined =
+                    inside[begin - 1].is_any(&["by", "it", "cloth", "corner"]) || begin == at + 1;
+                let (value, note) = value::bare(&mut cursor, &context).filter(|_| joined)?;
+                let is_part = inside[begin..cursor.at]
+                    .iter()
+                    .any(|token| token.is_sign('%') || token.is("percent"));
+                if is_part {
+                    return None;
+                }
+                Some((begin, cursor.at, value, note))
+            });
+            let Some((begin, end, value, note)) = found else {
+                continue;
+            };
+            let is_doubted = self.tokens[end..].iter().take(4).any(|token| {
+                token.is_any(&["would", "could", "might", "may", "is", "less", "more", "or"])
+            });
+            if is_doubted
+                || self.is_denied(at, Clarity::Spoken, false)
+                || self.is_denied(begin, Clarity::Spoken, false)
+            {
+                continue;
+            }
+            let span = self.tokens[at].at..self.tokens[end - 1].end();
+            claims.push(Claim {
+                field,
+                span,
+                claimed: Claimed::Value(value, note),
+            });
+        }
+        claims
+    }
+
+    /// Reads `pick_x = 40`.
+    fn axis(&self, mention: Mention, mut cursor: Cursor<'_, '_>) -> Option<Claim> {
+        let start = cursor;
+        let axis = point::single_axis(&cursor)?;
+        if matches!(
+            point::read(&mut cursor, self.reader.notation, Brackets::Optional),
+            PointFound::Pixel(..)
+        ) {
+            return None;
+        }
+        cursor = start;
+        cursor.at += 1;
+        cursor.eat_any(&["coordinate", "position", "value"]);
+        cursor.eat_signs(&[':', '=', '→'])?;
+        let claimed = match point::number(&mut cursor) {
+            Some(number) => {
+                cursor.eat_any(&["px", "pixels"]);
+                let ends = cursor.peek().is_none_or(|next| {
+                    next.gap >= Gap::Line
+                        || matches!(
+                            next.kind,
+                            Kind::Sign(',' | ';' | ')' | '}' | ']' | '|' | '#' | '.' | '⊣')
+                        )
+                        || next.is("and")
+                });
+                if ends {
+                    Claimed::Axis(axis, number)
+                } else {
+                    Claimed::Bad("its coordinate is not one number".to_owned())
+                }
+            }
+            None => return None,
+        };
+        let span = self.tokens[mention.at].at..self.tokens[cursor.at - 1].end();
+        Some(Claim {
+            field: mention.field,
+            span,
+            claimed,
+        })
+    }
+
+    /// Reads a value that stands before the name: `(10, 20) is the pick point`, `a soft grip`.
+    fn before(&self, index: usize) -> Option<Claim> {
+        let mention = self.mentions[index];
+        if mention.form != Form::Name || self.tokens[mention.at].gap >= Gap::Line {
+            return None;
+        }
+        let mut end = mention.at;
+        let mut joined = false;
+        while end > 0 {
+            let token = &self.tokens[end - 1];
+            let is_open = matches!(token.kind, Kind::Sign('(' | '[' | '<'));
+            let joins = token.is_any(&["as", "is", "for", "becomes", "be", "to", "will"])
+                || matches!(token.kind, Kind::Sign('→' | '=' | ':'));
+            if !(is_open
+                || joins
+                || token.is_any(&["the", "my", "a", "our", "chosen", "best", "final"]))
+                || token.gap >= Gap::Line
+            {
+                break;
+            }
+            joined |= is_open || joins;
+            end -= 1;
+        }
+        let field = self.field(mention);
+        if end == 0 || (!joined && field.is_point()) {
+            return None;
+        }
+        let begin = (end.saturating_sub(12)..end).find(|begin| {
+            let inside = &self.tokens[..end];
+            let mut cursor = Cursor {
+                tokens: inside,
+                at: *begin,
+            };
+            let is_start = *begin == 0
+                || self.tokens[*begin].gap > Gap::None
+                || !self.tokens[*begin - 1].is_sign('-');
+            let context = self
+                .reader
+                .context(mention.field, self.text, None, Clarity::Spoken);
+            is_start && value::bare(&mut cursor, &context).is_some() && cursor.at == end
+        })?;
+        // What follows another field's name belongs to that field.
+        let owner = self.mentions[..index]
+            .iter()
+            .rev()
+            .take(8)
+            .find(|other| other.at < begin && other.field != mention.field);
+        let is_owned = owner.is_some_and(|other| {
+            let is_same_line = self.tokens[other.at + 1..=begin]
+                .iter()
+                .all(|token| token.gap < Gap::Line);
+            let is_apart = (other.end..begin).any(|at| {
+                let token = &self.tokens[at];
+                token.is_sign(',')
+                    || token.is_sign(';')
+                    || token.is("and")
+                    || value::ends_sentence(self.tokens, at)
+            });
+            is_same_line && !is_apart
+        });
+        if is_owned || self.is_denied(begin, Clarity::Spoken, false) || self.asks(mention.end) {
+            return None;
+        }
+        let preceding = begin.checked_sub(1).map(|at| &self.tokens[at]);
+        if preceding.is_some_and(|token| {
+            token.is_any(&[
+                "or", "of", "from", "very", "too", "less", "more", "hardly", "than", "near",
+                "between",
+            ]) || matches!(token.kind, Kind::Sign('+' | '-' | '*' | '/' | '±' | '≈'))
+        }) && self.tokens[begin].gap < Gap::Item
+        {
+            return None;
+        }
+        // `A firm grip would crease it.`
+        if self.tokens.get(mention.end).is_some_and(|next| {
+            next.gap < Gap::Line
+                && next.is_any(&[
+                    "would", "could", "might", "may", "isn't", "wouldn't", "can", "cannot", "was",
+                ])
+        }) {
+            return None;
+        }
+        let context = self
+            .reader
+            .context(mention.field, self.text, None, Clarity::Spoken);
+        let mut cursor = Cursor {
+            tokens: &self.tokens[..end],
+            at: begin,
+        };
+        let (value, note) = value::bare(&mut cursor, &context)?;
+        // `having left the direction open`
+        let is_worded = matches!(field.choices, Choices::Directions { .. })
+            && self.tokens[begin..end]
+                .iter()
+                .all(|token| token.kind == Kind::Word);
+        if is_worded && !joined {
+            return None;
+        }
+        let span = self.tokens[begin].at..self.tokens[mention.end - 1].end();
+        Some(Claim {
+            field: mention.field,
+            span,
+            claimed: Claimed::Value(value, note),
+        })
+    }
+}
+
+fn is_bracket(cursor: &Cursor<'_, '_>) -> bool {
+    cursor
+        .peek()
+        .is_some_and(|token| matches!(token.kind, Kind::Sign('(' | '[' | '{' | '<' | '>')))
+}
+
+/// Skips `(x, y)` or `[y, x]` between the name and the sign: the model repeats the format there.
+fn skip_echo(cursor: &mut Cursor<'_, '_>) {
+    let mut ahead = *cursor;
+    let is_echo = ahead.eat_signs(&['(', '[']).is_some() && {
+        ahead.skip(
+            &[
+                "x",
+                "y",
+                "u",
+                "v",
+                "px",
+                "pixels",
+                "in",
+                "pixel",
+                "coordinates",
+            ],
+            &[','],
+        );
+        ahead.eat_signs(&[')', ']']).is_some()
+    };
+    if is_echo {
+        *cursor = ahead;
+    }
+}
+
+/// Skips words such as `might as well be`.
+fn hedge(cursor: &mut Cursor<'_, '_>) -> bool {
+    let start = *cursor;
+    let is_hedge = cursor.eat_any(&["might", "may", "could", "can"]);
+    cursor.skip(&["as", "well", "also", "just", "equally", "possibly"], &[]);
+    let is_whole = is_hedge && cursor.eat_any(&["be", "sit", "lie"]);
+    if !is_whole {
+        *cursor = start;
+    }
+    is_whole
+}
+
+/// Skips the sign after a field's name.
+fn sign(cursor: &mut Cursor<'_, '_>) -> Sign {
+    if cursor.eat_signs(&['=', ':', '→', '≈']).is_some() {
+        cursor.eat_signs(&['=', ':', '→', '>']);
+        return Sign::Assigns;
+    }
+    if cursor.peek().is_some_and(|token| token.is_sign('|')) {
+        cursor.at += 1;
+        return Sign::Assigns;
+    }
+    let at = *cursor;
+    if cursor.eat_word("at") && cursor.peek().is_some_and(|next| next.kind == Kind::Number) {
+        return Sign::Says;
+    }
+    *cursor = at;
+    for words in [
+        "should be at",
+        "will be at",
+        "would be at",
+        "is at",
+        "should be",
+        "will be",
+        "would be",
+        "equals",
+        "is set to",
+        "set to",
+        "is",
+    ] {
+        if cursor.eat_words(words) {
+            cursor.eat_signs(&[':', '=']);
+            return Sign::Says;
+        }
+    }
+    let dash = *cursor;
+    if cursor.eat_signs(&['–', '-']).is_some()
+        && cursor.peek().is_some_and(|next| next.gap == Gap::Space)
+        && !dash.is_joined()
+    {
+        return Sign::Says;
+    }
+    *cursor = dash;
+    Sign::None
+}
+
+/// Reads `unit="deg"` in an opening tag.
+fn unit_attribute(cursor: &mut Cursor<'_, '_>) -> Option<AnswerUnit> {
+    let start = *cursor;
+    let has_key = cursor.eat_any(&["unit", "units"]) && cursor.eat_sign('=');
+    let unit = if has_key {
+        quantity::unit(cursor)
+    } else {
+        None
+    };
+    if unit.is_none() {
+        *cursor = start;
+    }
+    unit
+}
+
+/// Skips the end of an opening tag; attributes state the value themselves.
+fn tag_sign(cursor: &mut Cursor<'_, '_>) -> Sign {
+    if cursor.eat_sign('>') {
+        return Sign::Assigns;
+    }
+    let attributes = *cursor;
+    if cursor.eat_any(&["value", "point", "coordinates", "position"]) && cursor.eat_sign('=') {
+        return Sign::Assigns;
+    }
+    *cursor = attributes;
+    Sign::Assigns
+}
