@@ -132,6 +132,9 @@ struct Taken {
     repairs: Vec<String>,
 }
 
+/// A value, how it was read if that is not obvious, and where it stands.
+type Statement = (Value, Option<String>, Range<usize>);
+
 impl Field<'_> {
     /// Returns the one value that an answer states.
     fn value(&self, found: &Claims) -> Result<Taken, String> {
@@ -215,10 +218,7 @@ impl Field<'_> {
     }
 
     /// Returns the values that claims state; coordinates that were stated one by one make one point.
-    fn stated(
-        &self,
-        claims: &[&Claim],
-    ) -> Result<Vec<(Value, Option<String>, Range<usize>)>, String> {
+    fn stated(&self, claims: &[&Claim]) -> Result<Vec<Statement>, String> {
         let noun = noun(self.declared);
         let mut stated = Vec::new();
         let mut axes: [Option<(f64, Range<usize>)>; 2] = [None, None];

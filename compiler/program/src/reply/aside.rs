@@ -2,6 +2,7 @@
 //!
 //! In: an answer. Out: the same text with blanks there, each byte in its place, and what was set aside.
 
+use super::wordlist::words;
 use std::ops::Range;
 
 /// Why a part of an answer states nothing.
@@ -224,51 +225,16 @@ fn quoted(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
 }
 
 /// Words of a line that introduces what is no answer.
-const INTRODUCING: [&str; 23] = [
-    "example",
-    "examples",
-    "e.g",
-    "e.g.",
-    "rejected",
-    "refused",
-    "previous",
-    "earlier",
-    "wrong",
-    "old",
-    "former",
-    "alternatives",
-    "alternative",
-    "candidates",
-    "considered",
-    "such",
-    "sample",
-    "illustration",
-    "template",
-    "placeholder",
-    "discarded",
-    "hypothetical",
-    "instance",
-];
+const INTRODUCING: &[&str] = words!(
+    "example examples e.g e.g. rejected refused previous earlier wrong old former alternatives alternative candidates
+    considered such sample illustration template placeholder discarded hypothetical instance"
+);
 
 /// Words of a line that introduces the answer, whatever else it says.
-const ANSWERING: [&str; 16] = [
-    "correct",
-    "correction",
-    "correcting",
-    "actually",
-    "final",
-    "therefore",
-    "choose",
-    "chosen",
-    "corrected",
-    "revised",
-    "new",
-    "updated",
-    "instead",
-    "better",
-    "unlike",
-    "not",
-];
+const ANSWERING: &[&str] = words!(
+    "correct correction correcting actually final therefore choose chosen corrected revised new updated instead better
+    unlike not"
+);
 
 /// Finds the paragraph or code block after a line such as `For example:`.
 fn introduced(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {

@@ -10,48 +10,16 @@ use super::point;
 use super::quantity::{self, AnswerUnit};
 use super::sentences::{Claim, Claimed, Reader};
 use super::value::Clarity;
+use super::wordlist::words;
 use crate::units::UNITS;
 use std::ops::Range;
 
 /// Keys of objects that hold an action.
-const CONTAINERS: [&str; 36] = [
-    "action",
-    "actions",
-    "answer",
-    "answers",
-    "result",
-    "results",
-    "output",
-    "outputs",
-    "response",
-    "arguments",
-    "args",
-    "parameters",
-    "params",
-    "input",
-    "inputs",
-    "function",
-    "function_call",
-    "functioncall",
-    "tool",
-    "tool_call",
-    "tool_calls",
-    "toolcall",
-    "tool_input",
-    "decision",
-    "move",
-    "final",
-    "final_answer",
-    "finalanswer",
-    "content",
-    "json",
-    "data",
-    "next_action",
-    "step",
-    "steps",
-    "values",
-    "fields",
-];
+const CONTAINERS: &[&str] = words!(
+    "action actions answer answers result results output outputs response arguments args parameters params input inputs
+    function function_call functioncall tool tool_call tool_calls toolcall tool_input decision move final final_answer
+    finalanswer content json data next_action step steps values fields"
+);
 
 /// Keys whose value is the name of a field.
 const LABELS: [&str; 7] = ["label", "name", "role", "field", "type", "action", "kind"];
@@ -60,65 +28,20 @@ const LABELS: [&str; 7] = ["label", "name", "role", "field", "type", "action", "
 const MAX_TAG: usize = 200;
 
 /// Keys inside a field's value that hold the value itself.
-const VALUES: [&str; 23] = [
-    "length",
-    "distance",
-    "direction",
-    "value",
-    "point",
-    "point_2d",
-    "points",
-    "coordinates",
-    "coordinate",
-    "coords",
-    "position",
-    "location",
-    "pixel",
-    "pixels",
-    "xy",
-    "number",
-    "mark",
-    "id",
-    "index",
-    "choice",
-    "answer",
-    "angle",
-    "magnitude",
-];
+const VALUES: &[&str] = words!(
+    "length distance direction value point point_2d points coordinates coordinate coords position location pixel pixels
+    xy number mark id index choice answer angle magnitude"
+);
 
 /// Heads of the column that holds the values of a table.
-const VALUE_HEADS: [&str; 14] = [
-    "value",
-    "choice",
-    "answer",
-    "chosen",
-    "coordinates",
-    "coordinate",
-    "pixel",
-    "point",
-    "position",
-    "selection",
-    "selected",
-    "decision",
-    "final",
-    "location",
-];
+const VALUE_HEADS: &[&str] = words!(
+    "value choice answer chosen coordinates coordinate pixel point position selection selected decision final location"
+);
 
 /// Heads of tables that compare what could be chosen.
-const COMPARING: [&str; 12] = [
-    "candidate",
-    "candidates",
-    "option",
-    "options",
-    "idea",
-    "rejected",
-    "rank",
-    "score",
-    "alternative",
-    "verdict",
-    "considered",
-    "previous",
-];
+const COMPARING: &[&str] = words!(
+    "candidate candidates option options idea rejected rank score alternative verdict considered previous"
+);
 
 /// The most strings inside one another that are objects themselves.
 const MAX_STRINGS: usize = 3;

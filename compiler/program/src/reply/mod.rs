@@ -20,6 +20,7 @@ mod schema;
 mod sentences;
 mod text;
 mod value;
+mod wordlist;
 mod words;
 
 pub use action::{read_action, read_action_in, read_fields};

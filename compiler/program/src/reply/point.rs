@@ -6,6 +6,7 @@
 
 use super::cursor::Cursor;
 use super::lexer::{Kind, TAG_END, digit};
+use super::wordlist::words;
 use crate::data::camera::PixelPoint;
 use crate::pointing::{CoordinateUnit, Notation, Order};
 
@@ -22,44 +23,13 @@ const MAX_BRACKETS: usize = 4;
 const MAX_NUMBERS: usize = 8;
 
 /// Words between the brackets and the numbers of a point, which say only that it is one.
-const NOUNS: [&str; 18] = [
-    "point",
-    "points",
-    "2",
-    "d",
-    "pixel",
-    "pixels",
-    "position",
-    "location",
-    "coordinates",
-    "coordinate",
-    "coords",
-    "coord",
-    "xy",
-    "center",
-    "number",
-    "mark",
-    "id",
-    "index",
-];
+const NOUNS: &[&str] = words!(
+    "point points 2 d pixel pixels position location coordinates coordinate coords coord xy center number mark id index"
+);
 
 /// Words before a point's number.
-const NUMBER_NOUNS: [&str; 14] = [
-    "the",
-    "listed",
-    "point",
-    "number",
-    "no",
-    "nr",
-    "candidate",
-    "mark",
-    "label",
-    "index",
-    "id",
-    "corner",
-    "keypoint",
-    "option",
-];
+const NUMBER_NOUNS: &[&str] =
+    words!("the listed point number no nr candidate mark label index id corner keypoint option");
 
 /// What was found where a point is expected.
 pub(super) enum PointFound {

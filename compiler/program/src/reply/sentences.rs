@@ -10,6 +10,7 @@ use super::names::{self, Form, Mention};
 use super::point::{self, Brackets, PointFound};
 use super::quantity::{self, AnswerUnit};
 use super::value::{self, Clarity, Context, Found};
+use super::wordlist::words;
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::pointing::Notation;
 use std::ops::Range;
@@ -48,110 +49,18 @@ pub(super) struct Reader<'a> {
 }
 
 /// Words before a name, in its sentence, that make it no statement of the answer.
-const DENYING: [&str; 60] = [
-    "case",
-    "not",
-    "don't",
-    "don’t",
-    "didn't",
-    "isn't",
-    "won't",
-    "wouldn't",
-    "shouldn't",
-    "can't",
-    "cannot",
-    "never",
-    "avoid",
-    "avoiding",
-    "no",
-    "nor",
-    "neither",
-    "previous",
-    "previously",
-    "last",
-    "old",
-    "earlier",
-    "former",
-    "initial",
-    "initially",
-    "example",
-    "e.g.",
-    "rejected",
-    "refused",
-    "wrong",
-    "incorrect",
-    "instead",
-    "than",
-    "considered",
-    "considering",
-    "candidate",
-    "candidates",
-    "alternative",
-    "alternatives",
-    "alternatively",
-    "option",
-    "options",
-    "if",
-    "unless",
-    "could",
-    "might",
-    "may",
-    "maybe",
-    "perhaps",
-    "possible",
-    "possibly",
-    "unlike",
-    "was",
-    "were",
-    "template",
-    "tempting",
-    "without",
-    "❌",
-    "✗",
-    "rather",
-];
+const DENYING: &[&str] = words!(
+    "case not don't don’t didn't isn't won't wouldn't shouldn't can't cannot never avoid avoiding no nor neither
+    previous previously last old earlier former initial initially example e.g. rejected refused wrong incorrect
+    instead than considered considering candidate candidates alternative alternatives alternatively option options if
+    unless could might may maybe perhaps possible possibly unlike was were template tempting without ❌ ✗ rather"
+);
 
 /// Words between a name and its sign that change nothing.
-const QUALIFYING: [&str; 38] = [
-    "that",
-    "i",
-    "recommend",
-    "propose",
-    "suggest",
-    "choose",
-    "chose",
-    "chosen",
-    "selected",
-    "have",
-    "i've",
-    "identified",
-    "for",
-    "this",
-    "step",
-    "action",
-    "would",
-    "use",
-    "final",
-    "pixel",
-    "in",
-    "image",
-    "on",
-    "the",
-    "cloth",
-    "of",
-    "my",
-    "we",
-    "move",
-    "robot",
-    "gripper",
-    "fold",
-    "first",
-    "next",
-    "pixels",
-    "here",
-    "should",
-    "used",
-];
+const QUALIFYING: &[&str] = words!(
+    "that i recommend propose suggest choose chose chosen selected have i've identified for this step action would use
+    final pixel in image on the cloth of my we move robot gripper fold first next pixels here should used"
+);
 
 /// The most tokens after a name that may state the field.
 const MAX_CLAUSE: usize = 400;

@@ -6,6 +6,7 @@
 use super::aside;
 use super::object::{self, Node, Shape};
 use super::reading::{MAX_TEXT_CHARS, Malformed, Reading, Stated, bounded, quoted};
+use super::wordlist::words;
 use std::ops::Range;
 
 /// Texts in place of one.
@@ -25,28 +26,10 @@ const PLACEHOLDERS: [&str; 12] = [
 ];
 
 /// Words in front of a text inside a line that make it no statement.
-const DENYING: [&str; 20] = [
-    "your",
-    "following",
-    "these",
-    "those",
-    "given",
-    "sample",
-    "example",
-    "e.g.",
-    "format",
-    "template",
-    "not",
-    "instead",
-    "previous",
-    "earlier",
-    "rejected",
-    "refused",
-    "wrong",
-    "old",
-    "draft",
-    "asked",
-];
+const DENYING: &[&str] = words!(
+    "your following these those given sample example e.g. format template not instead previous earlier rejected refused
+    wrong old draft asked"
+);
 
 /// The most bytes of a text; one character has at most four.
 const MAX_LENGTH: usize = 4 * MAX_TEXT_CHARS;

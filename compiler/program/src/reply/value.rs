@@ -9,6 +9,7 @@ use super::lexer::{self, Gap, Kind, Token};
 use super::point::{self, Brackets, PointFound};
 use super::quantity::{self, Parsed};
 use super::reading::quoted;
+use super::wordlist::words;
 use super::words::{self, Offered};
 use crate::data::actions::{Choices, Value};
 use crate::pointing::Notation;
@@ -49,110 +50,18 @@ pub(super) struct Context<'a> {
 }
 
 /// Words before a value that do not change it.
-const LEADING: [&str; 24] = [
-    "the",
-    "a",
-    "an",
-    "about",
-    "approximately",
-    "approx",
-    "around",
-    "roughly",
-    "exactly",
-    "precisely",
-    "of",
-    "be",
-    "is",
-    "angle",
-    "direction",
-    "distance",
-    "length",
-    "value",
-    "simply",
-    "set",
-    "equal",
-    "my",
-    "choice",
-    "choose",
-];
+const LEADING: &[&str] = words!(
+    "the a an about approximately approx around roughly exactly precisely of be is angle direction distance length
+    value simply set equal my choice choose"
+);
 
 /// Words that describe a point or lead to it.
-const DESCRIBING: [&str; 74] = [
-    "the",
-    "a",
-    "an",
-    "at",
-    "on",
-    "in",
-    "of",
-    "is",
-    "as",
-    "its",
-    "it",
-    "this",
-    "that",
-    "to",
-    "onto",
-    "from",
-    "up",
-    "point",
-    "points",
-    "pixel",
-    "position",
-    "location",
-    "coordinates",
-    "coordinate",
-    "coords",
-    "corner",
-    "corners",
-    "edge",
-    "center",
-    "centre",
-    "central",
-    "middle",
-    "midpoint",
-    "keypoint",
-    "spot",
-    "top",
-    "bottom",
-    "left",
-    "right",
-    "upper",
-    "lower",
-    "far",
-    "cloth",
-    "cloth's",
-    "fabric",
-    "fabric's",
-    "towel",
-    "image",
-    "side",
-    "outer",
-    "tip",
-    "flap",
-    "layer",
-    "folded",
-    "orange",
-    "pink",
-    "red",
-    "blue",
-    "green",
-    "black",
-    "purple",
-    "white",
-    "yellow",
-    "marked",
-    "detected",
-    "visible",
-    "gripper",
-    "with",
-    "by",
-    "target",
-    "here",
-    "located",
-    "which",
-    "northwest",
-];
+const DESCRIBING: &[&str] = words!(
+    "the a an at on in of is as its it this that to onto from up point points pixel position location coordinates
+    coordinate coords corner corners edge center centre central middle midpoint keypoint spot top bottom left right
+    upper lower far cloth cloth's fabric fabric's towel image side outer tip flap layer folded orange pink red blue
+    green black purple white yellow marked detected visible gripper with by target here located which northwest"
+);
 
 /// The most words before a point that describe it.
 const MAX_DESCRIPTION: usize = 20;
@@ -161,156 +70,39 @@ const MAX_DESCRIPTION: usize = 20;
 const MAX_SPOKEN_DESCRIPTION: usize = 10;
 
 /// Words in running text that begin another thought.
-const SUBORDINATING: [&str; 26] = [
-    "so", "that", "because", "since", "while", "when", "until", "whose", "are", "has", "have",
-    "stays", "stay", "keep", "keeping", "lies", "will", "should", "such", "would", "since",
-    "covers", "leaves", "i", "we", "you",
-];
+const SUBORDINATING: &[&str] = words!(
+    "so that because since while when until whose are has have stays stay keep keeping lies will should such would
+    covers leaves i we you"
+);
 
 /// Words that make the point after them another one, or none.
-const RELATING: [&str; 52] = [
-    "near",
-    "nearby",
-    "beside",
-    "between",
-    "opposite",
-    "beyond",
-    "past",
-    "around",
-    "toward",
-    "towards",
-    "away",
-    "above",
-    "below",
-    "under",
-    "beneath",
-    "next",
-    "adjacent",
-    "not",
-    "no",
-    "never",
-    "than",
-    "or",
-    "and",
-    "half",
-    "halfway",
-    "but",
-    "considered",
-    "previous",
-    "previously",
-    "last",
-    "old",
-    "earlier",
-    "would",
-    "could",
-    "might",
-    "may",
-    "if",
-    "wrong",
-    "then",
-    "except",
-    "outside",
-    "over",
-    "mirror",
-    "mirrored",
-    "inside",
-    "before",
-    "after",
-    "was",
-    "were",
-    "left-over",
-    "avoid",
-    "along",
-];
+const RELATING: &[&str] = words!(
+    "near nearby beside between opposite beyond past around toward towards away above below under beneath next adjacent
+    not no never than or and half halfway but considered previous previously last old earlier would could might may if
+    wrong then except outside over mirror mirrored inside before after was were left-over avoid along"
+);
 
 /// Words that must not stand directly before a point, because they make it another one.
 const RELATIVE: [&str; 5] = ["of", "with", "by", "far", "middle"];
 
 /// Words that begin an explanation.
-const EXPLAINING: [&str; 37] = [
-    "because",
-    "since",
-    "as",
-    "so",
-    "which",
-    "where",
-    "while",
-    "for",
-    "this",
-    "that",
-    "it",
-    "i",
-    "due",
-    "giving",
-    "making",
-    "matching",
-    "corresponding",
-    "based",
-    "given",
-    "in",
-    "on",
-    "at",
-    "the",
-    "is",
-    "to",
-    "being",
-    "chosen",
-    "near",
-    "with",
-    "see",
-    "my",
-    "here",
-    "a",
-    "an",
-    "when",
-    "considering",
-    "using",
-];
+const EXPLAINING: &[&str] = words!(
+    "because since as so which where while for this that it i due giving making matching corresponding based given in
+    on at the is to being chosen near with see my here a an when considering using"
+);
 
 /// Words that change or doubt what stands before them, wherever they stand in its clause.
-const ALTERING: [&str; 34] = [
-    "mean",
-    "meant",
-    "twice",
-    "times",
-    "repeated",
-    "repeat",
-    "each",
-    "per",
-    "impossible",
-    "unclear",
-    "wait",
-    "instead",
-    "rather",
-    "correction",
-    "sorry",
-    "alternatively",
-    "maybe",
-    "perhaps",
-    "possibly",
-    "unless",
-    "shifted",
-    "offset",
-    "plus",
-    "minus",
-    "scaled",
-    "multiplied",
-    "unsure",
-    "guess",
-    "either",
-    "otherwise",
-    "clockwise",
-    "cw",
-    "nope",
-    "oops",
-];
+const ALTERING: &[&str] = words!(
+    "mean meant twice times repeated repeat each per impossible unclear wait instead rather correction sorry
+    alternatively maybe perhaps possibly unless shifted offset plus minus scaled multiplied unsure guess either
+    otherwise clockwise cw nope oops"
+);
 
 /// Words that change what stands before them if they follow at once.
-const TURNING: [&str; 24] = [
-    "doubled", "halved", "or", "not", "no", "but", "then", "and", "times", "divided", "more",
-    "less", "if", "from", "below", "above", "beyond", "further", "longer", "shorter", "towards",
-    "than", "max", "min",
-];
+const TURNING: &[&str] = words!(
+    "doubled halved or not no but then and times divided more less if from below above beyond further longer shorter
+    towards than max min"
+);
 
 /// Words that call the value before them wrong.
 const REJECTING: [&str; 8] = [
@@ -325,27 +117,13 @@ const REJECTING: [&str; 8] = [
 ];
 
 /// Words that link a value to the next field.
-const LINKS: [&str; 37] = [
-    "followed", "after", "before", "once", "when", "having", "while", "moving", "and", "then",
-    "to", "with", "at", "in", "by", "a", "an", "the", "its", "i", "i'll", "will", "should", "for",
-    "it", "move", "drag", "my", "pull", "using", "over", "along", "while", "use", "choose",
-    "cloth", "fold",
-];
+const LINKS: &[&str] = words!(
+    "followed after before once when having while moving and then to with at in by a an the its i i'll will should for
+    it move drag my pull using over along use choose cloth fold"
+);
 
 /// Words in place of a value.
-const PLACEHOLDERS: [&str; 11] = [
-    "x",
-    "n",
-    "na",
-    "none",
-    "null",
-    "nil",
-    "unknown",
-    "tbd",
-    "undefined",
-    "value",
-    "your",
-];
+const PLACEHOLDERS: &[&str] = words!("x n na none null nil unknown tbd undefined value your");
 
 /// Reads the value that a clause states.
 pub(super) fn read<'t>(cursor: &mut Cursor<'_, 't>, context: &Context<'_>) -> Found {
@@ -1137,30 +915,13 @@ fn bracket(
 }
 
 /// Words for what happens after a point is picked.
-const MOVING: [&str; 9] = [
-    "move", "fold", "drag", "pull", "bring", "lift", "carry", "push", "slide",
-];
+const MOVING: &[&str] = words!("move fold drag pull bring lift carry push slide");
 
 /// Words that place a point in another frame or picture.
-const REFRAMING: [&str; 17] = [
-    "measured",
-    "counted",
-    "grid",
-    "cell",
-    "tile",
-    "normalized",
-    "normalised",
-    "relative",
-    "fraction",
-    "fractions",
-    "percent",
-    "mm",
-    "cm",
-    "origin",
-    "enlarged",
-    "cropped",
-    "crop",
-];
+const REFRAMING: &[&str] = words!(
+    "measured counted grid cell tile normalized normalised relative fraction fractions percent mm cm origin enlarged
+    cropped crop"
+);
 
 /// Returns whether an explanation adds another value: `60 deg for one and 90 deg for the other`.
 fn states_other(cursor: Cursor<'_, '_>, context: &Context<'_>, value: &Value) -> bool {

@@ -2,6 +2,7 @@
 
 use super::cursor::Cursor;
 use super::lexer::{self, Kind, Token};
+use super::wordlist::words;
 
 /// Parts of directions and their angle, degrees.
 const SIDES: [(&str, f64); 42] = [
@@ -62,45 +63,15 @@ const ARROWS: [(char, f64); 8] = [
 ];
 
 /// Words before a direction that do not change it.
-const LEADING: [&str; 18] = [
-    "to",
-    "toward",
-    "towards",
-    "the",
-    "pointing",
-    "points",
-    "straight",
-    "directly",
-    "diagonally",
-    "diagonal",
-    "horizontally",
-    "vertically",
-    "going",
-    "in",
-    "into",
-    "due",
-    "facing",
-    "heading",
-];
+const LEADING: &[&str] = words!(
+    "to toward towards the pointing points straight directly diagonally diagonal horizontally vertically going in into
+    due facing heading"
+);
 
 /// Words after a direction that do not change it.
-const TRAILING: [&str; 15] = [
-    "direction",
-    "diagonal",
-    "diagonally",
-    "corner",
-    "side",
-    "edge",
-    "of",
-    "the",
-    "image",
-    "picture",
-    "frame",
-    "in",
-    "image's",
-    "part",
-    "border",
-];
+const TRAILING: &[&str] = words!(
+    "direction diagonal diagonally corner side edge of the image picture frame in image's part border"
+);
 
 /// Reads a direction in words, `straight up`, `top-left`, `left and up`; degrees. Otherwise the cursor does not move.
 pub(super) fn side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {

@@ -1,0 +1,41 @@
+//! Lists of words, written as text.
+
+/// Cuts a text into its words, when the program is compiled.
+macro_rules! words {
+    ($text:literal) => {{
+        const COUNT: usize = $crate::reply::wordlist::count($text);
+        &$crate::reply::wordlist::split::<COUNT>($text)
+    }};
+}
+pub(super) use words;
+
+/// Returns the number of words of a text.
+pub(super) const fn count(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let (mut count, mut at) = (0, 0);
+    while at < bytes.len() {
+        let begins = at == 0 || bytes[at - 1].is_ascii_whitespace();
+        if begins && !bytes[at].is_ascii_whitespace() {
+            count += 1;
+        }
+        at += 1;
+    }
+    count
+}
+
+/// Returns the words of a text.
+pub(super) const fn split<const COUNT: usize>(text: &'static str) -> [&'static str; COUNT] {
+    let mut words = [""; COUNT];
+    let (mut rest, mut index) = (text.trim_ascii(), 0);
+    while index < COUNT {
+        let bytes = rest.as_bytes();
+        let mut length = 0;
+        while length < bytes.len() && !bytes[length].is_ascii_whitespace() {
+            length += 1;
+        }
+        let (word, behind) = rest.split_at(length);
+        (words[index], rest) = (word, behind.trim_ascii());
+        index += 1;
+    }
+    words
+}
