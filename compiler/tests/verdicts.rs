@@ -138,6 +138,30 @@ fn conditions_mean_what_they_say() {
 }
 
 #[test]
+fn an_angle_that_equals_its_limit_is_equal() {
+    let angles = [
+        0, 15, 30, 45, 60, 75, 90, 120, 135, 150, 180, 210, 225, 270, 300, 315, 345,
+    ];
+    for a in angles {
+        for b in angles {
+            let apart = (a - b + 360) % 360;
+            let limit = apart.min(360 - apart);
+            let condition = format!(
+                "angle_between({a}deg, {b}deg) <= {limit}deg and angle_between({a}deg, {b}deg) >= {limit}deg \
+                 and not angle_between({a}deg, {b}deg) < {limit}deg and not angle_between({a}deg, {b}deg) > {limit}deg"
+            );
+            let verdict = judge(&with_condition(&condition), (10, 10), (90, 10));
+            assert_eq!(verdict, Verdict::Accept, "{condition}");
+        }
+    }
+    // Directions that can be told apart stay apart.
+    let condition =
+        "angle_between(0.0001deg, 0deg) > 0deg and angle_between(180deg, 0.0001deg) < 180deg";
+    let verdict = judge(&with_condition(condition), (10, 10), (90, 10));
+    assert_eq!(verdict, Verdict::Accept, "{condition}");
+}
+
+#[test]
 fn an_empty_or_unknown_mask_is_infinitely_far() {
     let bare = Known {
         regions: Vec::new(),

@@ -381,11 +381,23 @@ pub(crate) fn angle_deg(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 /// Returns what is compared instead of an angle and its limit: their cosines, squared with their signs, times both
 /// squared lengths. This needs no root and no trigonometry. The larger an angle, the smaller its cosine.
+///
+/// Sides that differ only by rounding are equal, so that 45 degrees are not less than 45 degrees.
 pub(crate) fn angle_sides(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> [f64; 2] {
     let along = dot(a, b);
-    let limit = limit_cos * limit_cos.abs() * (dot(a, a) * dot(b, b));
-    [along * along.abs(), limit]
+    let along = along * along.abs();
+    let size = dot(a, a) * dot(b, b);
+    let limit = limit_cos * limit_cos.abs() * size;
+    if (along - limit).abs() <= ROUNDING * size {
+        [limit, limit]
+    } else {
+        [along, limit]
+    }
 }
+
+/// The part of a squared cosine that rounding can change. Offered angles differ by 1e-4 degrees at least, which changes
+/// it by 3e-12.
+const ROUNDING: f64 = 1e-12;
 
 /// Returns the choice nearest to a direction, degrees; the first of equally near ones.
 pub(crate) fn nearest_deg(choices: &[Direction], to: [f64; 2]) -> Option<f64> {

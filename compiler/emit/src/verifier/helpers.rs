@@ -429,21 +429,31 @@ def _angle_at_least(a, b, limit_cos):
         rust: "\
 /// The cosine of an angle and of its limit, squared with their signs, times both squared lengths.
 ///
-/// The larger an angle, the smaller its cosine. This needs no root and no trigonometry.
+/// The larger an angle, the smaller its cosine. This needs no root and no trigonometry. Sides that differ only by
+/// rounding are equal.
 fn angle_sides(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> (f64, f64) {
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
     let along = signed_square(dot(a, b));
-    (along, signed_square(limit_cos) * (dot(a, a) * dot(b, b)))
+    let size = dot(a, a) * dot(b, b);
+    let limit = signed_square(limit_cos) * size;
+    if (along - limit).abs() <= 1e-12 * size {
+        (limit, limit)
+    } else {
+        (along, limit)
+    }
 }
 ",
         python: "\
 def _angle_sides(a, b, limit_cos):
     \"\"\"The cosine of an angle and of its limit, squared with their signs, times both squared lengths.
 
-    The larger an angle, the smaller its cosine. This needs no root and no trigonometry.
+    The larger an angle, the smaller its cosine. This needs no root and no trigonometry. Sides that differ only by
+    rounding are equal.
     \"\"\"
     along = _signed_square(_dot(a, b))
-    return along, _signed_square(limit_cos) * (_dot(a, a) * _dot(b, b))
+    size = _dot(a, a) * _dot(b, b)
+    limit = _signed_square(limit_cos) * size
+    return (limit if abs(along - limit) <= 1e-12 * size else along), limit
 
 
 def _dot(a, b):
