@@ -243,3 +243,111 @@ fn a_field_without_values_accepts_nothing() {
     assert_eq!(schema["properties"]["direction"]["enum"][1], "45 deg");
     assert_eq!(schema["required"], json!(["pick", "direction", "distance"]));
 }
+
+/// What a schema accepts for one property: each choice, or points that fit the pattern.
+fn instances(property: &Json) -> Vec<Json> {
+    match property["enum"].as_array() {
+        Some(choices) => choices.clone(),
+        None if property["pattern"].is_string() => {
+            let points =
+                ["(0, 0)", "(-1, 223)", "(999999, -999999)", "(41, 167)"].map(|point| json!(point));
+            assert!(points.iter().all(|point| fits(property, point)));
+            points.into()
+        }
+        None => vec![json!(
+            "The corner is free, so 90 deg and (1, 2) are no good."
+        )],
+    }
+}
+
+#[test]
+fn schema_and_reader_admit_the_same_actions() {
+    for name in ["points", "paper", "region", "grip"] {
+        let program = spaces::space(name);
+        let offered = offered(&program, &[(10, 20), (0, 223), (-3, 4)]);
+        for schema in [
+            reply::schema(&program, &offered),
+            reply::static_schema(&program),
+        ] {
+            let properties = schema["properties"].as_object().unwrap();
+            let most = properties
+                .values()
+                .map(|it| instances(it).len())
+                .max()
+                .unwrap();
+            for index in 0..most {
+                let chosen = properties.iter().map(|(name, property)| {
+                    let all = instances(property);
+                    (name.clone(), all[index % all.len()].clone())
+                });
+                let answer = Json::Object(chosen.collect());
+                assert!(fits(&schema, &answer), "{answer}");
+                let read = reply::read_action(&program, &answer.to_string())
+                    .unwrap_or_else(|refused| panic!("{answer}: {}", refused.message));
+                // What is read is what the schema states, and the schema can state what is read.
+                for (field, (_, value)) in program.actions.iter().zip(&read.value.fields) {
+                    assert_eq!(
+                        answer[&field.name],
+                        json!(space::text(field, value)),
+                        "{answer}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_action_from_any_form_of_answer_is_one_that_the_schema_can_state() {
+    let folder = common::workspace().join("tests/fixtures/replies");
+    let mut n_read = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let text = std::fs::read_to_string(entry.unwrap().path()).unwrap();
+        let (head, answer) = text.split_once("---\n").unwrap();
+        let Some(name) = head.lines().next().unwrap().strip_prefix("action in ") else {
+            continue;
+        };
+        let program = spaces::space(name);
+        let Ok(read) = reply::read_action(&program, answer) else {
+            continue;
+        };
+        let schema = reply::static_schema(&program);
+        let stated: Map<String, Json> = program
+            .actions
+            .iter()
+            .zip(&read.value.fields)
+            .map(|(field, (name, value))| (name.clone(), json!(space::text(field, value))))
+            .collect();
+        let is_offered =
+            program
+                .actions
+                .iter()
+                .zip(&read.value.fields)
+                .all(|(field, (_, value))| {
+                    let declared = space::declared(field);
+                    declared.is_empty() || declared.contains(value)
+                });
+        // The verifier refuses what is not offered, and so does the schema.
+        assert_eq!(fits(&schema, &Json::Object(stated)), is_offered, "{answer}");
+        n_read += 1;
+    }
+    assert!(n_read > 500, "{n_read}");
+}
+
+#[test]
+fn a_prompt_that_asks_for_reasons_has_a_place_for_them() {
+    let text = common::TASK;
+    let asks = |text: &str| {
+        let program = common::program("task.fab", text);
+        reply::static_schema(&program)["required"]
+            .as_array()
+            .unwrap()
+            .contains(&json!("reason"))
+    };
+    assert!(!asks(text));
+    let format = "{{ actions.format }}";
+    assert!(text.contains(format), "{text}");
+    assert!(asks(
+        &text.replace(format, &format!("{format} Then give your reasons."))
+    ));
+}

@@ -153,3 +153,16 @@ fn the_stand_in_refuses_actions_that_it_does_not_know() {
     };
     assert!(why.contains("`Grip`"), "{why}");
 }
+
+#[test]
+fn an_answer_that_cannot_be_read_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = support::project("tasks/double_straight.fab");
+    let mut run = support::fabc(folder.path());
+    let said = support::finish(run.args(["run", &file, "--model", "imperfect:1:1"]));
+    assert_eq!(said.code, 3, "{}", said.stderr);
+    let words = "not readable: Your answer states no pick point.";
+    assert!(said.stderr.contains(words), "{}", said.stderr);
+    let words = "the answer: I would pull it a little to the side.";
+    assert!(said.stderr.contains(words), "{}", said.stderr);
+}

@@ -21,6 +21,15 @@ const THOUSANDTHS: &[Row] = &[
     ("Pick Point = (185, 748)", HERE),
     ("Pick Point = [185, 748]", HERE),
     ("Pick Point = {\"point_2d\": [185, 748]}", HERE),
+    (
+        "[{\"point_2d\": [185, 748], \"label\": \"pick point\"}]",
+        HERE,
+    ),
+    (
+        "{\"name\": \"fold\", \"arguments\": \"{\\\"pick\\\": [185, 748]}\"}",
+        HERE,
+    ),
+    ("[{\"pick\": {\"x\": 185, \"y\": 748}}]", HERE),
     ("Pick Point = (41 px, 167 px)", Err("given in pixels")),
     ("Pick Point = (185)", Err("one number instead of two")),
     (
@@ -34,6 +43,10 @@ const THOUSANDTHS_Y_FIRST: &[Row] = &[
     ("pick: {\"point\": [748, 185]}", HERE),
     (
         "\"pick\": {\"point\": [748, 185], \"label\": \"corner\"}",
+        HERE,
+    ),
+    (
+        "```json\n[{\"point\": [748, 185], \"label\": \"pick\"}]\n```",
         HERE,
     ),
     ("Pick Point: x=185, y=748", HERE),
@@ -53,6 +66,10 @@ const PERCENT: &[Row] = &[
         HERE,
     ),
     ("Pick Point = (18.5%, 74.8%)", HERE),
+    (
+        "<point x=\"18.5\" y=\"74.8\" alt=\"pick point\">pick point</point>",
+        HERE,
+    ),
 ];
 
 const FRACTIONS: &[Row] = &[

@@ -6,6 +6,7 @@
 //! caller.
 
 use crate::interrupt::Interrupt;
+use crate::shown::shown;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt;
@@ -27,8 +28,8 @@ const MAX_STDERR_BYTES: usize = 1 << 20;
 /// How much of the end of stderr a message quotes, bytes.
 const STDERR_BYTES: usize = 600;
 
-/// How much of a line a message quotes, bytes.
-const EXCERPT_BYTES: usize = 160;
+/// How much of a line a message quotes, characters.
+const EXCERPT_CHARS: usize = 160;
 
 /// How long a program has to exit by itself after its stdin is closed.
 const GRACE: Duration = Duration::from_secs(1);
@@ -456,16 +457,9 @@ fn read_errors(
 
 /// Shortens a program's output for a message.
 pub fn excerpt(line: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&line[..line.len().min(EXCERPT_BYTES)]);
-    let text = text
-        .trim_end()
-        .escape_debug()
-        .to_string()
-        .replace("\\\"", "\"");
-    match line.len() > EXCERPT_BYTES {
-        true => format!("{text}…"),
-        false => text,
-    }
+    // A character has at most four bytes.
+    let start = &line[..line.len().min(4 * EXCERPT_CHARS + 4)];
+    shown(&String::from_utf8_lossy(start), EXCERPT_CHARS)
 }
 
 #[cfg(all(test, unix))]

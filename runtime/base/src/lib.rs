@@ -1,4 +1,5 @@
-//! The runtime's foundation: journals, files, particle positions, a cache, hashes, threads, programs that answer lines.
+//! The runtime's foundation: journals, files, particle positions, a cache, hashes, threads, programs that answer lines,
+//! foreign text made visible.
 //!
 //! Nothing here knows about tasks, models, cloths or arms.
 //!
@@ -34,3 +35,4 @@ pub mod interrupt;
 pub mod jsonl;
 pub mod npy;
 pub mod parallel;
+pub mod shown;

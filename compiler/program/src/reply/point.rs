@@ -11,7 +11,7 @@ use crate::data::camera::PixelPoint;
 use crate::pointing::{CoordinateUnit, Notation, Order};
 
 /// The largest coordinate that an answer can mean, pixels; far beyond any picture.
-const MAX_COORDINATE: f64 = 1_000_000.0;
+const MAX_COORDINATE: f64 = 999_999.0;
 
 /// The most digits of a coordinate or a point's number.
 const MAX_DIGITS: usize = 12;

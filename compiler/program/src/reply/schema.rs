@@ -2,18 +2,19 @@
 
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::data::program::Program;
+use crate::data::stage::Read;
 use crate::pointing::{CoordinateUnit, Notation, Order, Pointing};
 use crate::space;
 use serde_json::{Map, Value as Json, json};
 
-/// The pattern of a point as [`space::text`] writes it; the reader rejects larger numbers.
-const POINT: &str = r"^\((0|-?[1-9][0-9]{0,6}), (0|-?[1-9][0-9]{0,6})\)$";
+/// The pattern of a point as [`space::text`] writes it; the reader refuses larger numbers.
+const POINT: &str = r"^\((0|-?[1-9][0-9]{0,5}), (0|-?[1-9][0-9]{0,5})\)$";
 
 /// The same with decimals.
-const DECIMAL_POINT: &str = r"^\(-?[0-9]{1,7}(\.[0-9]{1,9})?, -?[0-9]{1,7}(\.[0-9]{1,9})?\)$";
+const DECIMAL_POINT: &str = r"^\(-?[0-9]{1,6}(\.[0-9]{1,9})?, -?[0-9]{1,6}(\.[0-9]{1,9})?\)$";
 
 /// The same as a list.
-const DECIMAL_LIST: &str = r"^\[-?[0-9]{1,7}(\.[0-9]{1,9})?, -?[0-9]{1,7}(\.[0-9]{1,9})?\]$";
+const DECIMAL_LIST: &str = r"^\[-?[0-9]{1,6}(\.[0-9]{1,9})?, -?[0-9]{1,6}(\.[0-9]{1,9})?\]$";
 
 /// Returns a schema that accepts exactly the offered values, as strings that [`space::text`] writes; for a region,
 /// every point.
@@ -49,17 +50,52 @@ pub fn static_schema(program: &Program) -> Json {
 }
 
 fn object(program: &Program, property: impl Fn(&ActionField) -> Json) -> Json {
-    let properties: Map<String, Json> = program
+    let mut properties: Map<String, Json> = program
         .actions
         .iter()
         .map(|field| (field.name.clone(), property(field)))
         .collect();
+    if asks_for_reasons(program) && program.field(REASON).is_none() {
+        // Without it, a model that answers with this schema could not reason where the prompt asks it to.
+        let reason = json!({ "type": "string", "description": "the reason for this action" });
+        properties.insert(REASON.to_owned(), reason);
+    }
     let names: Vec<&str> = properties.keys().map(String::as_str).collect();
     json!({
         "type": "object",
         "properties": properties,
         "required": names,
         "additionalProperties": false,
+    })
+}
+
+/// The property for the reasons that a prompt asks for; the reader does not read it.
+const REASON: &str = "reason";
+
+/// Words with which a prompt asks for reasons.
+const ASKING: [&str; 5] = ["reason", "why", "explain", "justify", "explanation"];
+
+/// Returns whether a question for an action asks for reasons.
+fn asks_for_reasons(program: &Program) -> bool {
+    let stages = program
+        .stages
+        .iter()
+        .filter(|stage| matches!(stage.read, Read::Action));
+    let mut names = stages.flat_map(|stage| stage.system.iter().chain(&stage.say));
+    names.any(|name| {
+        let template = program
+            .templates
+            .iter()
+            .find(|template| template.name == *name);
+        template.is_some_and(|template| {
+            let text = template.text.to_lowercase();
+            let mut words = text.split(|letter: char| !letter.is_alphabetic());
+            words.any(|word| {
+                ASKING
+                    .iter()
+                    .any(|asking| word.strip_suffix('s').unwrap_or(word) == *asking)
+            })
+        })
     })
 }
 

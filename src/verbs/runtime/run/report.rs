@@ -7,6 +7,7 @@ use fab_agent::policy::{Attempt, Finding};
 use fab_agent::record::{CoverageSource, JudgedBy};
 use fab_agent::rollout::{Ended, Event};
 use fab_agent::sheet::SHEET_FILE;
+use fab_base::shown::shown;
 use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
 use fab_program::{Goal, Metric};
@@ -84,6 +85,9 @@ fn so_far(spent: &Spent) -> String {
     }
 }
 
+/// How much of an answer that cannot be read is printed, characters.
+const MAX_SHOWN: usize = 300;
+
 /// Returns why an attempt failed, if it did.
 fn refusal(attempt: &Attempt) -> Option<String> {
     match &attempt.finding {
@@ -91,7 +95,13 @@ fn refusal(attempt: &Attempt) -> Option<String> {
             verdict: Verdict::Reject { check, message, .. },
             ..
         } => Some(format!("refused by `{check}`: {message}")),
-        Finding::Malformed { message, .. } => Some(format!("not readable: {message}")),
+        Finding::Malformed { message, .. } => {
+            let said = attempt.reply.as_ref().map_or("", |reply| &reply.text);
+            Some(format!(
+                "not readable: {message}\nthe answer: {}",
+                shown(said, MAX_SHOWN)
+            ))
+        }
         // The end of the step reports it.
         Finding::Failed {
             outcome: Outcome::PolicyFailed | Outcome::PolicyStopped,

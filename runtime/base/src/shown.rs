@@ -1,0 +1,49 @@
+//! Foreign text for a terminal: what a model, a server or a program wrote.
+
+/// Returns a text on one line, with control and formatting characters made visible, and cut after `most` characters.
+///
+/// `\u{1b}` in a model's answer would otherwise colour or clear the terminal, and a bidirectional mark reorder the line.
+pub fn shown(text: &str, most: usize) -> String {
+    let mut shown = String::new();
+    for (index, letter) in text.trim().chars().enumerate() {
+        if index == most {
+            shown.push('…');
+            break;
+        }
+        if letter.is_control() || is_formatting(letter) {
+            shown.extend(letter.escape_default());
+        } else {
+            shown.push(letter);
+        }
+    }
+    shown
+}
+
+/// Returns whether a character has no width and changes how others are shown.
+pub fn is_formatting(letter: char) -> bool {
+    matches!(
+        letter,
+        '\u{ad}' | '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}'
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_would_act_on_a_terminal_is_visible() {
+        let rows = [
+            ("plain, é and 布", "plain, é and 布"),
+            ("  two\nlines\t", "two\\nlines"),
+            ("\u{1b}[31mred", "\\u{1b}[31mred"),
+            ("a\u{202e}b", "a\\u{202e}b"),
+            ("\0", "\\u{0}"),
+        ];
+        for (text, expected) in rows {
+            assert_eq!(shown(text, 300), expected);
+        }
+        assert_eq!(shown("12345", 3), "123…");
+        assert_eq!(shown("123", 3), "123");
+    }
+}
