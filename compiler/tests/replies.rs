@@ -63,7 +63,7 @@ fn every_reply_is_read_as_its_fixture_says() {
         }
     }
     assert!(
-        files.len() > 1100,
+        files.len() > 1300,
         "only {} replies were found",
         files.len()
     );

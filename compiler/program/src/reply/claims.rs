@@ -95,7 +95,10 @@ fn reframed(tokens: &[Token<'_>], is_native: bool, last_claim: Option<usize>) ->
             return Some("the answer counts from another origin than the top left".to_owned());
         }
         let is_scale = says(&["coordinates", "coordinate", "points", "values"]).is_some();
-        if is_native && !denies && is_scale && says(&["normalized", "normalised"]).is_some() {
+        let is_axes = says(&["coordinates", "coordinate", "x"]).is_some();
+        let counts = says(&["normalized", "normalised"]).is_some() && is_scale
+            || says(&["percent", "percentages", "thousandths"]).is_some() && is_axes;
+        if is_native && !denies && counts {
             return Some("the answer counts in another unit than pixels".to_owned());
         }
         // `Please disregard those two lines`, `exchange the two points`

@@ -225,6 +225,14 @@ fn member(
     }
     let hint = quantity::unit(&mut rest);
     let is_pixels = rest.eat_any(&["px", "pixels", "xy"]);
+    if is_pixels && !reader.fields[field].is_point() {
+        let claimed = Claimed::Bad("it is given in pixels".to_owned());
+        return Some(Claim {
+            field,
+            span,
+            claimed,
+        });
+    }
     if !rest.rest().is_empty() && !is_pixels {
         return None;
     }

@@ -4,7 +4,7 @@
 //! means. Numbers are finite and of bounded size, products short, brackets shallow.
 
 use super::cursor::Cursor;
-use super::lexer::{Kind, digit};
+use super::lexer::{Kind, Token, digit};
 use crate::units::{DEG, Dimension, EDGE, UNITS, Unit};
 
 /// The largest number that an answer can mean.
@@ -65,6 +65,21 @@ pub(super) enum Parsed {
     Bad(String),
     Nothing,
 }
+
+/// Units in other languages, and their names here.
+const FOREIGN: [(&str, &str); 11] = [
+    ("度", "deg"),
+    ("도", "deg"),
+    ("graus", "deg"),
+    ("grados", "deg"),
+    ("degrés", "deg"),
+    ("degré", "deg"),
+    ("gradi", "deg"),
+    ("градусов", "deg"),
+    ("毫米", "mm"),
+    ("millimètres", "mm"),
+    ("milímetros", "mm"),
+];
 
 /// Number words; those from twenty on may be followed by a smaller one.
 const WORDS: [(&str, f64); 30] = [
@@ -417,6 +432,9 @@ impl Product {
         let decimals = digits
             .split_once('.')
             .map_or(0, |(_, decimals)| decimals.len());
+        if let Some(exponent) = exponent(cursor) {
+            digits.push_str(&format!("e{exponent}"));
+        }
         self.rounding = 0.5 * 10_f64.powi(-(decimals as i32));
         let mut value: f64 = digits.parse().map_err(|_| None)?;
         value += third(cursor);
@@ -465,6 +483,29 @@ impl Product {
         }
         Ok(())
     }
+}
+
+/// Reads the exponent of `1.25e-1`.
+fn exponent(cursor: &mut Cursor<'_, '_>) -> Option<i32> {
+    let start = *cursor;
+    let word = cursor
+        .peek()
+        .filter(|word| word.kind == Kind::Word && cursor.is_joined())?;
+    cursor.at += 1;
+    let digits = word.text.strip_prefix(['e', 'E']).unwrap_or(" ");
+    let found = if digits.is_empty() {
+        let sign = cursor.eat_signs(&['-', '+']);
+        let number = cursor.eat_number().filter(|number| number.len() < 3);
+        number
+            .and_then(|number| number.parse::<i32>().ok())
+            .map(|size| if sign == Some('-') { -size } else { size })
+    } else {
+        digits.parse().ok().filter(|_| digits.len() < 3)
+    };
+    if found.is_none() {
+        *cursor = start;
+    }
+    found
 }
 
 /// Reads the fraction of a mixed number, `33 1/3`; 0 if there is none.
@@ -524,15 +565,23 @@ pub(super) fn unit(cursor: &mut Cursor<'_, '_>) -> Option<AnswerUnit> {
         return Some(AnswerUnit::Micrometres);
     }
     let token = cursor.peek();
+    let foreign = |token: &Token<'_>| {
+        FOREIGN
+            .iter()
+            .find(|(word, _)| token.is(word) || token.text == *word)
+            .map(|(_, name)| *name)
+    };
     let found = token.and_then(|token| {
+        let name = foreign(token);
         UNITS
             .iter()
             .filter(|unit| unit.dimension != Dimension::Pixels)
             .find(|unit| {
-                unit.words().any(|word| match word.is_ascii() {
-                    true => token.is(word),
-                    false => token.text == word || (token.is_sign('°') && **unit == DEG),
-                })
+                name == Some(unit.name)
+                    || unit.words().any(|word| match word.is_ascii() {
+                        true => token.is(word),
+                        false => token.text == word || (token.is_sign('°') && **unit == DEG),
+                    })
             })
     });
     match found {

@@ -191,7 +191,8 @@ impl<'a> Sentences<'a> {
         self.skip_wrap(&mut cursor, mention);
         let axis_at = cursor;
         // `<pick x="10" y="20"/>` and `<pick>(10, 20)</pick>`
-        let is_tag = mention.at > 0 && self.tokens[mention.at - 1].is_sign('<');
+        let is_tag = mention.at > 0
+            && (self.tokens[mention.at - 1].is_sign('<') || self.is_attribute(mention));
         if is_tag
             && is_point
             && let Some(claim) = self.tagged_axes(mention, cursor)
@@ -282,6 +283,19 @@ impl<'a> Sentences<'a> {
         })
     }
 
+    /// Returns whether a tag's attribute names the field: `<parameter name="pick">`.
+    fn is_attribute(&self, mention: Mention) -> bool {
+        let [.., open, _, key, equals] = &self.tokens[..mention.at] else {
+            return false;
+        };
+        let closes = self.tokens[mention.end..]
+            .iter()
+            .take(2)
+            .any(|token| token.is_sign('>'));
+        let keys = ["name", "key", "id", "field", "param"];
+        open.is_sign('<') && key.is_any(&keys) && equals.is_sign('=') && closes
+    }
+
     /// Reads `pick → place: (71, 178) → (149, 66)`, for either field.
     fn pair(&self, index: usize) -> Option<Claim> {
         let mention = self.mentions[index];
@@ -295,9 +309,12 @@ impl<'a> Sentences<'a> {
             let is_pair = first.form == Form::Name
                 && second.form == Form::Name
                 && first.field != second.field
-                && second.at == first.end + 1;
+                && (first.end + 1..first.end + 4).contains(&second.at)
+                && self.tokens[first.end + 1..second.at]
+                    .iter()
+                    .all(|token| token.is_any(&["the", "and", "point"]));
             is_pair
-                && joins(first.end)
+                && (joins(first.end) || self.tokens[first.end].is("point"))
                 && self.field(*first).is_point()
                 && self.field(*second).is_point()
         };
@@ -328,7 +345,10 @@ impl<'a> Sentences<'a> {
             Clarity::Assigned,
             false,
         );
-        cursor.eat_signs(&['=', ':']).filter(|_| !is_denied)?;
+        let is_stated = cursor.eat_signs(&['=', ':']).is_some() || cursor.eat_any(&["are", "is"]);
+        if is_denied || !is_stated {
+            return None;
+        }
         let start = cursor.at;
         let PointFound::Pixel(first, _) =
             point::read(&mut cursor, self.reader.notation, Brackets::Needed)
@@ -344,10 +364,13 @@ impl<'a> Sentences<'a> {
         else {
             return None;
         };
+        let end = cursor.at;
+        cursor.eat_sign(',');
+        cursor.eat_word("respectively");
         let is_last = cursor.peek().is_none_or(|next| {
             next.gap >= Gap::Line || value::ends_sentence(self.tokens, cursor.at)
         });
-        let span = self.tokens[start].at..self.tokens[cursor.at - 1].end();
+        let span = self.tokens[start].at..self.tokens[end - 1].end();
         let claimed = Claimed::Value(Value::Point(if is_first { first } else { other }), None);
         is_last.then_some(Claim {
             field: mention.field,

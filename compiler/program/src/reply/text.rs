@@ -428,7 +428,9 @@ fn skip_marks(line: &str) -> usize {
 fn eat_words(text: &str, words: &str) -> Option<(usize, bool)> {
     let mut rest = text;
     let mut is_exact = true;
-    let wanted = words.trim_end_matches([':', '=', ' ']);
+    // The words may be a tag, `<instruction>`; the marks before it are skipped already.
+    let words = words.trim_start_matches(['<', '[', '*', '#', ' ']);
+    let wanted = words.trim_end_matches([':', '=', ' ', '>']);
     for letter in wanted.chars() {
         if letter.is_whitespace() {
             let trimmed =

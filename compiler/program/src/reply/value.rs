@@ -550,6 +550,11 @@ fn tail(
             Kind::Sign('(' | '[' | '{') => bracket(&mut cursor, context, value, depth)?,
             Kind::Sign(')' | ']' | '}' | '>' | '|') if cursor.rest().len() == 1 => return Ok(()),
             Kind::Sign(')' | ']' | '}' | '>' | '"') => cursor.at += 1,
+            Kind::Sign('|') if cursor.ahead(1).is_some_and(|next| next.kind == Kind::Word) => {
+                cursor.at += 1;
+                is_apart = !restated(&mut cursor, context, value)?;
+                continue;
+            }
             Kind::Sign('=' | '≈' | '/' | '|' | '→') => {
                 cursor.at += 1;
                 restated(&mut cursor, context, value)?
@@ -602,7 +607,8 @@ fn tail(
                     return Err("it contains more than one number".to_owned());
                 }
             }
-            _ if names_side(&cursor, context) && restated(&mut cursor, context, value)? => {}
+            // `↗ 45 deg`
+            _ if is_angle(&cursor, context) && restated(&mut cursor, context, value)? => {}
             _ => return Err(goes_on(before, context)),
         }
         is_apart = false;
@@ -640,6 +646,15 @@ fn excluded(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) -
         *cursor = start;
     }
     is_other && ends
+}
+
+/// Returns whether a direction in words or a number is next, where a direction is expected.
+fn is_angle(cursor: &Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    let is_number = cursor
+        .peek()
+        .is_some_and(|token| token.kind == Kind::Number);
+    names_side(cursor, context)
+        || (is_number && matches!(context.expected.field.choices, Choices::Directions { .. }))
 }
 
 /// Returns whether a direction in words is next, `45 deg down`.
@@ -931,28 +946,20 @@ fn states_other(cursor: Cursor<'_, '_>, context: &Context<'_>, value: &Value) ->
     };
     let mut ahead = cursor;
     while let Some(token) = ahead.peek() {
-        let adds =
-            token.is_any(&["and", "then", "or"]) || matches!(token.kind, Kind::Sign(',' | ';'));
+        let adds = token.is_any(&["and", "then", "or", "to", "through", "until"])
+            || matches!(token.kind, Kind::Sign(',' | ';'));
         ahead.at += 1;
         let mut other = ahead;
         other.skip(&["then", "a", "the", "also"], &[]);
-        if adds
-            && !other
-                .peek()
-                .is_some_and(|next| is_side_alone(next, context))
-            && bare(&mut other, &spoken).is_some_and(|(found, _)| found != *value)
+        // In an explanation, `to the left` describes the picture as often as the direction.
+        let is_worded = matches!(context.expected.field.choices, Choices::Directions { .. })
+            && !quantity::begins(other);
+        if adds && !is_worded && bare(&mut other, &spoken).is_some_and(|(found, _)| found != *value)
         {
             return true;
         }
     }
     false
-}
-
-/// Returns whether a word may be a direction, but is as likely to describe something else: `the left side`.
-fn is_side_alone(token: &Token<'_>, context: &Context<'_>) -> bool {
-    let one = [*token];
-    matches!(context.expected.field.choices, Choices::Directions { .. })
-        && words::side(&mut Cursor::new(&one)).is_some()
 }
 
 /// Reads an explanation to the end of the clause; fails if it changes the value, or is none.
