@@ -267,7 +267,7 @@ fn introduced(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
                 line.is_empty()
                     || (index > begun && line.ends_with(':'))
                     || line.starts_with('#')
-                    || says(line, &ANSWERING)
+                    || says(line, ANSWERING)
             };
             if is_last && !is_fence {
                 break;
@@ -297,8 +297,8 @@ fn introduces(line: &str) -> bool {
     ];
     let begins = line.starts_with('#');
     (begins || ends.iter().any(|end| bare.to_lowercase().ends_with(end)))
-        && says(bare, &INTRODUCING)
-        && !says(bare, &ANSWERING)
+        && says(bare, INTRODUCING)
+        && !says(bare, ANSWERING)
 }
 
 fn says(line: &str, words: &[&str]) -> bool {

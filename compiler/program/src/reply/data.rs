@@ -443,7 +443,7 @@ fn table(reader: &Reader<'_>, text: &str, rows: &[Vec<Range<usize>>], claims: &m
             .iter()
             .any(|token| token.is_any(words))
     };
-    if head.iter().any(|cell| says(cell, &COMPARING)) {
+    if head.iter().any(|cell| says(cell, COMPARING)) {
         return;
     }
     let data: Vec<&Vec<Range<usize>>> = rows
@@ -479,7 +479,7 @@ fn table(reader: &Reader<'_>, text: &str, rows: &[Vec<Range<usize>>], claims: &m
     }
     let value_column = head
         .iter()
-        .position(|cell| says(cell, &VALUE_HEADS) && named(cell).is_none());
+        .position(|cell| says(cell, VALUE_HEADS) && named(cell).is_none());
     let axis_column = |axis: &str| {
         head.iter().position(|cell| {
             lexer::tokens(&text[cell.clone()])

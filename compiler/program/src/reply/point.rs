@@ -85,7 +85,7 @@ fn placed(cursor: &mut Cursor<'_, '_>, notation: &Notation, brackets: Brackets) 
         open.push(bracket);
         // `{"point": `, `<point `
         let behind = *cursor;
-        while cursor.eat_any(&NOUNS[..]) || (cursor.is_joined() && cursor.eat_number() == Some("2"))
+        while cursor.eat_any(NOUNS) || (cursor.is_joined() && cursor.eat_number() == Some("2"))
         {
         }
         if bracket != '<' && cursor.at > behind.at && cursor.eat_signs(&[':', '=', '→']).is_none()
@@ -405,7 +405,7 @@ fn numbered(cursor: &mut Cursor<'_, '_>, notation: &Notation, brackets: Brackets
     let mut open = Vec::new();
     let mut has_noun = false;
     for _ in 0..8 {
-        if cursor.eat_any(&NUMBER_NOUNS) {
+        if cursor.eat_any(NUMBER_NOUNS) {
             has_noun = true;
             let _ = cursor.peek().is_some_and(|token| token.is_sign('.')) && cursor.eat_sign('.');
         } else if cursor.eat_signs(&[':', '=', '#', '№', '→']).is_some() {

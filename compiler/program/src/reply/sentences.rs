@@ -420,7 +420,7 @@ impl<'a> Sentences<'a> {
             if is_short_id || is_slip {
                 cursor.at += 1;
             } else if cursor.peek().is_none_or(|token| token.gap >= Gap::Line)
-                || !cursor.eat_any(&QUALIFYING)
+                || !cursor.eat_any(QUALIFYING)
             {
                 break;
             }
@@ -558,7 +558,7 @@ impl<'a> Sentences<'a> {
                         "want",
                     ])
                 });
-            if is_proposed || (token.is_any(&DENYING) && !is_correction && !is_other) {
+            if is_proposed || (token.is_any(DENYING) && !is_correction && !is_other) {
                 return true;
             }
         }

@@ -297,11 +297,11 @@ fn skip_description(cursor: &mut Cursor<'_, '_>, clarity: Clarity) -> bool {
         };
         let is_other = token.kind == Kind::Word
             && cursor.at - start < most
-            && !(clarity == Clarity::Spoken && token.is_any(&SUBORDINATING))
-            && ![&RELATING[..], &ALTERING, &REJECTING, &REFRAMING]
+            && !(clarity == Clarity::Spoken && token.is_any(SUBORDINATING))
+            && ![RELATING, ALTERING, &REJECTING, REFRAMING]
                 .iter()
                 .any(|words| token.is_any(words));
-        if is_paragraph || !(is_joint || is_other || token.is_any(&DESCRIBING)) {
+        if is_paragraph || !(is_joint || is_other || token.is_any(DESCRIBING)) {
             break;
         }
         let is_article = token.is_any(&["the", "a", "point", "pixel"]);
@@ -340,7 +340,7 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
         _ => false,
     };
     if !begins_word {
-        cursor.skip(&LEADING, &['≈', '=', ':', '→']);
+        cursor.skip(LEADING, &['≈', '=', ':', '→']);
     }
     let mut expected = context.expected;
     let mut open = None;
@@ -364,7 +364,7 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
             }
         }
         if open.is_some() {
-            cursor.skip(&LEADING, &['≈', '=']);
+            cursor.skip(LEADING, &['≈', '=']);
             found = single(cursor, &expected, context);
         }
     }
@@ -459,7 +459,7 @@ fn is_placeholder(cursor: Cursor<'_, '_>) -> bool {
         .is_some_and(|token| matches!(token.kind, Kind::Sign('<' | '[' | '…' | '?')));
     let is_word = rest
         .first()
-        .is_some_and(|token| token.is_any(&PLACEHOLDERS));
+        .is_some_and(|token| token.is_any(PLACEHOLDERS));
     let has_number = rest.iter().any(|token| token.kind == Kind::Number);
     let is_word = is_word && (rest.len() <= 3 || rest[0].is("your"));
     !has_number
@@ -641,7 +641,7 @@ fn excluded(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) -
     let is_other = other.is_some_and(|(other, _)| other != *value);
     let ends = cursor
         .peek()
-        .is_none_or(|next| next.kind != Kind::Word || next.is_any(&EXPLAINING));
+        .is_none_or(|next| next.kind != Kind::Word || next.is_any(EXPLAINING));
     if !is_other || !ends {
         *cursor = start;
     }
@@ -693,8 +693,8 @@ fn links(cursor: Cursor<'_, '_>) -> bool {
         Kind::Word => {
             let one = [*token];
             token.is_any(&["and", "with"])
-                || !(token.is_any(&TURNING)
-                    || token.is_any(&ALTERING)
+                || !(token.is_any(TURNING)
+                    || token.is_any(ALTERING)
                     || token.is_any(&["i.e.", "aka"]))
                     && words::side(&mut Cursor::new(&one)).is_none()
         }
@@ -706,7 +706,7 @@ fn links(cursor: Cursor<'_, '_>) -> bool {
         return true;
     }
     cursor.rest().iter().all(|token| {
-        token.is_any(&LINKS)
+        token.is_any(LINKS)
             || matches!(
                 token.kind,
                 Kind::Sign(
@@ -985,19 +985,19 @@ fn explanation(
                 .any(|token| token.is_any(&["counter", "anti"]))
     };
     let alters = rest.iter().enumerate().any(|(index, token)| {
-        (token.is_any(&ALTERING) || token.is_sign('±')) && !is_counter(index)
+        (token.is_any(ALTERING) || token.is_sign('±')) && !is_counter(index)
     });
     let is_point = context.expected.field.is_point();
     // `pick (10, 20) and fold it up`
     let goes_further =
-        is_point && first.is("and") && rest.get(1).is_some_and(|next| next.is_any(&MOVING));
+        is_point && first.is("and") && rest.get(1).is_some_and(|next| next.is_any(MOVING));
     if goes_further {
         return Ok(());
     }
-    if is_point && rest.iter().any(|token| token.is_any(&REFRAMING)) {
+    if is_point && rest.iter().any(|token| token.is_any(REFRAMING)) {
         return failed();
     }
-    if alters || first.is_any(&TURNING) || states_other(cursor, context, value) {
+    if alters || first.is_any(TURNING) || states_other(cursor, context, value) {
         return failed();
     }
     // `90 deg is not possible`
@@ -1012,8 +1012,8 @@ fn explanation(
     {
         return failed();
     }
-    let starts = first.is_any(&EXPLAINING)
-        || (is_point && first.is_any(&DESCRIBING) && !first.is_any(&["left", "right", "up"]));
+    let starts = first.is_any(EXPLAINING)
+        || (is_point && first.is_any(DESCRIBING) && !first.is_any(&["left", "right", "up"]));
     if is_apart {
         return Ok(());
     }

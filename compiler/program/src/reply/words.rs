@@ -76,7 +76,7 @@ const TRAILING: &[&str] = words!(
 /// Reads a direction in words, `straight up`, `top-left`, `left and up`; degrees. Otherwise the cursor does not move.
 pub(super) fn side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {
     let start = *cursor;
-    cursor.skip(&LEADING, &[]);
+    cursor.skip(LEADING, &[]);
     let Some(first) = one_side(cursor) else {
         *cursor = start;
         return None;
@@ -116,7 +116,7 @@ pub(super) fn side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {
         *cursor = start;
         return None;
     }
-    cursor.skip(&TRAILING, &[]);
+    cursor.skip(TRAILING, &[]);
     Some(deg)
 }
 
