@@ -221,14 +221,17 @@ const ADDITIONS: &str = r#"
         say five in plan before role
         check far { distance(pick, place) > 30px } else "Too near."
         without variant calm
+        variant wordy { say seven in plan before bye component seven "Seven." }
     }
     task grandchild extends child {
         component six "Six."
         say six in plan after greeting
         without component one
+        without variant wordy
         check few { count(corners) < 20 } else "Too many."
     }
     task stated_again extends child {
+        without variant wordy, calm
         stage plan { model text say bye read action }
     }
 "#;
@@ -262,7 +265,29 @@ fn parts_are_added_to_what_a_stage_says() {
         said("grandchild"),
         of("five role", "greeting four two three six plan.say bye")
     );
+    assert_eq!(
+        said("child/wordy"),
+        of(
+            "five role",
+            "greeting four one two three plan.say seven bye"
+        )
+    );
     assert_eq!(said("stated_again"), of("", "bye"));
+}
+
+#[test]
+fn a_task_adds_a_limited_number_of_parts() {
+    let adding = |n_parts: usize| {
+        let part =
+            |number| format!("component c{number} \"C.\"\nsay c{number} in plan after role\n");
+        let parts: String = (0..n_parts).map(part).collect();
+        messages(&format!("{TASK}\ntask more extends small {{\n{parts}}}\n"))
+    };
+    assert_eq!(adding(256), [""; 0]);
+    assert_eq!(
+        adding(257),
+        ["F0204 a task adds at most 256 components to its stages"]
+    );
 }
 
 #[test]
@@ -287,6 +312,7 @@ fn checks_are_added_and_variants_left_out() {
             ("worded/without_greeting", "on_cloth moves"),
             ("child", "on_cloth moves far"),
             ("child/without_greeting", "on_cloth moves far"),
+            ("child/wordy", "on_cloth moves far"),
             ("grandchild", "on_cloth moves far few"),
             ("grandchild/without_greeting", "on_cloth moves far few"),
             ("stated_again", "on_cloth moves far"),

@@ -302,7 +302,7 @@ impl<'a> Merged<'a> {
             match component.declares() {
                 Declares::New if is_inherited => {
                     let before = self.components.get(name.text()).map(Component::name);
-                    let help = "write `override component` to replace its text";
+                    let help = "write `override component` to replace its text, or choose another name to add a component";
                     self.joined = Err(report.error(unmarked("component", name, before, help)));
                 }
                 Declares::Override if !is_inherited && self.missing_base.is_none() => {
@@ -437,15 +437,24 @@ impl<'a> Merged<'a> {
             beside.text()
         );
         let diagnostic = unknown(beside, message);
-        Some(match nearest(beside.text(), said.names()) {
-            Some(meant) => diagnostic.meant(beside.span(), meant),
-            None if said.names().next().is_none() => diagnostic.help(format!(
-                "it says only a text without a name, so nothing can be added beside it; state `stage {}` again",
+        if let Some(meant) = nearest(beside.text(), said.names()) {
+            return Some(diagnostic.meant(beside.span(), meant));
+        }
+        let diagnostic = match said.names().next() {
+            None => diagnostic,
+            Some(_) => diagnostic.help(format!("it says {}", among(said.names()))),
+        };
+        if self.components.get(beside.text()).is_some() {
+            return Some(diagnostic.help(format!(
+                "add `{}` to the stage on a line above this one, or choose another place",
+                beside.text()
+            )));
+        }
+        Some(match said.says_text {
+            false => diagnostic,
+            true => diagnostic.help(format!(
+                "nothing can be added beside a text without a name; to change that, state `stage {}` again",
                 stage.text()
-            )),
-            None => diagnostic.help(format!(
-                "it says {}; a part that another line adds must be added above",
-                among(said.names())
             )),
         })
     }

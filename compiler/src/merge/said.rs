@@ -13,6 +13,8 @@ pub(crate) struct Said<'a> {
     names: Vec<&'a str>,
     known: BTreeSet<&'a str>,
     beside: BTreeMap<&'a str, Added<'a>>,
+    /// Whether it says a text without a name.
+    pub says_text: bool,
 }
 
 /// The parts that were added on both sides of another, in the order in which they are said.
@@ -27,10 +29,12 @@ impl<'a> Said<'a> {
     pub fn of(stage: Stage<'a>) -> Said<'a> {
         let mut said = Said::default();
         for saying in stage.system().chain(stage.say()).flat_map(Sayings::list) {
-            if let ComponentOrText::Component(name) = saying
-                && said.known.insert(name.text())
-            {
-                said.names.push(name.text());
+            match saying {
+                ComponentOrText::Component(name) if said.known.insert(name.text()) => {
+                    said.names.push(name.text());
+                }
+                ComponentOrText::Component(_) => {}
+                ComponentOrText::Text(_) => said.says_text = true,
             }
         }
         said
