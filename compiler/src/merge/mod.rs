@@ -347,7 +347,10 @@ impl<'a> Merged<'a> {
             .flat_map(|line| line.parts().map(move |part| (line, part)));
         for (line, part) in lines.by_ref().take(MAX_ADDED) {
             // What did not parse may declare what seems to be missing; its own error was reported.
-            let may_be_hidden = self.missing_base.is_some() || self.is_damaged;
+            let stage = self.stages.get(line.stage().text());
+            let may_be_hidden = self.missing_base.is_some()
+                || self.is_damaged
+                || stage.is_some_and(Stage::is_damaged);
             match self.unsayable(line, part, &own) {
                 Some(diagnostic) if may_be_hidden && diagnostic.code == Code::UnknownName => {}
                 Some(diagnostic) => self.joined = Err(report.error(diagnostic)),
