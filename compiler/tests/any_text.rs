@@ -51,6 +51,8 @@ fn words() -> Vec<&'static str> {
         "override component",
         "override check",
         "without check",
+        "without variant",
+        "say a in b after",
         "use \"task.fab\"",
         "é",
         "9e9",
@@ -146,6 +148,9 @@ fn large_nonsense_takes_no_more_than_moments() {
         "override component x \"y\"\n",
         "override check x { 1 < 2 } else \"y\"\n",
         "without check x\n",
+        "without variant x\n",
+        "say x in y after z\n",
+        "check x { 1 < 2 } else \"y\"\n",
     ] {
         for prefix in ["", "task t {\n", "task t { verify { check a { "] {
             let text = format!("{prefix}{}", large(piece));

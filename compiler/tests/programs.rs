@@ -199,6 +199,134 @@ fn single_checks_are_replaced_in_their_place_and_left_out() {
     );
 }
 
+/// A task whose stages say parts with names, and tasks that add to them.
+const ADDITIONS: &str = r#"
+    use "base.fab"
+    task worded extends small {
+        component greeting "Hello."
+        component bye      "Goodbye."
+        stage plan { model text system role say greeting, "The corners are {{ corners }}.", bye read action }
+        variant calm { horizon 1 }
+        ablate greeting
+    }
+    task child extends worded {
+        component one   "One."
+        component two   "Two."
+        component three "Three."
+        component four  "Four."
+        component five  "Five."
+        say one, two in plan after greeting
+        say three in plan after greeting
+        say four in plan before one
+        say five in plan before role
+        check far { distance(pick, place) > 30px } else "Too near."
+        without variant calm
+        variant wordy { say seven in plan before bye component seven "Seven." }
+    }
+    task grandchild extends child {
+        component six "Six."
+        say six in plan after greeting
+        without component one
+        without variant wordy
+        check few { count(corners) < 20 } else "Too many."
+    }
+    task stated_again extends child {
+        without variant wordy, calm
+        stage plan { model text say bye read action }
+    }
+"#;
+
+#[test]
+fn parts_are_added_to_what_a_stage_says() {
+    let files = Memory::of([("child.fab", ADDITIONS), ("base.fab", TASK)]);
+    let programs = programs("child.fab", &files);
+    let said = |name: &str| {
+        let mut named = programs.iter();
+        let program = named.find(|it| match it.variant.as_deref() {
+            Some(variant) => name == format!("{}/{variant}", it.task),
+            None => name == it.task,
+        });
+        let plan = program.unwrap().stages.iter().find(|it| it.name == "plan");
+        let plan = plan.unwrap();
+        (plan.system.join(" "), plan.say.join(" "))
+    };
+    let of = |system: &str, say: &str| (system.to_owned(), say.to_owned());
+    assert_eq!(said("worded"), of("role", "greeting plan.say bye"));
+    assert_eq!(
+        said("child"),
+        of("five role", "greeting four one two three plan.say bye")
+    );
+    assert_eq!(
+        said("child/without_greeting"),
+        of("five role", "four one two three plan.say bye"),
+        "a component that is left out keeps its place"
+    );
+    assert_eq!(
+        said("grandchild"),
+        of("five role", "greeting four two three six plan.say bye")
+    );
+    assert_eq!(
+        said("child/wordy"),
+        of(
+            "five role",
+            "greeting four one two three plan.say seven bye"
+        )
+    );
+    assert_eq!(said("stated_again"), of("", "bye"));
+}
+
+#[test]
+fn a_task_adds_a_limited_number_of_parts() {
+    let adding = |n_parts: usize| {
+        let part =
+            |number| format!("component c{number} \"C.\"\nsay c{number} in plan after role\n");
+        let parts: String = (0..n_parts).map(part).collect();
+        messages(&format!("{TASK}\ntask more extends small {{\n{parts}}}\n"))
+    };
+    assert_eq!(adding(256), [""; 0]);
+    assert_eq!(
+        adding(257),
+        ["F0204 a task adds at most 256 components to its stages"]
+    );
+}
+
+#[test]
+fn checks_are_added_and_variants_left_out() {
+    let files = Memory::of([("child.fab", ADDITIONS), ("base.fab", TASK)]);
+    let programs = programs("child.fab", &files);
+    let named = |program: &Program| match &program.variant {
+        Some(variant) => format!("{}/{variant}", program.task),
+        None => program.task.clone(),
+    };
+    let checks = |program: &Program| {
+        let names = program.verify.checks.iter().map(|it| it.name.as_str());
+        names.collect::<Vec<_>>().join(" ")
+    };
+    let all: Vec<(String, String)> = programs.iter().map(|it| (named(it), checks(it))).collect();
+    let all: Vec<(&str, &str)> = all.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
+    assert_eq!(
+        all,
+        [
+            ("worded", "on_cloth moves"),
+            ("worded/calm", "on_cloth moves"),
+            ("worded/without_greeting", "on_cloth moves"),
+            ("child", "on_cloth moves far"),
+            ("child/without_greeting", "on_cloth moves far"),
+            ("child/wordy", "on_cloth moves far"),
+            ("grandchild", "on_cloth moves far few"),
+            ("grandchild/without_greeting", "on_cloth moves far few"),
+            ("stated_again", "on_cloth moves far"),
+            ("stated_again/without_greeting", "on_cloth moves far"),
+        ]
+    );
+    let (base, child) = (&programs[0].verify, &programs[3].verify);
+    assert_eq!(
+        (base.attempts, base.exhausted),
+        (child.attempts, child.exhausted),
+        "what else the base verifies stays"
+    );
+}
+
 #[test]
 fn a_child_inherits_replaces_overrides_and_leaves_out() {
     let child = r#"

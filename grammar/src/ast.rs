@@ -125,6 +125,12 @@ fn second<'t, T: View<'t>>(node: Node<'t>) -> Option<T> {
     all(node).nth(1)
 }
 
+/// Returns the name with this index, counted from the last one.
+fn from_end(node: Node<'_>, index: usize) -> Option<Name<'_>> {
+    let n_names = all::<Name<'_>>(node).count();
+    all(node).nth(n_names.checked_sub(index + 1)?)
+}
+
 /// Returns the views of one type below the first child of a kind.
 fn below<'t, T: View<'t>>(node: Node<'t>, kind: Kind) -> Option<T> {
     node.child(kind).and_then(first)
@@ -160,8 +166,8 @@ views! {
     }
 
     /// A list of names: `ablate NAME, …`, `without component NAME, …`, `without check NAME, …`,
-    /// `then without NAME, …`.
-    Names(Ablate | Without | WithoutCheck | Relax) {} {
+    /// `without variant NAME, …`, `then without NAME, …`.
+    Names(Ablate | Without | WithoutCheck | WithoutVariant | Relax) {} {
         /// Returns the names in order.
         list -> impl Iterator<Item = Name<'t>> = |node| all(node);
     }
@@ -231,6 +237,9 @@ views! {
         variants -> impl Iterator<Item = Variant<'t>> = |node| all(node);
         /// Returns the names of the components to ablate.
         ablated -> impl Iterator<Item = Name<'t>> = |node| whole(node, Kind::Ablate).flat_map(Names::list);
+        /// Returns the names of the inherited variants that it leaves out.
+        without_variants -> impl Iterator<Item = Name<'t>> = |node|
+            whole(node, Kind::WithoutVariant).flat_map(Names::list);
         /// Returns its tests.
         tests -> impl Iterator<Item = Test<'t>> = |node| all(node);
     }
@@ -278,8 +287,12 @@ views! {
         without -> impl Iterator<Item = Name<'t>> = |node| whole(node, Kind::Without).flat_map(Names::list);
         /// Returns its stages.
         stages -> impl Iterator<Item = Stage<'t>> = |node| all(node);
+        /// Returns what it adds to the texts of inherited stages.
+        added_sayings -> impl Iterator<Item = AddedSay<'t>> = |node| whole(node, Kind::AddedSay);
         /// Returns its blocks of checks.
         verify -> impl Iterator<Item = Verify<'t>> = |node| all(node);
+        /// Returns the checks that it adds, outside of `verify`.
+        checks -> impl Iterator<Item = Check<'t>> = |node| whole(node, Kind::Check);
         /// Returns the checks with `override`.
         override_checks -> impl Iterator<Item = Check<'t>> = |node|
             whole(node, Kind::OverrideCheck).map(OverrideCheck::check);
@@ -379,6 +392,25 @@ views! {
     Guard(Guard) {
         /// Returns the condition.
         condition: Expr<'t> = first,
+    }
+
+    /// `say NAME, … in STAGE after NAME`, or `before NAME`.
+    AddedSay(AddedSay) {
+        /// Returns the stage's name.
+        stage: Name<'t> = |node| from_end(node, 1),
+        /// Returns the name of the part that it goes beside.
+        beside: Name<'t> = |node| from_end(node, 0),
+    } {
+        /// Returns the names of the components that it adds.
+        parts -> impl Iterator<Item = Name<'t>> = |node| {
+            let n_parts = all::<Name<'_>>(node).count().saturating_sub(2);
+            all(node).take(n_parts)
+        };
+        /// Returns on which side of the other part they go.
+        side -> Side = |node| match has_word(node, "before") {
+            true => Side::Before,
+            false => Side::After,
+        };
     }
 
     // ---- a stage -------------------------------------------------------------------------------
@@ -753,6 +785,15 @@ impl<'t> Component<'t> {
             _ => Declares::New,
         }
     }
+}
+
+/// On which side of another part something is added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// `before NAME`.
+    Before,
+    /// `after NAME`.
+    After,
 }
 
 /// A component by name, or a text.

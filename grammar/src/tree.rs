@@ -123,6 +123,8 @@ kinds! {
     Without without, "`without component NAME, …`.";
     OverrideCheck override_check, "`override check NAME { … } else \"…\"`.";
     WithoutCheck without_check, "`without check NAME, …`.";
+    WithoutVariant without_variant, "`without variant NAME, …`.";
+    AddedSay added_say, "`say NAME, … in STAGE after NAME`, or `before NAME`.";
     Stage stage, "`stage NAME { … }`.";
     Model model, "`model …`.";
     Setting setting, "`NAME`, or `NAME VALUE`.";
@@ -184,7 +186,7 @@ kinds! {
     Open open, "`{`.";
     Close close, "`}`.";
     Surplus surplus, "What stands between a block's name and its `{`.";
-    Junk junk, "A line that does not fit its block.";
+    Junk junk | verify_junk, "A line that does not fit its block.";
     JunkSection junk_section, "A line that does not fit its task.";
     JunkCondition junk_condition, "What does not fit as a check's condition.";
     JunkGuard junk_guard, "What does not fit behind `when`.";

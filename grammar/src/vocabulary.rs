@@ -56,6 +56,7 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::equals => "`=`",
         Rule::arrow => "`->`",
         Rule::above => "`>`",
+        Rule::in_stage => "`in`",
         Rule::fold => return expectation(Rule::fold_word),
         Rule::reply => return expectation(Rule::reply_word),
         Rule::check | Rule::check_head => return expectation(Rule::check_word),
@@ -252,7 +253,9 @@ mod tests {
         assert_eq!(words(Kind::Experts), ["sequence"]);
         assert_eq!(words(Kind::Keypoints), [""; 0]);
         assert!(words(Kind::Task).starts_with(words(Kind::Variant)));
-        assert!(words(Kind::Task).ends_with(&["variant", "ablate", "test"]));
+        assert!(
+            words(Kind::Task).ends_with(&["say", "verify", "check", "variant", "ablate", "test"])
+        );
         assert!(words(Kind::Task).starts_with(&["const", "cloth", "camera"]));
     }
 
@@ -261,7 +264,7 @@ mod tests {
     fn lists_of_words_agree() {
         let sorted = |words: &[&'static str]| words.iter().copied().collect::<BTreeSet<_>>();
         let mut sections = sorted(&first_words("section_word"));
-        sections.insert("test");
+        sections.extend(["test", "say", "check"]);
         assert_eq!(sections, sorted(words(Kind::Task)));
         let mut listed = sorted(keywords());
         listed.extend(first_words("soft_word"));

@@ -181,10 +181,18 @@ impl<'a> Builder<'_, 'a> {
         });
 
         context.named_layers.clear();
-        let system = system.first.map_or(Ok(Vec::new()), |line| {
-            self.sayings(number, stage, "system", line, context)
+        let mut placed = BTreeSet::new();
+        let mut with_added = |line: Sayings<'a>| match self.merged.said.get(stage.name().text()) {
+            Some(said) => (line, said.with_added(line.list(), &mut placed)),
+            None => (line, line.list().collect()),
+        };
+        let system = system.first.map(&mut with_added);
+        let say = say.map(with_added);
+        let system = system.map_or(Ok(Vec::new()), |(line, list)| {
+            self.sayings(number, stage, "system", line, list, context)
         });
-        let say = say.and_then(|line| self.sayings(number, stage, "say", line, context));
+        let say =
+            say.and_then(|(line, list)| self.sayings(number, stage, "say", line, list, context));
         let names = system.iter().chain(say.iter()).flatten();
         let n_bytes: usize = names.map(|name| self.n_bytes(name)).sum();
         let beyond = (n_bytes > MAX_STAGE_BYTES).then(|| {
@@ -252,18 +260,21 @@ impl<'a> Builder<'_, 'a> {
     // ---- texts -----------------------------------------------------------------------------------
 
     /// Returns the names of the templates that a line says, and builds those that are not built yet.
+    ///
+    /// - `list`: the line's parts, with those that were added beside them.
     fn sayings(
         &mut self,
         number: usize,
         stage: ast::Stage<'a>,
         part: &str,
         line: Sayings<'a>,
+        list: Vec<ComponentOrText<'a>>,
         context: &mut Context<'a, '_>,
     ) -> Result<Vec<String>, Reported> {
         let mut names = Vec::new();
         let mut n_texts = 0;
         let mut all = Ok(());
-        for saying in line.list() {
+        for saying in list {
             match saying {
                 ComponentOrText::Component(name) => match self.component(number, name, context) {
                     Ok(name) => names.extend(name),
@@ -394,6 +405,12 @@ impl<'a> Builder<'_, 'a> {
             .components()
             .map(|component| component.name().span())
             .collect();
+        // If one of these cannot be added, that was reported.
+        let added = merged.task.body().added_sayings();
+        let added: BTreeSet<&str> = added
+            .flat_map(|line| line.parts())
+            .map(|name| name.text())
+            .collect();
         let can_say = !merged.stages.is_empty() && merged.missing_base.is_none();
         let can_say = can_say && !self.may_say_more();
         for component in merged.components.iter() {
@@ -414,10 +431,16 @@ impl<'a> Builder<'_, 'a> {
             if let Err(reported) = when.and(template) {
                 self.templates.push((name.text().to_owned(), Err(reported)));
             }
-            if can_say && own.contains(&name.span()) {
+            if can_say && own.contains(&name.span()) && !added.contains(name.text()) {
                 let message = format!("the component `{}` is never used", name.text());
                 let diagnostic = Diagnostic::new(Code::SaidNowhere, name.span(), message);
-                let help = "name it in a stage's `say` or `system`, or remove it";
+                let help = match addable(merged) {
+                    Some((stage, beside)) => format!(
+                        "add it to what a stage says, such as `say {} in {stage} after {beside}`, or remove it",
+                        name.text()
+                    ),
+                    None => "name it in a stage's `say` or `system`, or remove it".to_owned(),
+                };
                 context.remark(diagnostic.help(help));
             }
         }
@@ -462,6 +485,20 @@ impl<'a> Builder<'_, 'a> {
         }
         all
     }
+}
+
+/// Returns an inherited stage, and the last component that it says; `None` if the task states all of its stages.
+fn addable<'a>(merged: &Merged<'a>) -> Option<(&'a str, &'a str)> {
+    let own: BTreeSet<&str> = merged
+        .task
+        .body()
+        .stages()
+        .map(|stage| stage.name().text())
+        .collect();
+    let inherited = merged.stages.iter().map(|stage| stage.name().text());
+    inherited
+        .filter(|stage| !own.contains(stage))
+        .find_map(|stage| Some((stage, merged.said.get(stage)?.names().next_back()?)))
 }
 
 /// Returns a line that a stage must have.

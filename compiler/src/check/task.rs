@@ -87,6 +87,8 @@ pub(super) fn check<'a>(
     context.report.has_errors()?;
     joined?;
     form?;
+    // Only now, because a check that did not parse would seem to be dropped.
+    verify::dropped(merged, context.report);
     let (Some(cloth), Some(camera), Some(horizon), true) = (cloth?, camera?, horizon?, whole)
     else {
         return Ok(None);

@@ -6,7 +6,7 @@ use super::missing_action::needs_last;
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read, read_whole};
 use super::stage::Prompts;
-use crate::diag::{Code, Diagnostic, Reported, among, nearest};
+use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
 use crate::lang::verify::{ATTEMPTS, DEFAULT_ATTEMPTS, DEFAULT_RETRIES, OVERLAP, RETRIES, given};
 use crate::merge::{Merged, once, unique};
 use fab_grammar::ast::{self, Attempts, Expr, Name, Phrase};
@@ -26,16 +26,13 @@ pub(crate) fn check<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<Verify, Reported> {
     let part = merged.verify;
-    let stated = || part.into_iter().flat_map(|part| part.checks());
-    context.bounded(
-        stated().nth(MAX_CHECKS).map(|beyond| beyond.name().span()),
-        || {
-            format!(
-                "there are {} checks, at most {MAX_CHECKS} are accepted",
-                stated().count()
-            )
-        },
-    )?;
+    let mut beyond = merged.checks.iter().skip(MAX_CHECKS);
+    context.bounded(beyond.next().map(|check| check.name().span()), || {
+        format!(
+            "there are {} checks, at most {MAX_CHECKS} are accepted",
+            merged.checks.iter().count()
+        )
+    })?;
     let checks = merged
         .checks
         .iter()
@@ -154,6 +151,62 @@ fn condition<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Condit
     Err(context.error(diagnostic.help(
         "such points are never offered; a component can mention them: `component NAME when unreachable`",
     )))
+}
+
+/// Warns of inherited checks that the task's own `verify` drops without a word. A variant may drop them: it is there to
+/// be compared with the task.
+pub(crate) fn dropped(merged: &Merged<'_>, report: &mut Report) {
+    let own = merged.task.body().verify().next();
+    let (Some(verify), None) = (own, &merged.variant) else {
+        return;
+    };
+    let is_kept =
+        |name: &str| merged.checks.get(name).is_some() || merged.removed_checks.contains(name);
+    let replaced = &merged.replaced;
+    let dropped = replaced.checks.iter().filter(|it| !is_kept(it.text()));
+    let dropped: Vec<Name<'_>> = dropped.copied().collect();
+    let Some(first) = dropped.first() else {
+        return;
+    };
+    let names: Vec<&str> = dropped.iter().map(|name| name.text()).collect();
+    let (plural, them) = match dropped.len() {
+        1 => ("", "it"),
+        _ => ("s", "them"),
+    };
+    let states_result = verify.results().next().is_some();
+    let (result, kept) = match replaced.result {
+        Some(_) if !states_result => (" and the inherited `result`", "them"),
+        _ => ("", them),
+    };
+    let message = format!(
+        "this `verify` drops the inherited check{plural} `{}`{result}",
+        names.join("`, `")
+    );
+    let inherits = |name: &Name<'_>| replaced.checks.iter().any(|it| it.text() == name.text());
+    let (changed, added): (Vec<Name<'_>>, Vec<Name<'_>>) = verify
+        .checks()
+        .map(|check| check.name())
+        .partition(inherits);
+    let forms = [("check", added), ("override check", changed)];
+    let forms = forms.iter().filter_map(|(words, names)| {
+        let name = names.first()?.text();
+        Some(format!("`{words} {name} {{ … }}`"))
+    });
+    let forms: Vec<String> = forms.collect();
+    let keep = match verify.attempts().next().is_some() || states_result || forms.is_empty() {
+        true => format!("to keep {kept}, state {kept} in this `verify` too"),
+        false => format!(
+            "to keep {kept}, write {} in the task itself, without `verify`",
+            forms.join(" and ")
+        ),
+    };
+    let drop = format!(
+        "to drop {them} on purpose, write `without check {}` beside this `verify`",
+        names.join(", ")
+    );
+    let diagnostic = Diagnostic::new(Code::ChecksDropped, verify.head_span(), message);
+    let diagnostic = diagnostic.also(first.span(), "declared here");
+    report.remark(diagnostic.help(keep).help(drop));
 }
 
 // ---- attempts ------------------------------------------------------------------------------------

@@ -223,6 +223,10 @@ codes! {
     "a value cannot be converted to this unit"
     "`in` is followed by a unit of the same kind as the value, or by `percent` for fractions. The message names both."
 
+    "F0213" ChecksDropped Warning
+    "a `verify` drops inherited checks"
+    "A task that states `verify` inherits no checks, so answers that the extended task refuses are carried out. To add a check, write `check NAME { … } else \"…\"` in the task, outside of `verify`; to change one, `override check`. If `attempts` or `result` must change too, state the inherited checks again in the `verify`. To drop checks on purpose, name them: `without check NAME`."
+
     "F0301" UnknownName Error
     "a name is unknown"
     "Nothing of this kind has this name here. If one is similar, the message suggests it."
@@ -258,15 +262,15 @@ codes! {
 
     "F0404" NothingToOverride Error
     "there is nothing to override"
-    "`override component` replaces the text of a component that an extended task declares; `override check` replaces one of its checks. A task with its own `verify` inherits no checks."
+    "`override component` replaces the text of a component that an extended task declares; `override check` replaces one of its checks. A task with its own `verify` inherits no checks. To add a component or a check, write it without `override`."
 
     "F0405" NothingToRemove Error
     "there is nothing to leave out"
-    "`without component` leaves out a component that an extended task declares, in every stage; `without check` leaves out a check of its `verify`."
+    "`without component` leaves out a component that an extended task declares, in every stage; `without check` leaves out a check of its `verify`; `without variant` leaves out a variant."
 
     "F0406" NotMarkedAsOverride Error
-    "a component replaces another one silently"
-    "An extended task declares a component of this name. Write `override component` to replace its text, or choose another name."
+    "a component or a check replaces another one silently"
+    "An extended task declares a component or a check of this name. Write `override component` or `override check` to replace it, or choose another name."
 
     "F0407" MissingSection Error
     "a task lacks a section"

@@ -170,10 +170,10 @@ pub(crate) const SECTIONS: &[Section] = &[
     ),
     row(
         "without",
-        "without component NAME, without check NAME",
+        "without component NAME, without check NAME, without variant NAME",
         RequiredFor::Never,
         Inheritance::Changes,
-        "leaves out an inherited component or check",
+        "leaves out an inherited component, check or variant",
     ),
     row(
         "stage",
@@ -183,11 +183,25 @@ pub(crate) const SECTIONS: &[Section] = &[
         "one question to a model",
     ),
     row(
+        "say",
+        "say NAME in STAGE after NAME, say NAME in STAGE before NAME",
+        RequiredFor::Never,
+        Inheritance::Changes,
+        "adds a component to what an inherited stage says",
+    ),
+    row(
         "verify",
         "verify { check NAME { CONDITION } else \"TEXT\" }",
         RequiredFor::Never,
         Inheritance::Whole,
         "which answers are rejected, and the messages to the model",
+    ),
+    row(
+        "check",
+        "check NAME { CONDITION } else \"TEXT\"",
+        RequiredFor::Never,
+        Inheritance::ByName,
+        "adds a check to an inherited `verify`",
     ),
     row(
         "variant",

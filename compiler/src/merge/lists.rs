@@ -167,16 +167,26 @@ pub(crate) fn declared_twice(kind: &str, name: &str, first: Span, again: Span) -
 pub(super) struct Change {
     code: Code,
     verb: &'static str,
+    adds: Adds,
+}
+
+/// Whether the author may have meant to add the part.
+#[derive(PartialEq)]
+enum Adds {
+    Perhaps,
+    No,
 }
 
 pub(super) const OVERRIDE: Change = Change {
     code: Code::NothingToOverride,
     verb: "override",
+    adds: Adds::Perhaps,
 };
 
 pub(super) const LEAVE_OUT: Change = Change {
     code: Code::NothingToRemove,
     verb: "leave out",
+    adds: Adds::No,
 };
 
 impl Change {
@@ -184,12 +194,19 @@ impl Change {
     pub fn impossible(&self, kind: &str, name: Name<'_>, inherited: &BTreeSet<&str>) -> Diagnostic {
         let message = format!("there is no {kind} `{}` to {}", name.text(), self.verb);
         let diagnostic = Diagnostic::new(self.code, name.span(), message);
-        match nearest(name.text(), inherited.iter().copied()) {
+        let diagnostic = match nearest(name.text(), inherited.iter().copied()) {
             Some(meant) => diagnostic.meant(name.span(), meant),
             None if inherited.is_empty() => diagnostic.help(format!(
                 "this is only for a {kind} of an extended task, and this task inherits none"
             )),
             None => diagnostic.help(format!("it inherits {}", among(inherited.iter().copied()))),
+        };
+        match self.adds {
+            Adds::No => diagnostic,
+            Adds::Perhaps => diagnostic.help(format!(
+                "to add a {kind}, write `{kind} {}` without `override`",
+                name.text()
+            )),
         }
     }
 }

@@ -1,14 +1,18 @@
 //! Joins a task with the tasks that it extends, and with one of its variants.
 //!
-//! A section of the task replaces the whole section of the extended task. Five kinds of parts merge by name instead:
+//! A section of the task replaces the whole section of the extended task. Six kinds of parts merge by name instead:
 //! - A constant, a keypoint or a stage replaces the one of the same name; new ones go last. New keypoints above a
 //!   replaced one go directly before it, so it may use them.
-//! - A component is added, replaced with `override`, or removed with `without`.
-//! - Single checks of an inherited `verify` are replaced with `override` and removed with `without`.
+//! - A component, or a single check beside an inherited `verify`, is added, replaced with `override`, or removed with
+//!   `without`.
+//! - A variant replaces the one of the same name, or is removed with `without`.
+//!
+//! `say NAME in STAGE after NAME` adds a component to what an inherited stage says.
 //!
 //! A variant is merged like a task that extends the one that contains it.
 
 mod lists;
+mod said;
 
 pub(crate) use lists::{
     DuplicateNames, FirstStatement, Indexed, declared_twice, once, repeated, unique,
@@ -18,15 +22,20 @@ use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
 use crate::lang::sections::{Inheritance, SECTIONS};
 use crate::load::Loaded;
 use fab_grammar::Span;
+pub(crate) use said::Said;
+
 use fab_grammar::ast::{
-    Actions, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints, Name,
-    NamedValue, Stage, Statement, Subgoals, Task, Verify,
+    Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints, Name,
+    NamedValue, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
 };
 use lists::{LEAVE_OUT, OVERRIDE};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The longest chain of `extends`, in tasks.
 pub const MAX_EXTENDS_DEPTH: usize = 16;
+
+/// The most components that one task adds to what its stages say.
+const MAX_ADDED: usize = 256;
 
 /// The most variants of a task; each is checked like a task.
 pub(crate) const MAX_VARIANTS: usize = 64;
@@ -49,13 +58,19 @@ pub(crate) struct Merged<'a> {
     /// The inherited components that are removed.
     pub removed: BTreeSet<&'a str>,
     pub stages: Indexed<'a, Stage<'a>>,
+    /// What each stage says, by its name.
+    pub said: BTreeMap<&'a str, Said<'a>>,
     /// The section that states attempts and results; the checks are in `checks`.
     pub verify: Option<Verify<'a>>,
     pub checks: Indexed<'a, Check<'a>>,
     /// The inherited checks that are removed.
     pub removed_checks: BTreeSet<&'a str>,
+    /// What the last `verify` that states checks again replaces.
+    pub replaced: Replaced<'a>,
     /// The variants that the task and those it extends declare.
     pub variants: Vec<VariantOf<'a>>,
+    /// The inherited variants that are removed.
+    removed_variants: BTreeSet<&'a str>,
     /// The length of all its parts, bytes.
     pub bytes: usize,
     /// Whether something in it did not parse; a missing part may be there.
@@ -66,6 +81,15 @@ pub(crate) struct Merged<'a> {
     pub twice: DuplicateNames<'a>,
     /// The proof of an error in how its parts were joined, if there is one.
     pub joined: Result<(), Reported>,
+}
+
+/// The inherited part of a task that its own `verify` replaces.
+#[derive(Default)]
+pub(crate) struct Replaced<'a> {
+    /// The names of its checks.
+    pub checks: Vec<Name<'a>>,
+    /// How it judged results.
+    pub result: Option<ResultCheck<'a>>,
 }
 
 /// A variant of a task.
@@ -110,10 +134,13 @@ pub(crate) fn merge<'a>(
         components: Indexed::default(),
         removed: BTreeSet::new(),
         stages: Indexed::default(),
+        said: BTreeMap::new(),
         verify: None,
         checks: Indexed::default(),
         removed_checks: BTreeSet::new(),
+        replaced: Replaced::default(),
         variants: Vec::new(),
+        removed_variants: BTreeSet::new(),
         bytes: 0,
         is_damaged: false,
         missing_base,
@@ -234,10 +261,12 @@ impl<'a> Merged<'a> {
             .put_block(keypoints(), |keypoint| keypoint.name().text());
         for stage in body.stages() {
             self.stages.put(stage.name().text(), stage);
+            self.said.insert(stage.name().text(), Said::of(stage));
         }
         self.add_components(body, report);
-        self.add_checks(body, report);
         self.is_damaged |= body.is_damaged();
+        self.add_sayings(body, report);
+        self.add_checks(body, report);
         self.bytes += body.bytes();
     }
 
@@ -272,15 +301,9 @@ impl<'a> Merged<'a> {
                 inherited.contains(name.text()) && !self.removed.contains(name.text());
             match component.declares() {
                 Declares::New if is_inherited => {
-                    let message =
-                        format!("`{}` replaces a component of an extended task", name.text());
-                    let diagnostic =
-                        Diagnostic::new(Code::NotMarkedAsOverride, name.span(), message)
-                            .help("write `override component` to replace its text");
-                    self.joined = Err(report.error(match self.components.get(name.text()) {
-                        Some(before) => diagnostic.also(before.name().span(), "declared here"),
-                        None => diagnostic,
-                    }));
+                    let before = self.components.get(name.text()).map(Component::name);
+                    let help = "write `override component` to replace its text, or choose another name to add a component";
+                    self.joined = Err(report.error(unmarked("component", name, before, help)));
                 }
                 Declares::Override if !is_inherited && self.missing_base.is_none() => {
                     let diagnostic = OVERRIDE.impossible("component", name, &inherited);
@@ -298,10 +321,9 @@ impl<'a> Merged<'a> {
     fn leave_out(&mut self, name: Name<'a>, report: &mut Report) {
         if self.components.remove(name.text()).is_some() {
             self.removed.insert(name.text());
-        } else if self.missing_base.is_none() && !self.removed.contains(name.text()) {
+        } else if !self.removed.contains(name.text()) {
             let inherited = self.component_names();
-            let diagnostic = LEAVE_OUT.impossible("component", name, &inherited);
-            self.joined = Err(report.error(diagnostic));
+            self.not_left_out("component", name, &inherited, report);
         }
     }
 
@@ -312,33 +334,188 @@ impl<'a> Merged<'a> {
             .collect()
     }
 
+    // ---- what stages say -----------------------------------------------------------------------
+
+    /// Adds components to what inherited stages say.
+    fn add_sayings(&mut self, body: Body<'a>, report: &mut Report) {
+        let own: BTreeMap<&str, Stage<'_>> = body
+            .stages()
+            .map(|stage| (stage.name().text(), stage))
+            .collect();
+        let mut lines = body
+            .added_sayings()
+            .flat_map(|line| line.parts().map(move |part| (line, part)));
+        for (line, part) in lines.by_ref().take(MAX_ADDED) {
+            // What did not parse may declare what seems to be missing; its own error was reported.
+            let stage = self.stages.get(line.stage().text());
+            let may_be_hidden = self.missing_base.is_some()
+                || self.is_damaged
+                || stage.is_some_and(Stage::is_damaged);
+            match self.unsayable(line, part, &own) {
+                Some(diagnostic) if may_be_hidden && diagnostic.code == Code::UnknownName => {}
+                Some(diagnostic) => self.joined = Err(report.error(diagnostic)),
+                None => {
+                    let said = self.said.entry(line.stage().text()).or_default();
+                    said.add(part, line.side(), line.beside().text());
+                }
+            }
+        }
+        if let Some((_, part)) = lines.next() {
+            let message = format!("a task adds at most {MAX_ADDED} components to its stages");
+            let diagnostic = Diagnostic::new(Code::OutOfRange, part.span(), message)
+                .help("declare them as one component, or state the stage again");
+            self.joined = Err(report.error(diagnostic));
+        }
+    }
+
+    /// Returns why a component cannot be added to what a stage says, if it cannot.
+    fn unsayable(
+        &self,
+        line: AddedSay<'a>,
+        part: Name<'a>,
+        own: &BTreeMap<&str, Stage<'a>>,
+    ) -> Option<Diagnostic> {
+        let (stage, beside) = (line.stage(), line.beside());
+        let unknown = |name: Name<'_>, message: String| {
+            Diagnostic::new(Code::UnknownName, name.span(), message)
+        };
+        if let Some(own) = own.get(stage.text()) {
+            let message = format!("the stage `{}` is stated in this task", stage.text());
+            let diagnostic = Diagnostic::new(Code::Repeated, stage.span(), message);
+            let help = format!(
+                "list `{}` in that stage's `say` or `system`, and drop this line",
+                part.text()
+            );
+            return Some(diagnostic.also(own.head_span(), "stated here").help(help));
+        }
+        let Some(said) = self.said.get(stage.text()) else {
+            let stages = || self.said.keys().copied();
+            let message = format!("there is no stage `{}` to add to", stage.text());
+            let diagnostic = unknown(stage, message);
+            return Some(match nearest(stage.text(), stages()) {
+                Some(meant) => diagnostic.meant(stage.span(), meant),
+                None if self.said.is_empty() => {
+                    diagnostic.help("this is only for a stage of an extended task, and this task inherits none; state `stage NAME { … }`")
+                }
+                None => diagnostic.help(format!("it inherits {}", among(stages()))),
+            });
+        };
+        if self.removed.contains(part.text()) {
+            let message = format!("the component `{}` is left out", part.text());
+            return Some(unknown(part, message).help(format!(
+                "declare it again, `component {} \"…\"`; a stage that said it says it again in its place",
+                part.text()
+            )));
+        }
+        if self.components.get(part.text()).is_none() {
+            let message = format!("there is no component `{}`", part.text());
+            let diagnostic = unknown(part, message);
+            let declare = format!("declare it: `component {} \"…\"`", part.text());
+            return Some(match nearest(part.text(), self.component_names()) {
+                Some(meant) => diagnostic
+                    .meant(part.span(), meant)
+                    .help(format!("or {declare}")),
+                None => diagnostic.help(declare),
+            });
+        }
+        if said.says(part.text()) {
+            let message = format!(
+                "the stage `{}` says `{}` already",
+                stage.text(),
+                part.text()
+            );
+            let diagnostic = Diagnostic::new(Code::Repeated, part.span(), message);
+            return Some(diagnostic.help(format!(
+                "drop this line; to change the text, write `override component {}`; to move it, state `stage {}` again",
+                part.text(),
+                stage.text()
+            )));
+        }
+        if said.says(beside.text()) {
+            return None;
+        }
+        let message = format!(
+            "the stage `{}` does not say `{}`",
+            stage.text(),
+            beside.text()
+        );
+        let diagnostic = unknown(beside, message);
+        if let Some(meant) = nearest(beside.text(), said.names()) {
+            return Some(diagnostic.meant(beside.span(), meant));
+        }
+        let diagnostic = match said.names().next() {
+            None => diagnostic,
+            Some(_) => diagnostic.help(format!("it says {}", among(said.names()))),
+        };
+        if self.components.get(beside.text()).is_some() {
+            return Some(diagnostic.help(format!(
+                "add `{}` to the stage on a line above this one, or choose another place",
+                beside.text()
+            )));
+        }
+        Some(match said.says_text {
+            false => diagnostic,
+            true => diagnostic.help(format!(
+                "nothing can be added beside a text without a name; to change that, state `stage {}` again",
+                stage.text()
+            )),
+        })
+    }
+
     // ---- checks --------------------------------------------------------------------------------
 
     /// Takes over the checks of a `verify`, or changes inherited ones.
     fn add_checks(&mut self, body: Body<'a>, report: &mut Report) {
-        let changed = || body.override_checks().map(|check| check.name());
         let verify = once(body.verify(), "verify", |it| it.head_span(), report);
-        if let Some(verify) = self.only(verify) {
-            for name in changed().chain(body.without_checks()) {
-                self.joined = Err(report.error(beside(name, verify)));
-            }
-            self.distinct(verify.checks().map(|check| check.name()), "check", report);
-            self.verify = Some(verify);
-            self.checks = Indexed::default();
-            self.removed_checks.clear();
-            for check in verify.checks() {
-                self.checks.put(check.name().text(), check);
-            }
-            return;
+        match self.only(verify) {
+            Some(verify) => self.restate_checks(body, verify, report),
+            None => self.change_checks(body, report),
         }
-        self.distinct(changed(), "check", report);
+    }
+
+    /// Takes over the checks of a `verify` of the body's own, and drops the inherited ones.
+    fn restate_checks(&mut self, body: Body<'a>, verify: Verify<'a>, report: &mut Report) {
+        for check in body.override_checks() {
+            self.joined = Err(report.error(not_inherited(check.name(), verify)));
+        }
+        for check in body.checks() {
+            self.joined = Err(report.error(beside_verify(check.name(), verify)));
+        }
+        self.distinct(verify.checks().map(|check| check.name()), "check", report);
+        let restated: BTreeSet<&str> = verify.checks().map(|check| check.name().text()).collect();
+        let inherited: BTreeSet<&str> = self.check_names().collect();
+        let mut left_out = BTreeSet::new();
+        for name in body.without_checks() {
+            if restated.contains(name.text()) {
+                self.joined = Err(report.error(not_inherited(name, verify)));
+            } else if inherited.contains(name.text()) {
+                left_out.insert(name.text());
+            } else {
+                self.not_left_out("check", name, &inherited, report);
+            }
+        }
+        self.replaced = Replaced {
+            checks: self.checks.iter().map(Check::name).collect(),
+            result: self.verify.and_then(|verify| verify.results().next()),
+        };
+        self.verify = Some(verify);
+        self.checks = Indexed::default();
+        self.removed_checks = left_out;
+        for check in verify.checks() {
+            self.checks.put(check.name().text(), check);
+        }
+    }
+
+    /// Adds, replaces and removes single checks.
+    fn change_checks(&mut self, body: Body<'a>, report: &mut Report) {
+        let stated = body.checks().chain(body.override_checks());
+        self.distinct(stated.map(|check| check.name()), "check", report);
         let inherited: BTreeSet<&str> = self.check_names().collect();
         for name in body.without_checks() {
             if self.checks.remove(name.text()).is_some() {
                 self.removed_checks.insert(name.text());
-            } else if self.missing_base.is_none() && !self.removed_checks.contains(name.text()) {
-                let diagnostic = LEAVE_OUT.impossible("check", name, &inherited);
-                self.joined = Err(report.error(diagnostic));
+            } else if !self.removed_checks.contains(name.text()) {
+                self.not_left_out("check", name, &inherited, report);
             }
         }
         let left: BTreeSet<&str> = self.check_names().collect();
@@ -350,6 +527,31 @@ impl<'a> Merged<'a> {
                 self.joined = Err(report.error(diagnostic));
             }
         }
+        for check in body.checks() {
+            let name = check.name();
+            if left.contains(name.text()) {
+                let before = self.checks.get(name.text()).map(Check::name);
+                let help =
+                    "write `override check` to replace it, or choose another name to add a check";
+                self.joined = Err(report.error(unmarked("check", name, before, help)));
+            }
+            self.removed_checks.remove(name.text());
+            self.checks.put(name.text(), check);
+        }
+    }
+
+    /// Reports something to leave out that is not inherited, unless the task that has it is missing.
+    fn not_left_out(
+        &mut self,
+        kind: &str,
+        name: Name<'a>,
+        inherited: &BTreeSet<&str>,
+        report: &mut Report,
+    ) {
+        if self.missing_base.is_none() {
+            let diagnostic = LEAVE_OUT.impossible(kind, name, inherited);
+            self.joined = Err(report.error(diagnostic));
+        }
     }
 
     /// Returns the names of all checks, in their order.
@@ -359,8 +561,26 @@ impl<'a> Merged<'a> {
 
     // ---- variants ------------------------------------------------------------------------------
 
+    /// Removes inherited variants of one task.
+    fn leave_out_variants(&mut self, task: Task<'a>, report: &mut Report) {
+        let left_out: Vec<Name<'a>> = task.without_variants().collect();
+        let names: BTreeSet<String> = self.variants.iter().map(|it| it.name.clone()).collect();
+        let inherited: BTreeSet<&str> = names.iter().map(String::as_str).collect();
+        for name in &left_out {
+            if inherited.contains(name.text()) {
+                self.removed_variants.insert(name.text());
+            } else if !self.removed_variants.contains(name.text()) {
+                self.not_left_out("variant", *name, &inherited, report);
+            }
+        }
+        let removed: BTreeSet<&str> = left_out.iter().map(|name| name.text()).collect();
+        self.variants
+            .retain(|variant| !removed.contains(variant.name.as_str()));
+    }
+
     /// Adds the variants of one task; a later one replaces an earlier one of the same name.
     fn add_variants(&mut self, task: Task<'a>, report: &mut Report) {
+        self.leave_out_variants(task, report);
         let declared = task.variants().map(|variant| VariantOf {
             name: variant.name().text().to_owned(),
             change: VariantChange::Body(variant.body()),
@@ -429,8 +649,18 @@ impl<'a> Merged<'a> {
     }
 }
 
+/// Makes the diagnostic for a part that replaces an inherited one without `override`.
+fn unmarked(kind: &str, name: Name<'_>, before: Option<Name<'_>>, help: &str) -> Diagnostic {
+    let message = format!("`{}` replaces a {kind} of an extended task", name.text());
+    let diagnostic = Diagnostic::new(Code::NotMarkedAsOverride, name.span(), message).help(help);
+    match before {
+        Some(before) => diagnostic.also(before.span(), "declared here"),
+        None => diagnostic,
+    }
+}
+
 /// Makes the diagnostic for a change to one check next to a `verify` that states all of them again.
-fn beside(name: Name<'_>, verify: Verify<'_>) -> Diagnostic {
+fn not_inherited(name: Name<'_>, verify: Verify<'_>) -> Diagnostic {
     let message = format!(
         "`{}` is not inherited, because this task has its own `verify`",
         name.text()
@@ -438,4 +668,15 @@ fn beside(name: Name<'_>, verify: Verify<'_>) -> Diagnostic {
     Diagnostic::new(Code::Repeated, name.span(), message)
         .also(verify.head_span(), "stated here")
         .help("change the check in that `verify`, and drop this line")
+}
+
+/// Makes the diagnostic for a check that is added next to a `verify` that states all of them.
+fn beside_verify(name: Name<'_>, verify: Verify<'_>) -> Diagnostic {
+    let message = format!(
+        "the check `{}` is not in this task's own `verify`",
+        name.text()
+    );
+    Diagnostic::new(Code::Repeated, name.span(), message)
+        .also(verify.head_span(), "stated here")
+        .help("move the check into that `verify`; outside of it, a check is added to an inherited `verify`")
 }

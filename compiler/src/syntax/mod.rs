@@ -2,6 +2,7 @@
 //!
 //! In: a fault from the grammar. Out: a diagnostic, with a repair if one is likely.
 
+mod additions;
 mod mistakes;
 
 use crate::diag::{Code, Diagnostic, among, nearest};
@@ -72,14 +73,18 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
 }
 
 fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) -> Diagnostic {
+    let found_words = found.map_or("the end of the line".to_owned(), |found| {
+        format!("`{found}`")
+    });
+    if let Some(help) = additions::help(found, span, expected, text) {
+        let message = format!("expected {}, found {found_words}", listed(expected));
+        return Diagnostic::new(Code::Unexpected, span, message).help(help);
+    }
     if let Some(found) = found
         && let Some(mistake) = mistakes::recognise(found, span, expected, text)
     {
         return mistake;
     }
-    let found_words = found.map_or("the end of the line".to_owned(), |found| {
-        format!("`{found}`")
-    });
     let message = match expected {
         [] => format!("unexpected {found_words}"),
         _ => format!("expected {}, found {found_words}", listed(expected)),
@@ -94,6 +99,9 @@ fn unknown_word(span: Span, word: &str, candidates: &[&str], block: Option<&str>
         None => "a file has no".to_owned(),
     };
     let diagnostic = Diagnostic::new(Code::UnknownWord, span, format!("{place} `{word}`"));
+    if let Some(help) = additions::help_for_word(word, block) {
+        return diagnostic.help(help);
+    }
     match nearest(word, candidates.iter().copied()) {
         Some(meant) => diagnostic.meant(span, meant),
         None => diagnostic.help(format!(

@@ -1,0 +1,150 @@
+//! Mistakes in how a task changes what it inherits: the help names the way that works.
+
+use crate::lang::sections::{Inheritance, SECTIONS};
+use fab_grammar::Span;
+
+/// A word that does not begin a line in a block, and the way to write what it probably means.
+struct Misplaced {
+    /// The block's word.
+    block: &'static str,
+    word: &'static str,
+    help: &'static str,
+}
+
+const fn misplaced(block: &'static str, word: &'static str, help: &'static str) -> Misplaced {
+    Misplaced { block, word, help }
+}
+
+const IN_A_STAGE: &str = "it belongs in a `stage`; to change it, state the stage again: a stage replaces the inherited one of the same name";
+const IN_VERIFY: &str = "it belongs in `verify`; a `verify` of this task's own replaces the inherited one, so state the inherited checks in it too";
+const AS_IT_IS: &str = "a new part needs no word before it: write `component NAME \"…\"`, `check NAME { … } else \"…\"`, or `say NAME in STAGE after NAME`";
+
+/// Words that people write, with the block in which they write them.
+const MISPLACED: &[Misplaced] = &[
+    misplaced(
+        "task",
+        "system",
+        "write `say NAME in STAGE after NAME`: beside a part of `system`, it becomes a part of `system`",
+    ),
+    misplaced("task", "model", IN_A_STAGE),
+    misplaced("task", "show", IN_A_STAGE),
+    misplaced("task", "read", IN_A_STAGE),
+    misplaced("task", "example", IN_A_STAGE),
+    misplaced("task", "attempts", IN_VERIFY),
+    misplaced("task", "result", IN_VERIFY),
+    misplaced("task", "add", AS_IT_IS),
+    misplaced("task", "append", AS_IT_IS),
+    misplaced("task", "insert", AS_IT_IS),
+    misplaced("task", "new", AS_IT_IS),
+    misplaced("task", "extend", AS_IT_IS),
+    misplaced(
+        "verify",
+        "override",
+        "move `override check` out of `verify`, into the task; a `verify` of the task's own inherits no checks",
+    ),
+    misplaced(
+        "verify",
+        "without",
+        "move `without check` out of `verify`, into the task",
+    ),
+];
+
+/// Returns the help for an unknown word at the beginning of a line.
+pub(super) fn help_for_word(word: &str, block: Option<&str>) -> Option<&'static str> {
+    // What a task may hold, a variant may hold too.
+    let block = match block? {
+        "variant" => "task",
+        block => block,
+    };
+    let mut rows = MISPLACED.iter();
+    let row = rows.find(|row| (row.block, row.word) == (block, word));
+    row.map(|row| row.help)
+}
+
+/// Returns the help for a token that does not fit.
+///
+/// - `found`: the token; `None` for the end of the line.
+/// - `expected`: what would fit, in backticks where it is literal.
+/// - `text`: the whole file.
+pub(super) fn help(
+    found: Option<&str>,
+    span: Span,
+    expected: &[&str],
+    text: &str,
+) -> Option<String> {
+    let expects = |words: &str| expected.contains(&words);
+    let before = text[..span.start].trim_end();
+    let line = before
+        .rsplit(['\n', '{', '}'])
+        .next()
+        .unwrap_or(before)
+        .trim_start();
+    let found = found.unwrap_or_default();
+    if line == "override" && expects("`component`") {
+        return Some(overridden(found));
+    }
+    if line == "without" && expects("`component`") {
+        return Some(left_out(found, expects("`variant`")));
+    }
+    let said = line.strip_prefix("say")?.trim();
+    if found == "in" && expects("`,`") {
+        let help = "`say` in a stage lists what it says; `say NAME in STAGE after NAME` stands in the task, outside of its stages";
+        return Some(help.to_owned());
+    }
+    if said.is_empty() && expects("a name") && found.starts_with('"') {
+        let help =
+            "declare the text, `component NAME \"…\"`, and write `say NAME in STAGE after NAME`";
+        return Some(help.to_owned());
+    }
+    if expects("`in`") {
+        return Some(format!("write `say {said} in STAGE after NAME`"));
+    }
+    if expects("`after`") {
+        return Some(format!(
+            "write `{line} after NAME`, or `before NAME`, with a component that the stage says"
+        ));
+    }
+    if said.ends_with(" in") && found == "stage" {
+        return Some("write the stage's name alone, such as `in plan`".to_owned());
+    }
+    None
+}
+
+/// Returns how to replace something that `override` does not replace.
+fn overridden(found: &str) -> String {
+    let mut rows = SECTIONS.iter();
+    match rows.find(|row| row.word == found).map(|row| row.merges) {
+        Some(Inheritance::Whole) => {
+            format!("write `{found}` without `override`: it replaces the inherited one")
+        }
+        Some(Inheritance::ByName) => format!(
+            "write `{found}` without `override`: parts of the same name replace the inherited ones"
+        ),
+        _ if is_name(found) => {
+            format!("write `override component {found}` or `override check {found}`")
+        }
+        _ => "write `override component NAME \"…\"` or `override check NAME { … } else \"…\"`"
+            .to_owned(),
+    }
+}
+
+/// Returns how to leave out something that `without` does not leave out.
+///
+/// - `in_task`: whether it stands in a task; a variant has no variants to leave out.
+fn left_out(found: &str, in_task: bool) -> String {
+    match found {
+        "variant" if !in_task => {
+            "write `without variant NAME` in the task, outside of its variants".to_owned()
+        }
+        _ if is_name(found) && !SECTIONS.iter().any(|row| row.word == found) => {
+            format!("write `without component {found}`, or `without check {found}` for a check")
+        }
+        _ => "only components, checks and variants can be left out; write another section again to change it"
+            .to_owned(),
+    }
+}
+
+fn is_name(found: &str) -> bool {
+    let is_word = found.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
+    is_word && !fab_grammar::is_keyword(found)
+}
