@@ -38,12 +38,26 @@ pub(super) fn recognise(
         .help(format!("write `{}`", right.trim()))
         .edit(sign(wrong), right)
     };
-    for (wrong, right) in [("&&", "and"), ("||", "or"), ("//", "#")] {
+    // A word needs blanks where its sign needs none: `near&&far`, `!near`.
+    let word = |wrong: &str, right: &str| {
+        let blank = |beside: Option<char>, bracket: &str| match beside {
+            Some(it) if !it.is_whitespace() && !bracket.contains(it) => " ",
+            _ => "",
+        };
+        let before = blank(text[..span.start].chars().next_back(), "({");
+        let after = blank(rest[wrong.len()..].chars().next(), ")}");
+        written(wrong, &format!("{before}{right}{after}"))
+    };
+    for (wrong, right) in [("&&", "and"), ("||", "or")] {
         if rest.starts_with(wrong) {
-            return Some(written(wrong, right));
+            return Some(word(wrong, right));
         }
     }
+    if rest.starts_with("//") {
+        return Some(written("//", "#"));
+    }
     Some(match found {
+        ":" if expects("`=`") && rest.starts_with(":=") => written(":=", "="),
         "=" if expects("`:`") => usual().help("write `:`").edit(span, ":"),
         ":" if expects("`=`") => usual().help("write `=`").edit(span, "="),
         "=" if expects("`)`") => usual()
@@ -52,9 +66,9 @@ pub(super) fn recognise(
         "→" | "=>" | "–>" | "—>" | "⇒" | "to" if expects("`->`") => {
             usual().help("write `->`").edit(span, "->")
         }
-        "!" if !rest.starts_with("!=") => written("!", "not "),
-        "&" => written("&", "and"),
-        "|" => written("|", "or"),
+        "!" if !rest.starts_with("!=") => word("!", "not"),
+        "&" => word("&", "and"),
+        "|" => word("|", "or"),
         "=" if is_in_condition(before) => fault(span, "`=` is not a comparison".to_owned())
             .help("write `<`, `<=`, `>` or `>=`; words and counts may also be compared with `==`"),
         "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() => fault(
@@ -63,7 +77,7 @@ pub(super) fn recognise(
         )
         .help("write two comparisons joined by `and`"),
         ";" => fault(span, "`;` is not part of the language".to_owned())
-            .help("remove it: a statement ends with its line")
+            .help("remove it: a statement ends with its line, and parts of a list have `,` between them")
             .edit(span, ""),
         "/" if rest.starts_with("/*") => {
             fault(sign("/*"), "`/*` does not begin a comment".to_owned())
@@ -88,8 +102,8 @@ pub(super) fn recognise(
             span,
             "the decimal separator is a point, not a comma".to_owned(),
         )
-        .help("write `.`")
-        .edit(span, "."),
+        .help("write `.`; digits are not grouped, `1,000` is `1000`")
+        .likely(span, "."),
         _ if found.starts_with('_')
             && found[1..].bytes().all(|byte| byte.is_ascii_digit())
             && before.ends_with(|last: char| last.is_ascii_digit()) =>
