@@ -3,6 +3,8 @@
 //! In: `tests/fixtures/fixes`, found automatically. What `NAME.fab` becomes is in `NAME.fixed`; without that file it
 //! stays as it is. Both use the libraries of the faults.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::workspace;
@@ -11,6 +13,7 @@ use fab_compiler::fix::{self, Fixed};
 use fab_compiler::{LoadError, Loader};
 use std::collections::BTreeMap;
 use std::fs;
+use std::ops::Range;
 
 /// One text, and the files of a folder.
 struct Beside {
@@ -77,9 +80,6 @@ fn each_fixture_becomes_what_its_author_meant_or_stays() {
     assert!(n_fixtures > 20, "the fixtures are found");
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }
-
-/// The number of texts with slips that are tried in each task.
-const CASES: u64 = 40;
 
 /// A pseudo-random sequence that is the same each time (SplitMix64).
 struct Chance(u64);
@@ -239,6 +239,17 @@ fn counts(compiled: &fab_compiler::Compiled) -> BTreeMap<(&'static str, &str), u
 
 #[test]
 fn a_fixed_task_keeps_every_number_name_and_text() {
+    slips_are_fixed_without_harm(0..12);
+}
+
+#[test]
+#[ignore = "long"]
+fn many_fixed_tasks_keep_every_number_name_and_text() {
+    slips_are_fixed_without_harm(100..400);
+}
+
+/// Fixes each shipped task with the slips of each seed.
+fn slips_are_fixed_without_harm(seeds: Range<u64>) {
     let mut n_changed = 0;
     let mut wrong = Vec::new();
     for folder in ["tasks", "tasks/lib"] {
@@ -249,7 +260,7 @@ fn a_fixed_task_keeps_every_number_name_and_text() {
             }
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
             let original = fs::read_to_string(&path).unwrap();
-            for seed in 0..CASES {
+            for seed in seeds.clone() {
                 let text = with_slips(&original, seed);
                 let (once, fixed_once) = fixed(folder, &name, &text);
                 n_changed += usize::from(once != text);
@@ -288,7 +299,7 @@ fn a_fixed_task_keeps_every_number_name_and_text() {
         wrong.len(),
         wrong.join("\n")
     );
-    assert!(n_changed > 50, "only {n_changed} texts are changed");
+    assert!(n_changed > 20, "only {n_changed} texts are changed");
 }
 
 /// Shows the lines that differ.

@@ -17,7 +17,7 @@ pub struct CheckArguments {
     /// The files to check, or names of shipped tasks.
     #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<String>,
-    /// Apply the corrections that are certain; report the rest.
+    /// Apply the corrections that are certain to these files; report the rest.
     #[arg(long)]
     pub fix: bool,
     /// Run again whenever a file that was read changes, until Ctrl-C.

@@ -47,7 +47,7 @@ pub struct Edit {
 /// Whether the author meant a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
-    /// The source can only mean this; `fabc check --fix` makes the change.
+    /// The source can only mean this; `fabc check --fix` makes the change if it passes the tests of [`crate::fix`].
     Certain,
     /// A guess, such as the nearest name; only the author can decide.
     Likely,
@@ -89,7 +89,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds a change that certainly repairs it.
+    /// Adds a change that certainly repairs it; [`crate::fix`] makes it likely if it does more.
     pub(crate) fn edit(self, span: Span, replacement: impl Into<String>) -> Diagnostic {
         self.with_edit(span, replacement.into(), Certainty::Certain)
     }

@@ -85,12 +85,22 @@ pub fn demote(entry: &str, loader: &dyn Loader, compiled: &mut Compiled) {
 /// Demotes every edit that is more than another spelling.
 pub(crate) fn demote_respelt(diagnostics: &mut [Diagnostic], sources: &Sources) {
     for diagnostic in diagnostics.iter_mut().filter(|it| is_certain(it)) {
-        let edits = &diagnostic.edits;
-        let keeps = |edit: &Edit| spelling::is_kept(&sources.get(edit.span.file).text, edit);
-        if !edits.iter().all(keeps) {
+        let keeps = |edit: &Edit| {
+            keeps_content(
+                &sources.get(edit.span.file).text,
+                edit.span,
+                &edit.replacement,
+            )
+        };
+        if !diagnostic.edits.iter().all(keeps) {
             make_likely(diagnostic);
         }
     }
+}
+
+/// Returns whether replacing a piece of a text keeps every number, name and text.
+pub(crate) fn keeps_content(text: &str, span: Span, replacement: &str) -> bool {
+    spelling::is_kept(text, span, replacement)
 }
 
 fn demote_failing(entry: &str, loader: &dyn Loader, texts: &Texts, compiled: &mut Compiled) {

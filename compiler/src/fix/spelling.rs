@@ -1,9 +1,9 @@
 //! Decides whether an edit only spells something differently.
 //!
-//! In: a text and an edit of it. Out: whether every number, name and text stays, and no token is joined with its
+//! In: a text, a piece of it, and what replaces the piece. Out: whether every number, name and text stays, and no token is joined with its
 //! neighbour. Only the line of the edit is read, so the work does not grow with the file.
 
-use crate::diag::Edit;
+use fab_grammar::Span;
 use fab_program::units::UNITS;
 
 /// The words of the language that others write as signs, or that are written for one.
@@ -22,13 +22,13 @@ const QUOTES: [(char, char); 8] = [
 ];
 
 /// Returns whether an edit keeps every number, name and text.
-pub(super) fn is_kept(text: &str, edit: &Edit) -> bool {
-    let place = Place::of(text, edit);
-    let (old, new) = (place.old, edit.replacement.trim());
-    if is_number_edit(&place, &edit.replacement) {
+pub(super) fn is_kept(text: &str, span: Span, replacement: &str) -> bool {
+    let place = Place::of(text, span);
+    let (old, new) = (place.old, replacement.trim());
+    if is_number_edit(&place, replacement) {
         return true;
     }
-    if place.splits_a_token() || place.joins(&edit.replacement) {
+    if place.splits_a_token() || place.joins(replacement) {
         return false;
     }
     if old.starts_with(is_quote) || new.starts_with('"') {
@@ -53,12 +53,12 @@ struct Place<'t> {
 }
 
 impl<'t> Place<'t> {
-    fn of(text: &'t str, edit: &Edit) -> Place<'t> {
+    fn of(text: &'t str, span: Span) -> Place<'t> {
         let is_end = |character| character == '\n' || character == '\r';
-        let (before, after) = (&text[..edit.span.start], &text[edit.span.end..]);
+        let (before, after) = (&text[..span.start], &text[span.end..]);
         Place {
             before: before.rsplit(is_end).next().unwrap_or_default(),
-            old: &text[edit.span.range()],
+            old: &text[span.range()],
             after: after.split(is_end).next().unwrap_or_default(),
         }
     }

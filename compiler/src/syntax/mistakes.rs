@@ -87,6 +87,12 @@ pub(super) fn recognise(
             fault(span, format!("expected a condition, found `{found}`"))
                 .help("a condition compares values; remove it if it always holds")
         }
+        "." if rest[1..].starts_with(|next: char| next.is_ascii_digit())
+            && text[..span.start].ends_with(|last: char| last.is_ascii_digit()) =>
+        {
+            fault(span, "a number has one decimal point".to_owned())
+                .help("remove one of its points")
+        }
         "." if rest[1..].starts_with(|next: char| next.is_ascii_digit()) => {
             fault(span, "a number begins with a digit".to_owned())
                 .help("write `0` before the point")
@@ -98,12 +104,18 @@ pub(super) fn recognise(
                     "0",
                 )
         }
-        "," if is_decimal_comma(before, &rest[1..]) => fault(
-            span,
-            "the decimal separator is a point, not a comma".to_owned(),
-        )
-        .help("write `.`; digits are not grouped, `1,000` is `1000`")
-        .likely(span, "."),
+        "," if is_decimal_comma(before, &rest[1..]) => {
+            let usual = fault(
+                span,
+                "the decimal separator is a point, not a comma".to_owned(),
+            );
+            match thousands(before, &rest[1..]) {
+                Some((whole, group)) => usual.help(format!(
+                    "write `{whole}{group}`, since digits are not grouped, or `{whole}.{group}` if that was meant"
+                )),
+                None => usual.help("write `.`").likely(span, "."),
+            }
+        }
         _ if found.starts_with('_')
             && found[1..].bytes().all(|byte| byte.is_ascii_digit())
             && before.ends_with(|last: char| last.is_ascii_digit()) =>
@@ -150,6 +162,14 @@ fn is_in_condition(before: &str) -> bool {
 fn is_decimal_comma(before: &str, after: &str) -> bool {
     let is_digit = |character: char| character.is_ascii_digit();
     before.ends_with(is_digit) && after.starts_with(is_digit)
+}
+
+/// Returns the digits beside a comma that may separate thousands: at most three before it, three after it.
+fn thousands<'t>(before: &'t str, after: &'t str) -> Option<(&'t str, &'t str)> {
+    let digit = |character: char| character.is_ascii_digit();
+    let whole = &before[before.trim_end_matches(digit).len()..];
+    let group = &after[..after.len() - after.trim_start_matches(digit).len()];
+    (whole.len() <= 3 && group.len() == 3).then_some((whole, group))
 }
 
 /// Joins expectations, which have their own backticks.
