@@ -102,10 +102,10 @@ impl<'t> Place<'t> {
             || (is_apart && rest.contains(' ') && rest.chars().all(is_prose))
     }
 
-    /// Returns whether a quote before or after the text could belong to it, as in `'don't'`.
-    fn has_another(&self, quotes: [char; 2]) -> bool {
-        let is_one = |character| quotes.contains(&character);
-        self.before.contains(is_one) || self.after.contains(is_one)
+    /// Returns whether a quote without a partner is before or after the text: it may belong to it, as in `'don't'`.
+    fn has_single(&self, quotes: [char; 2]) -> bool {
+        let is_odd = |text: &str| !text.matches(quotes).count().is_multiple_of(2);
+        is_odd(self.before) || is_odd(self.after)
     }
 }
 
@@ -193,7 +193,7 @@ fn is_quoting(place: &Place<'_>, new: &str) -> bool {
     QUOTES.iter().any(|(open, close)| {
         let body = place.old.strip_prefix(*open);
         let body = body.and_then(|rest| rest.strip_suffix(*close));
-        body == Some(new) && !new.contains([*open, *close]) && !place.has_another([*open, *close])
+        body == Some(new) && !new.contains([*open, *close]) && !place.has_single([*open, *close])
     })
 }
 
@@ -252,4 +252,80 @@ fn plain_number(text: &str) -> Option<String> {
     }
     let whole = if whole.is_empty() { "0" } else { whole };
     Some(format!("{}.{fraction}", whole.replace('_', "")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fab_grammar::FileId;
+
+    /// Lines with an edit `[[old|new]]`, and whether it only spells something differently.
+    const EDITS: &[(&str, bool)] = &[
+        ("a > 1px[[&&| and ]]b > 1px", true),
+        ("near[[&&|and]]distance(a, b)", false),
+        ("near [[&&|and]]& far", false),
+        ("[[!|not ]](a > b)", true),
+        ("a [[!|not ]]= b", false),
+        ("a[[!|not ]]b", false),
+        ("a :[[=|:]] b", false),
+        ("a [[:|=]]= b", false),
+        ("a [[:=|=]] b", true),
+        ("f(a [[=|:]] -1)", true),
+        ("a [[=>|->]] b", true),
+        ("a [[to|->]] b", true),
+        ("a [[≤|<=]] b", true),
+        ("a [[>|<]] b", false),
+        ("a [[>=|<=]] b", false),
+        ("pick[[;|]] place", false),
+        ("pick[[;|]]place", false),
+        ("horizon 2[[;|]] # two", true),
+        ("f(a, b[[,|]])", true),
+        ("[[//|#]] 2 steps", true),
+        ("20 [[//|#]] 2", false),
+        ("near [[//|#]] far", false),
+        ("near[[//|#]]too near, in pixels", false),
+        ("20px [[//|#]] too near, in pixels", true),
+        ("45[[°|deg]]", true),
+        ("45[[°|deg]]C", false),
+        ("45 [[degrees|deg]], 90deg", true),
+        ("45 [[degrees|rad]]", false),
+        ("[[top_left|back_left]]", false),
+        ("quality: [[|0]].04", true),
+        ("0.0[[|0]].4", false),
+        ("1..[[|0]].4", false),
+        ("last[[|0]].4", false),
+        ("1[[,|.]]000mm", false),
+        ("0[[,|.]]5", false),
+        ("1[[_000|000]]", true),
+        ("1[[_000|000]]mm, 3", true),
+        ("1[[_0|0]]", false),
+        ("1000[[_000|000]]", false),
+        ("x1[[_000|000]]", false),
+        ("[['near'|\"near\"]]", true),
+        ("[['near'|\"far\"]]", false),
+        ("[['don'|\"don\"]]t go'", false),
+        ("[['the dogs'|\"the dogs\"]] bowl'", false),
+        ("one of [['soft'|\"soft\"]], 'firm'", true),
+        ("[[''|\"\"]]'", false),
+        ("[['a \"b\" c'|\"a \"b\" c\"]]", false),
+        ("[['a\\b'|\"a\\b\"]]", false),
+        ("[[“it’s”|\"it’s\"]]", true),
+        ("[[“near|\"near\"]]", false),
+        ("[[‘it’s’|\"it’s\"]]", false),
+        ("[[“““a \"b\"”””|\"\"\"a \"b\"\"\"\"]]", true),
+        ("grip == [[soft|\"soft\"]]", true),
+        ("grip == [[soft|\"firm\"]]", false),
+    ];
+
+    #[test]
+    fn an_edit_keeps_numbers_names_texts_and_tokens() {
+        for (line, kept) in EDITS {
+            let (before, rest) = line.split_once("[[").expect(line);
+            let (edit, after) = rest.split_once("]]").expect(line);
+            let (old, new) = edit.split_once('|').expect(line);
+            let text = format!("{before}{old}{after}");
+            let span = Span::new(FileId::FIRST, before.len()..before.len() + old.len());
+            assert_eq!(is_kept(&text, span, new), *kept, "{line}");
+        }
+    }
 }
