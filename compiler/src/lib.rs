@@ -108,7 +108,7 @@ pub fn compile_for(
     let checked = check::check(&loaded, grid, &mut report);
     let left_out = report.left_out();
     let mut diagnostics = report.into_sorted();
-    fix::demote_respelt(&mut diagnostics, &texts.sources);
+    diag::keep_spellings_only(&mut diagnostics, &texts.sources);
     Ok(Compiled {
         programs: checked.programs,
         tests: checked.tests,

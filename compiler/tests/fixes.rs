@@ -8,7 +8,7 @@
 mod common;
 
 use common::workspace;
-use fab_compiler::diag::{self, Certainty, Color};
+use fab_compiler::diag::{self, Color};
 use fab_compiler::fix::{self, Fixed};
 use fab_compiler::{LoadError, Loader};
 use std::collections::BTreeMap;
@@ -69,11 +69,7 @@ fn each_fixture_becomes_what_its_author_meant_or_stays() {
         if expected != text && compiled.has_errors() {
             wrong.push(format!("{name} keeps errors\n{shown}"));
         }
-        let certain = |it: &diag::Diagnostic| {
-            let mut edits = it.edits.iter();
-            edits.any(|edit| edit.certainty == Certainty::Certain)
-        };
-        if compiled.diagnostics.iter().any(certain) {
+        if compiled.diagnostics.iter().any(|it| it.is_certain()) {
             wrong.push(format!("{name}: an edit is still called certain\n{shown}"));
         }
     }

@@ -54,6 +54,19 @@ pub enum Certainty {
 }
 
 impl Diagnostic {
+    /// Returns whether it has edits, and all are certain.
+    pub fn is_certain(&self) -> bool {
+        let certain = |edit: &Edit| edit.certainty == Certainty::Certain;
+        !self.edits.is_empty() && self.edits.iter().all(certain)
+    }
+
+    /// Leaves its edits to the author.
+    pub(crate) fn make_likely(&mut self) {
+        for edit in &mut self.edits {
+            edit.certainty = Certainty::Likely;
+        }
+    }
+
     /// Makes a diagnostic with the severity of its code.
     pub(crate) fn new(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
         Diagnostic {

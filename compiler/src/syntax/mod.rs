@@ -4,8 +4,7 @@
 
 mod mistakes;
 
-use crate::diag::{Code, Diagnostic, among, nearest};
-use crate::fix;
+use crate::diag::{Code, Diagnostic, among, keeps_content, nearest};
 use fab_grammar::Span;
 use fab_grammar::{Fault, Problem};
 use mistakes::listed;
@@ -66,7 +65,7 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             let diagnostic = Diagnostic::new(Code::WrongQuotes, span, "these quotes are not of the right kind")
                 .help("write straight double quotes `\"`");
             // Where it is unclear which quotes enclose the text, any edit would change it.
-            if fix::keeps_content(text, span, right) { diagnostic.edit(span, right.clone()) } else { diagnostic }
+            if keeps_content(text, span, right) { diagnostic.edit(span, right.clone()) } else { diagnostic }
         }
         Problem::BadEscape => Diagnostic::new(Code::BadEscape, span, "this `\\` escapes nothing")
             .help("write `\\\\` for a backslash and `\\\"` for a quote; folders are separated by `/`"),

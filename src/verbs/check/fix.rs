@@ -6,7 +6,6 @@ use crate::shipped;
 use crate::sources::{self, Disk};
 use fab_base::files;
 use fab_compiler::Compiled;
-use fab_compiler::diag::{Certainty, Diagnostic};
 use fab_compiler::fix::{self, Fixed};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, OpenOptions};
@@ -89,12 +88,8 @@ pub fn judged(file: &str) -> Result<Compiled, Failure> {
 
 /// Counts the findings with certain edits in each file.
 fn certain(compiled: &Compiled) -> BTreeMap<&str, usize> {
-    let is_certain = |it: &&Diagnostic| {
-        let first = it.edits.first();
-        first.is_some_and(|edit| edit.certainty == Certainty::Certain)
-    };
     let mut counts = BTreeMap::new();
-    for diagnostic in compiled.diagnostics.iter().filter(is_certain) {
+    for diagnostic in compiled.diagnostics.iter().filter(|it| it.is_certain()) {
         let name = compiled.sources.get(diagnostic.span.file).name.as_str();
         *counts.entry(name).or_default() += 1;
     }

@@ -3,15 +3,13 @@
 //! In: the name of a file, a loader, and which files may change. Out: the new texts, and the findings that remain.
 //! Nothing is written.
 //!
-//! A certain edit passes two tests. [`spelling`] looks at the edit alone, and runs in every compilation: the edit
+//! A certain edit passes two tests. `diag/spelling.rs` looks at the edit alone, and runs in every compilation: the edit
 //! may change how something is written, but no number, name or text. [`fix`] looks at the effect: it compiles the
 //! edited text, which must lack the finding and have no new one. An edit that fails either test becomes likely.
 
-mod spelling;
-
-use crate::diag::{Certainty, Code, Diagnostic, Edit};
+use crate::diag::{Code, Diagnostic, Edit};
 use crate::{Compiled, LoadError, Loader, compile};
-use fab_grammar::{Sources, Span};
+use fab_grammar::Span;
 use std::collections::BTreeMap;
 
 /// The most rounds. One finding may hide another of the same line, so few files need more than three.
@@ -82,45 +80,13 @@ pub fn demote(entry: &str, loader: &dyn Loader, compiled: &mut Compiled) {
     demote_failing(entry, loader, &BTreeMap::new(), compiled);
 }
 
-/// Demotes every edit that is more than another spelling.
-pub(crate) fn demote_respelt(diagnostics: &mut [Diagnostic], sources: &Sources) {
-    for diagnostic in diagnostics.iter_mut().filter(|it| is_certain(it)) {
-        let keeps = |edit: &Edit| {
-            keeps_content(
-                &sources.get(edit.span.file).text,
-                edit.span,
-                &edit.replacement,
-            )
-        };
-        if !diagnostic.edits.iter().all(keeps) {
-            make_likely(diagnostic);
-        }
-    }
-}
-
-/// Returns whether replacing a piece of a text keeps every number, name and text.
-pub(crate) fn keeps_content(text: &str, span: Span, replacement: &str) -> bool {
-    spelling::is_kept(text, span, replacement)
-}
-
 fn demote_failing(entry: &str, loader: &dyn Loader, texts: &Texts, compiled: &mut Compiled) {
     let round = Round::of(entry, loader, texts, compiled);
     let accepted = round.accepted(round.certain(&|_| true)).indices;
     for (index, diagnostic) in compiled.diagnostics.iter_mut().enumerate() {
-        if is_certain(diagnostic) && !accepted.contains(&index) {
-            make_likely(diagnostic);
+        if diagnostic.is_certain() && !accepted.contains(&index) {
+            diagnostic.make_likely();
         }
-    }
-}
-
-fn is_certain(diagnostic: &Diagnostic) -> bool {
-    let certain = |edit: &Edit| edit.certainty == Certainty::Certain;
-    !diagnostic.edits.is_empty() && diagnostic.edits.iter().all(certain)
-}
-
-fn make_likely(diagnostic: &mut Diagnostic) {
-    for edit in &mut diagnostic.edits {
-        edit.certainty = Certainty::Likely;
     }
 }
 
@@ -194,7 +160,7 @@ impl<'a> Round<'a> {
         let may = |edit: &Edit| may_change(&sources.get(edit.span.file).name);
         let diagnostics = self.compiled.diagnostics.iter().enumerate();
         diagnostics
-            .filter(|(_, it)| is_certain(it) && it.edits.iter().all(may))
+            .filter(|(_, it)| it.is_certain() && it.edits.iter().all(may))
             .map(|(index, _)| index)
             .collect()
     }
@@ -244,7 +210,7 @@ impl<'a> Round<'a> {
             let may_follow = |index: &usize| {
                 let diagnostic = &trial.compiled.diagnostics[*index];
                 let sources = &trial.compiled.sources;
-                is_certain(diagnostic)
+                diagnostic.is_certain()
                     && diagnostic
                         .edits
                         .iter()

@@ -3,7 +3,8 @@
 //! In: a text, a piece of it, and what replaces the piece. Out: whether every number, name and text stays, and no token is joined with its
 //! neighbour. Only the line of the edit is read, so the work does not grow with the file.
 
-use fab_grammar::Span;
+use super::diagnostic::{Diagnostic, Edit};
+use fab_grammar::{Sources, Span};
 use fab_program::units::UNITS;
 
 /// The words of the language that others write as signs, or that are written for one.
@@ -21,8 +22,19 @@ const QUOTES: [(char, char); 8] = [
     ('‘', '’'),
 ];
 
+/// Makes every edit likely that is more than another spelling.
+pub(crate) fn keep_spellings_only(diagnostics: &mut [Diagnostic], sources: &Sources) {
+    for diagnostic in diagnostics.iter_mut().filter(|it| it.is_certain()) {
+        let text = |edit: &Edit| sources.get(edit.span.file).text.as_str();
+        let keeps = |edit: &Edit| keeps_content(text(edit), edit.span, &edit.replacement);
+        if !diagnostic.edits.iter().all(keeps) {
+            diagnostic.make_likely();
+        }
+    }
+}
+
 /// Returns whether an edit keeps every number, name and text.
-pub(super) fn is_kept(text: &str, span: Span, replacement: &str) -> bool {
+pub(crate) fn keeps_content(text: &str, span: Span, replacement: &str) -> bool {
     let place = Place::of(text, span);
     let (old, new) = (place.old, replacement.trim());
     if is_number_edit(&place, replacement) {
@@ -325,7 +337,7 @@ mod tests {
             let (old, new) = edit.split_once('|').expect(line);
             let text = format!("{before}{old}{after}");
             let span = Span::new(FileId::FIRST, before.len()..before.len() + old.len());
-            assert_eq!(is_kept(&text, span, new), *kept, "{line}");
+            assert_eq!(keeps_content(&text, span, new), *kept, "{line}");
         }
     }
 }
