@@ -38,6 +38,7 @@
 mod check;
 pub mod diag;
 pub mod explain;
+pub mod fix;
 pub mod lang;
 mod load;
 mod loader;
@@ -105,11 +106,14 @@ pub fn compile_for(
     let texts = load::read(entry, loader, &mut report)?;
     let loaded = load::Loaded::of(&texts);
     let checked = check::check(&loaded, grid, &mut report);
+    let left_out = report.left_out();
+    let mut diagnostics = report.into_sorted();
+    diag::keep_spellings_only(&mut diagnostics, &texts.sources);
     Ok(Compiled {
         programs: checked.programs,
         tests: checked.tests,
-        left_out: report.left_out(),
-        diagnostics: report.into_sorted(),
+        left_out,
+        diagnostics,
         sources: texts.sources,
     })
 }

@@ -17,7 +17,7 @@ pub struct CheckArguments {
     /// The files to check, or names of shipped tasks.
     #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<String>,
-    /// Apply the corrections that are certain; report the rest.
+    /// Apply the corrections that are certain to these files; report the rest.
     #[arg(long)]
     pub fix: bool,
     /// Run again whenever a file that was read changes, until Ctrl-C.
@@ -43,9 +43,15 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     let mut tasks = Vec::new();
     let mut errors = Vec::new();
     let mut left_out = 0;
-    for file in &arguments.files {
-        let compiled = shipped::find(file, io).and_then(|file| match arguments.fix {
-            true => fix::run(&file, io),
+    let found = arguments.files.iter().map(|file| shipped::find(file, io));
+    let mut found: Vec<Result<String, Failure>> = found.collect();
+    if arguments.fix {
+        // A file may use one that is named after it, so all are fixed before any is reported.
+        fix::run(&mut found, io);
+    }
+    for (file, found) in arguments.files.iter().zip(found) {
+        let compiled = found.and_then(|file| match arguments.json {
+            true => fix::judged(&file),
             false => sources::compile(&file),
         });
         let compiled = match compiled {

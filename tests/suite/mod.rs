@@ -19,6 +19,7 @@ pub mod book;
 mod book_calls;
 mod build;
 mod calibrate;
+mod check_fix;
 mod colour_alone;
 mod completions;
 mod demos;

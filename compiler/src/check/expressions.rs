@@ -454,7 +454,8 @@ fn turned_name(call: Call<'_>, context: &mut Context<'_, '_>) -> Result<(), Repo
     let message = format!("there is no {} `{}`", call.name().text(), place.text());
     let help = format!("write `{turned}`: back is the top of the picture, front its bottom");
     let diagnostic = Diagnostic::new(Code::UnknownName, place.span(), message).help(help);
-    Err(context.error(diagnostic.edit(place.span(), turned)))
+    // It is another name, so it is left to the author.
+    Err(context.error(diagnostic.likely(place.span(), turned)))
 }
 
 // ---- points of the picture -----------------------------------------------------------------------

@@ -84,7 +84,8 @@ fn comparison(
     Err(context.error(
         diagnostic
             .help(format!("write `{right}`"))
-            .edit(sign.span(), right),
+            // Perhaps the sign is right, and the measure is not the one that was meant.
+            .likely(sign.span(), right),
     ))
 }
 

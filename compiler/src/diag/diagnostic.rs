@@ -47,13 +47,26 @@ pub struct Edit {
 /// Whether the author meant a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
-    /// The source can only mean this; `fabc check --fix` makes the change.
+    /// The source can only mean this; `fabc check --fix` makes the change if it passes the tests of [`crate::fix`].
     Certain,
     /// A guess, such as the nearest name; only the author can decide.
     Likely,
 }
 
 impl Diagnostic {
+    /// Returns whether it has edits, and all are certain.
+    pub fn is_certain(&self) -> bool {
+        let certain = |edit: &Edit| edit.certainty == Certainty::Certain;
+        !self.edits.is_empty() && self.edits.iter().all(certain)
+    }
+
+    /// Leaves its edits to the author.
+    pub(crate) fn make_likely(&mut self) {
+        for edit in &mut self.edits {
+            edit.certainty = Certainty::Likely;
+        }
+    }
+
     /// Makes a diagnostic with the severity of its code.
     pub(crate) fn new(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
         Diagnostic {
@@ -89,7 +102,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds a change that certainly repairs it.
+    /// Adds a change that certainly repairs it; [`crate::fix`] makes it likely if it does more.
     pub(crate) fn edit(self, span: Span, replacement: impl Into<String>) -> Diagnostic {
         self.with_edit(span, replacement.into(), Certainty::Certain)
     }

@@ -7,6 +7,7 @@ mod codes;
 mod diagnostic;
 mod json;
 mod report;
+mod spelling;
 mod suggest;
 mod text;
 
@@ -15,6 +16,7 @@ pub use diagnostic::{Certainty, Diagnostic, Edit, Label};
 pub use json::to_json;
 pub use report::MAX_FINDINGS;
 pub(crate) use report::{Report, Reported};
+pub(crate) use spelling::{keep_spellings_only, keeps_content};
 pub use text::{Color, to_text};
 
 pub use suggest::{among, nearest};

@@ -38,12 +38,26 @@ pub(super) fn recognise(
         .help(format!("write `{}`", right.trim()))
         .edit(sign(wrong), right)
     };
-    for (wrong, right) in [("&&", "and"), ("||", "or"), ("//", "#")] {
+    // A word needs blanks where its sign needs none: `near&&far`, `!near`.
+    let word = |wrong: &str, right: &str| {
+        let blank = |beside: Option<char>, bracket: &str| match beside {
+            Some(it) if !it.is_whitespace() && !bracket.contains(it) => " ",
+            _ => "",
+        };
+        let before = blank(text[..span.start].chars().next_back(), "({");
+        let after = blank(rest[wrong.len()..].chars().next(), ")}");
+        written(wrong, &format!("{before}{right}{after}"))
+    };
+    for (wrong, right) in [("&&", "and"), ("||", "or")] {
         if rest.starts_with(wrong) {
-            return Some(written(wrong, right));
+            return Some(word(wrong, right));
         }
     }
+    if rest.starts_with("//") {
+        return Some(written("//", "#"));
+    }
     Some(match found {
+        ":" if expects("`=`") && rest.starts_with(":=") => written(":=", "="),
         "=" if expects("`:`") => usual().help("write `:`").edit(span, ":"),
         ":" if expects("`=`") => usual().help("write `=`").edit(span, "="),
         "=" if expects("`)`") => usual()
@@ -52,9 +66,9 @@ pub(super) fn recognise(
         "→" | "=>" | "–>" | "—>" | "⇒" | "to" if expects("`->`") => {
             usual().help("write `->`").edit(span, "->")
         }
-        "!" if !rest.starts_with("!=") => written("!", "not "),
-        "&" => written("&", "and"),
-        "|" => written("|", "or"),
+        "!" if !rest.starts_with("!=") => word("!", "not"),
+        "&" => word("&", "and"),
+        "|" => word("|", "or"),
         "=" if is_in_condition(before) => fault(span, "`=` is not a comparison".to_owned())
             .help("write `<`, `<=`, `>` or `>=`; words and counts may also be compared with `==`"),
         "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() => fault(
@@ -63,7 +77,7 @@ pub(super) fn recognise(
         )
         .help("write two comparisons joined by `and`"),
         ";" => fault(span, "`;` is not part of the language".to_owned())
-            .help("remove it: a statement ends with its line")
+            .help("remove it: a statement ends with its line, and parts of a list have `,` between them")
             .edit(span, ""),
         "/" if rest.starts_with("/*") => {
             fault(sign("/*"), "`/*` does not begin a comment".to_owned())
@@ -72,6 +86,12 @@ pub(super) fn recognise(
         "True" | "False" | "None" | "true" | "false" | "none" if expected.is_empty() => {
             fault(span, format!("expected a condition, found `{found}`"))
                 .help("a condition compares values; remove it if it always holds")
+        }
+        "." if rest[1..].starts_with(|next: char| next.is_ascii_digit())
+            && text[..span.start].ends_with(|last: char| last.is_ascii_digit()) =>
+        {
+            fault(span, "a number has one decimal point".to_owned())
+                .help("remove one of its points")
         }
         "." if rest[1..].starts_with(|next: char| next.is_ascii_digit()) => {
             fault(span, "a number begins with a digit".to_owned())
@@ -84,12 +104,18 @@ pub(super) fn recognise(
                     "0",
                 )
         }
-        "," if is_decimal_comma(before, &rest[1..]) => fault(
-            span,
-            "the decimal separator is a point, not a comma".to_owned(),
-        )
-        .help("write `.`")
-        .edit(span, "."),
+        "," if is_decimal_comma(before, &rest[1..]) => {
+            let usual = fault(
+                span,
+                "the decimal separator is a point, not a comma".to_owned(),
+            );
+            match thousands(before, &rest[1..]) {
+                Some((whole, group)) => usual.help(format!(
+                    "write `{whole}{group}`, since digits are not grouped, or `{whole}.{group}` if that was meant"
+                )),
+                None => usual.help("write `.`").likely(span, "."),
+            }
+        }
         _ if found.starts_with('_')
             && found[1..].bytes().all(|byte| byte.is_ascii_digit())
             && before.ends_with(|last: char| last.is_ascii_digit()) =>
@@ -136,6 +162,14 @@ fn is_in_condition(before: &str) -> bool {
 fn is_decimal_comma(before: &str, after: &str) -> bool {
     let is_digit = |character: char| character.is_ascii_digit();
     before.ends_with(is_digit) && after.starts_with(is_digit)
+}
+
+/// Returns the digits beside a comma that may separate thousands: at most three before it, three after it.
+fn thousands<'t>(before: &'t str, after: &'t str) -> Option<(&'t str, &'t str)> {
+    let digit = |character: char| character.is_ascii_digit();
+    let whole = &before[before.trim_end_matches(digit).len()..];
+    let group = &after[..after.len() - after.trim_start_matches(digit).len()];
+    (whole.len() <= 3 && group.len() == 3).then_some((whole, group))
 }
 
 /// Joins expectations, which have their own backticks.

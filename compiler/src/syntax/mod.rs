@@ -5,7 +5,7 @@
 mod additions;
 mod mistakes;
 
-use crate::diag::{Code, Diagnostic, among, nearest};
+use crate::diag::{Code, Diagnostic, among, keeps_content, nearest};
 use fab_grammar::Span;
 use fab_grammar::{Fault, Problem};
 use mistakes::listed;
@@ -62,9 +62,12 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             .help("close it with `\"`; a text of several lines is written between `\"\"\"` and `\"\"\"`"),
         Problem::UnclosedText => Diagnostic::new(Code::UnclosedText, span, "the text that begins here does not end")
             .help("close it with `\"\"\"`"),
-        Problem::WrongQuotes { right } => Diagnostic::new(Code::WrongQuotes, span, "these quotes are not of the right kind")
-            .help("write straight double quotes `\"`")
-            .edit(span, right.clone()),
+        Problem::WrongQuotes { right } => {
+            let diagnostic = Diagnostic::new(Code::WrongQuotes, span, "these quotes are not of the right kind")
+                .help("write straight double quotes `\"`");
+            // Where it is unclear which quotes enclose the text, any edit would change it.
+            if keeps_content(text, span, right) { diagnostic.edit(span, right.clone()) } else { diagnostic }
+        }
         Problem::BadEscape => Diagnostic::new(Code::BadEscape, span, "this `\\` escapes nothing")
             .help("write `\\\\` for a backslash and `\\\"` for a quote; folders are separated by `/`"),
         Problem::LoneBraces => Diagnostic::new(Code::LoneBraces, span, "expected a name and `}}` after `{{`")

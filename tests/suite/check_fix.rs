@@ -1,0 +1,124 @@
+//! `check --fix`: which files are written, and how.
+//!
+//! Which edits are applied is tested with the compiler (`compiler/tests/fixes.rs`).
+
+use super::support::{fabc, finish, project};
+use std::fs;
+use std::path::Path;
+
+const SLIP: &str = "use \"lib/base.fab\"\ntask tried extends base {\n    keypoints { more := centroid(cloth) }\n}\n";
+
+/// Writes a file with one slip, and the library that it uses.
+fn with_slip(folder: &Path, name: &str) {
+    fs::create_dir_all(folder.join("lib")).unwrap();
+    let library = folder.join("lib/base.fab");
+    fs::copy(project("tests/fixtures/faults/lib/base.fab"), library).unwrap();
+    fs::write(folder.join(name), SLIP).unwrap();
+}
+
+fn read(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join(name)).unwrap()
+}
+
+#[test]
+fn a_file_that_was_not_named_is_not_changed() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    with_slip(folder, "task.fab");
+    let library = read(folder, "lib/base.fab").replace("45deg", "45°");
+    fs::write(folder.join("lib/base.fab"), &library).unwrap();
+
+    let said = finish(fabc(folder).args(["check", "--fix", "task.fab"]));
+    assert_eq!(said.code, 1, "{}", said.stdout);
+    assert_eq!(
+        said.stderr,
+        "task.fab: 1 change\n\
+         lib/base.fab: not changed, because it was not named; it has 1 certain correction\n"
+    );
+    assert!(read(folder, "task.fab").contains("more = centroid"));
+    assert_eq!(read(folder, "lib/base.fab"), library);
+
+    // The task is reported after its library is fixed, although it is named before it.
+    let said = finish(fabc(folder).args(["check", "--fix", "task.fab", "lib/base.fab"]));
+    assert_eq!(
+        (said.code, said.stderr.as_str()),
+        (0, "lib/base.fab: 1 change\n")
+    );
+    assert!(read(folder, "lib/base.fab").contains("45deg"));
+}
+
+#[test]
+fn a_read_only_file_is_not_changed() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    with_slip(folder, "task.fab");
+    let file = folder.join("task.fab");
+    let mut permissions = fs::metadata(&file).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&file, permissions).unwrap();
+
+    let said = finish(fabc(folder).args(["check", "--fix", "task.fab"]));
+    assert_eq!(said.code, 1);
+    assert_eq!(
+        said.stderr,
+        "task.fab: not changed, because it is read-only; it has 1 certain correction\n"
+    );
+    assert_eq!(read(folder, "task.fab"), SLIP);
+}
+
+#[cfg(unix)]
+#[test]
+fn links_and_permissions_stay() {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    with_slip(folder, "task.fab");
+    let number = |name: &str| fs::metadata(folder.join(name)).unwrap().ino();
+    let mode = |name: &str| {
+        fs::metadata(folder.join(name))
+            .unwrap()
+            .permissions()
+            .mode()
+    };
+
+    // A file with two names is rewritten in place: both names show the new text.
+    fs::hard_link(folder.join("task.fab"), folder.join("same.fab")).unwrap();
+    let before = number("task.fab");
+    finish(fabc(folder).args(["check", "--fix", "task.fab"]));
+    assert!(read(folder, "same.fab").contains("more = centroid"));
+    assert_eq!([number("task.fab"), number("same.fab")], [before, before]);
+
+    // A file with one name is replaced, and a symbolic link still leads to it.
+    with_slip(folder, "other.fab");
+    let permissions = PermissionsExt::from_mode(0o640);
+    fs::set_permissions(folder.join("other.fab"), permissions).unwrap();
+    symlink("other.fab", folder.join("link.fab")).unwrap();
+    let before = number("other.fab");
+    finish(fabc(folder).args(["check", "--fix", "link.fab"]));
+    assert!(read(folder, "other.fab").contains("more = centroid"));
+    assert!(folder.join("link.fab").is_symlink());
+    assert_ne!(number("other.fab"), before);
+    assert_eq!(mode("other.fab") & 0o777, 0o640);
+}
+
+#[test]
+fn json_calls_an_edit_certain_only_if_it_would_be_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let certain = |condition: &str| {
+        with_slip(folder, "task.fab");
+        let check = format!("verify {{ check a {{ {condition} }} else \"A.\" }}");
+        let text = SLIP.replace("keypoints { more := centroid(cloth) }", &check);
+        fs::write(folder.join("task.fab"), text).unwrap();
+        let said = finish(fabc(folder).args(["check", "--json", "task.fab"]));
+        let value: serde_json::Value = serde_json::from_str(&said.stdout).unwrap();
+        value["diagnostics"][0]["edits"][0]["certain"].clone()
+    };
+    let far = "distance(pick, place) > 20px";
+    assert_eq!(certain(&format!("{far} && {far}")), true);
+    // The edit would uncover a name that there is not.
+    assert_eq!(
+        certain(&format!("{far} && distance(pick, nowhere) > 20px")),
+        false
+    );
+}
