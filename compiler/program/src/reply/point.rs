@@ -85,9 +85,7 @@ fn placed(cursor: &mut Cursor<'_, '_>, notation: &Notation, brackets: Brackets) 
         open.push(bracket);
         // `{"point": `, `<point `
         let behind = *cursor;
-        while cursor.eat_any(NOUNS) || (cursor.is_joined() && cursor.eat_number() == Some("2"))
-        {
-        }
+        while cursor.eat_any(NOUNS) || (cursor.is_joined() && cursor.eat_number() == Some("2")) {}
         if bracket != '<' && cursor.at > behind.at && cursor.eat_signs(&[':', '=', '→']).is_none()
         {
             *cursor = behind;

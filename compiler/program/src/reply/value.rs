@@ -457,9 +457,7 @@ fn is_placeholder(cursor: Cursor<'_, '_>) -> bool {
     let is_open = rest
         .first()
         .is_some_and(|token| matches!(token.kind, Kind::Sign('<' | '[' | '…' | '?')));
-    let is_word = rest
-        .first()
-        .is_some_and(|token| token.is_any(PLACEHOLDERS));
+    let is_word = rest.first().is_some_and(|token| token.is_any(PLACEHOLDERS));
     let has_number = rest.iter().any(|token| token.kind == Kind::Number);
     let is_word = is_word && (rest.len() <= 3 || rest[0].is("your"));
     !has_number
@@ -984,9 +982,10 @@ fn explanation(
                 .take(2)
                 .any(|token| token.is_any(&["counter", "anti"]))
     };
-    let alters = rest.iter().enumerate().any(|(index, token)| {
-        (token.is_any(ALTERING) || token.is_sign('±')) && !is_counter(index)
-    });
+    let alters = rest
+        .iter()
+        .enumerate()
+        .any(|(index, token)| (token.is_any(ALTERING) || token.is_sign('±')) && !is_counter(index));
     let is_point = context.expected.field.is_point();
     // `pick (10, 20) and fold it up`
     let goes_further =
