@@ -447,7 +447,8 @@ impl<'a> Merged<'a> {
             None => diagnostic,
             Some(_) => diagnostic.help(format!("it says {}", among(said.names()))),
         };
-        if self.components.get(beside.text()).is_some() {
+        let can_come_first = said.names().next().is_some();
+        if can_come_first && self.components.get(beside.text()).is_some() {
             return Some(diagnostic.help(format!(
                 "add `{}` to the stage on a line above this one, or choose another place",
                 beside.text()

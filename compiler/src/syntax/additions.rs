@@ -139,7 +139,7 @@ fn left_out(found: &str, in_task: bool) -> String {
         _ if is_name(found) && !SECTIONS.iter().any(|row| row.word == found) => {
             format!("write `without component {found}`, or `without check {found}` for a check")
         }
-        _ => "only components, checks and variants can be left out; write another section again to change it"
+        _ => "only components, checks and variants can be left out; state a stage or another section again to change it"
             .to_owned(),
     }
 }
