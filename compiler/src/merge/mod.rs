@@ -122,15 +122,20 @@ pub(crate) fn merge<'a>(
     };
     for task in chain.into_iter().rev() {
         merged.forget_what_is_not_inherited();
-        merged.add(task.body(), report);
+        merged.add(task.body(), loaded, report);
         merged.add_variants(task, report);
     }
     match merged.variant.as_ref().map(|variant| variant.change) {
-        Some(VariantChange::Body(body)) => merged.add(body, report),
-        Some(VariantChange::Without(name)) => merged.leave_out(name, report),
+        Some(VariantChange::Body(body)) => merged.add(body, loaded, report),
+        Some(VariantChange::Without(name)) => merged.leave_out(name, loaded, report),
         None => {}
     }
     merged
+}
+
+/// Reports a task that is extended but missing.
+pub(crate) fn find_bases<'a>(task: Task<'a>, loaded: &Loaded<'a>, report: &mut Report) {
+    chain(task, loaded, report);
 }
 
 /// Returns the task and those it extends, and the proof that one of them is missing, if one is.
@@ -142,8 +147,11 @@ fn chain<'a>(
     let mut chain = vec![task];
     let mut above = task;
     while let Some(base) = above.extends() {
-        let Some(found) = loaded.task(base.span().file, base.text()) else {
-            return (chain, Some(report.error(unknown_task(base, loaded))));
+        let file = base.span().file;
+        let Some(found) = loaded.task(file, base.text()) else {
+            let hidden = loaded.hidden(file, base.text());
+            let reported = hidden.unwrap_or_else(|| report.error(unknown_task(base, loaded)));
+            return (chain, Some(reported));
         };
         let is_known = |seen: &Task<'_>| seen.name().span() == found.name().span();
         if chain.iter().any(is_known) {
@@ -164,7 +172,8 @@ fn chain<'a>(
         chain.push(found);
         above = found;
     }
-    (chain, None)
+    let fault = loaded.fault(above.name().span().file);
+    (chain, fault.filter(|_| above.may_extend()))
 }
 
 fn unknown_task(base: Name<'_>, loaded: &Loaded<'_>) -> Diagnostic {
@@ -198,7 +207,7 @@ impl<'a> Merged<'a> {
         self.statements.retain(|word, _| !never(word));
     }
 
-    fn add(&mut self, body: Body<'a>, report: &mut Report) {
+    fn add(&mut self, body: Body<'a>, loaded: &Loaded<'a>, report: &mut Report) {
         let mut statements: BTreeMap<&str, Statement<'_>> = BTreeMap::new();
         for statement in body.statements() {
             let word = statement.word().text();
@@ -235,8 +244,8 @@ impl<'a> Merged<'a> {
         for stage in body.stages() {
             self.stages.put(stage.name().text(), stage);
         }
-        self.add_components(body, report);
-        self.add_checks(body, report);
+        self.add_components(body, loaded, report);
+        self.add_checks(body, loaded, report);
         self.is_damaged |= body.is_damaged();
         self.bytes += body.bytes();
     }
@@ -260,11 +269,11 @@ impl<'a> Merged<'a> {
     // ---- components ----------------------------------------------------------------------------
 
     /// Adds and replaces components.
-    fn add_components(&mut self, body: Body<'a>, report: &mut Report) {
+    fn add_components(&mut self, body: Body<'a>, loaded: &Loaded<'a>, report: &mut Report) {
         self.distinct(body.components().map(|it| it.name()), "component", report);
         let inherited = self.component_names();
         for name in body.without() {
-            self.leave_out(name, report);
+            self.leave_out(name, loaded, report);
         }
         for component in body.components() {
             let name = component.name();
@@ -283,9 +292,13 @@ impl<'a> Merged<'a> {
                     }));
                 }
                 Declares::Override if !is_inherited && self.missing_base.is_none() => {
-                    let diagnostic = OVERRIDE.impossible("component", name, &inherited);
-                    self.joined = Err(report.error(diagnostic));
-                    continue;
+                    let reported =
+                        OVERRIDE.impossible("component", name, &inherited, loaded, report);
+                    self.joined = Err(reported);
+                    // One that may be inherited stays, so that its uses are not reported too.
+                    if loaded.hidden(name.span().file, name.text()).is_none() {
+                        continue;
+                    }
                 }
                 Declares::New | Declares::Override => {}
             }
@@ -295,13 +308,13 @@ impl<'a> Merged<'a> {
     }
 
     /// Removes a component; reports an error if there is none of this name.
-    fn leave_out(&mut self, name: Name<'a>, report: &mut Report) {
+    fn leave_out(&mut self, name: Name<'a>, loaded: &Loaded<'a>, report: &mut Report) {
         if self.components.remove(name.text()).is_some() {
             self.removed.insert(name.text());
         } else if self.missing_base.is_none() && !self.removed.contains(name.text()) {
             let inherited = self.component_names();
-            let diagnostic = LEAVE_OUT.impossible("component", name, &inherited);
-            self.joined = Err(report.error(diagnostic));
+            let reported = LEAVE_OUT.impossible("component", name, &inherited, loaded, report);
+            self.joined = Err(reported);
         }
     }
 
@@ -315,7 +328,7 @@ impl<'a> Merged<'a> {
     // ---- checks --------------------------------------------------------------------------------
 
     /// Takes over the checks of a `verify`, or changes inherited ones.
-    fn add_checks(&mut self, body: Body<'a>, report: &mut Report) {
+    fn add_checks(&mut self, body: Body<'a>, loaded: &Loaded<'a>, report: &mut Report) {
         let changed = || body.override_checks().map(|check| check.name());
         let verify = once(body.verify(), "verify", |it| it.head_span(), report);
         if let Some(verify) = self.only(verify) {
@@ -337,8 +350,8 @@ impl<'a> Merged<'a> {
             if self.checks.remove(name.text()).is_some() {
                 self.removed_checks.insert(name.text());
             } else if self.missing_base.is_none() && !self.removed_checks.contains(name.text()) {
-                let diagnostic = LEAVE_OUT.impossible("check", name, &inherited);
-                self.joined = Err(report.error(diagnostic));
+                let reported = LEAVE_OUT.impossible("check", name, &inherited, loaded, report);
+                self.joined = Err(reported);
             }
         }
         let left: BTreeSet<&str> = self.check_names().collect();
@@ -346,8 +359,8 @@ impl<'a> Merged<'a> {
             if left.contains(check.name().text()) {
                 self.checks.put(check.name().text(), check);
             } else if self.missing_base.is_none() {
-                let diagnostic = OVERRIDE.impossible("check", check.name(), &left);
-                self.joined = Err(report.error(diagnostic));
+                let reported = OVERRIDE.impossible("check", check.name(), &left, loaded, report);
+                self.joined = Err(reported);
             }
         }
     }
