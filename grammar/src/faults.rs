@@ -60,10 +60,11 @@ fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
     }
     // Two first words before one `{`: the second is probably too many.
     faults.dedup_by(|later, earlier| {
-        let lack_open =
-            [&*later, &*earlier].map(|fault| matches!(fault.problem, Problem::MissingOpen { .. }));
-        let between = &tree.text()[earlier.span.end..later.span.end];
-        lack_open == [true, true] && !between.contains(['\n', '\r'])
+        let lacks_open = |fault: &Fault| matches!(fault.problem, Problem::MissingOpen { .. });
+        let between = tree.text().get(earlier.span.end..later.span.end);
+        lacks_open(later)
+            && lacks_open(earlier)
+            && between.is_some_and(|text| !text.contains(['\n', '\r']))
     });
     let Some(torn) = torn(tree, faults) else {
         return;
