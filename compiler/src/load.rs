@@ -32,6 +32,8 @@ pub(crate) struct Texts {
     reach: Vec<BTreeSet<FileId>>,
     /// For each file, the proof that it has a syntax error, if it has one.
     faults: Vec<Option<Reported>>,
+    /// For each file, whether its braces or quotes do not match.
+    torn: Vec<bool>,
 }
 
 /// The views of one file.
@@ -41,6 +43,8 @@ pub(crate) struct LoadedFile<'a> {
     pub tasks: Vec<Task<'a>>,
     /// The words of everything that did not parse. An unknown name may be declared there.
     pub unparsed_words: BTreeSet<&'a str>,
+    /// Whether a declaration that did not parse has no name. Any unknown name may be declared there.
+    pub has_lost_name: bool,
     /// The index of the first task of each name.
     task_index: BTreeMap<&'a str, usize>,
     /// The same for lists of experts.
@@ -77,6 +81,7 @@ impl<'a> Loaded<'a> {
                 task_index: first_of_each_name(names),
                 experts_index: first_of_each_name(lists),
                 unparsed_words: file.unparsed_words(),
+                has_lost_name: file.has_lost_name(),
                 tasks,
                 experts,
             });
@@ -133,6 +138,19 @@ impl<'a> Loaded<'a> {
     /// Returns the proof that a file has a syntax error, if it has one.
     pub fn fault(&self, file: FileId) -> Option<Reported> {
         self.texts.faults[file.index()]
+    }
+
+    /// Returns whether `file` sees a file whose braces or quotes do not match.
+    pub fn is_torn(&self, file: FileId) -> bool {
+        let mut seen = self.texts.reach[file.index()].iter();
+        seen.any(|seen| self.texts.torn[seen.index()])
+    }
+
+    /// Returns the proof of a syntax error that may hide the declaration of a name from `file`.
+    pub fn hidden(&self, file: FileId, name: &str) -> Option<Reported> {
+        let mut seen = self.visible_from(file);
+        let hides = seen.find(|seen| seen.has_lost_name || seen.unparsed_words.contains(name))?;
+        self.fault(hides.id)
     }
 
     /// Returns the text of a span.
@@ -220,6 +238,7 @@ impl Reading<'_> {
                 .error_in(file)
                 .filter(|_| !parsed.faults.is_empty()),
         );
+        self.texts.torn.push(parsed.is_torn);
         self.texts.trees.push(parsed.tree);
         self.texts.portable_names.push(portable_name);
         self.texts.reach.push(BTreeSet::from([file]));

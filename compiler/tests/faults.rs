@@ -14,7 +14,7 @@
 
 mod common;
 
-use fab_compiler::diag::{self, CODES, Color, Diagnostic};
+use fab_compiler::diag::{self, CODES, Color, Diagnostic, Severity};
 use fab_compiler::{Compiled, LoadError, Loader, line_and_column};
 use std::collections::BTreeSet;
 use std::fs;
@@ -106,8 +106,90 @@ fn an_edit_repairs_what_it_is_offered_for() {
                 "{name}: finding {number} stays after its edit: {}",
                 diagnostic.message
             );
+            let errors = |compiled: &Compiled| {
+                let all = compiled.diagnostics.iter();
+                all.filter(|it| it.severity == Severity::Error).count()
+            };
+            assert!(
+                errors(&again) <= errors(&compiled),
+                "{name}: the edit of finding {number} adds errors: {}\n{}",
+                diagnostic.message,
+                diag::to_text(&again.diagnostics, &again.sources, Color::Plain)
+            );
         }
     }
+}
+
+/// Places where a suggested text may stand; `@` is the text.
+const PLACES: &[&str] = &[
+    "@",
+    "task a { @ }",
+    "task a { goal @ }",
+    "task a { goal b @ 1mm }",
+    "task a { goal b < 1mm @ c < 1mm }",
+    "task a { goal b @ }",
+    "task a { goal 1@ }",
+    "task a { cloth b(@) }",
+    "task a { keypoints { @ } }",
+    "task a { keypoints { b @ c } }",
+    "task a { actions { @ } }",
+    "task a { actions { b @ one of c } }",
+    "task a { component b @ \"c\" }",
+    "task a { component b \"@\" }",
+    "task a { @ b \"c\" }",
+    "task a { stage b { @ } }",
+    "task a { verify { @ } }",
+    "task a { verify { @ { pick } else \"c\" } }",
+    "task a { verify { check b { pick } @ } }",
+    "task a { test \"b\" { @ } }",
+    "experts a { @ }",
+    "experts a { sequence { fold b @ c } }",
+    "task a { subgoals { @ } }",
+];
+
+/// Returns the texts that a message tells the author to write.
+fn suggested(diagnostic: &Diagnostic) -> impl Iterator<Item = &str> {
+    diagnostic.help.iter().flat_map(|help| {
+        // A piece may itself have backticks only at its ends.
+        help.split("write `").skip(1).filter_map(|rest| {
+            let end = rest.find('`')?;
+            Some(&rest[..end])
+        })
+    })
+}
+
+fn parses(text: &str) -> bool {
+    let mut sources = fab_grammar::Sources::default();
+    let file = sources.add("piece.fab".to_owned(), text.to_owned());
+    fab_grammar::parse(file, text).faults.is_empty()
+}
+
+#[test]
+fn what_a_message_tells_to_write_can_be_written() {
+    let mut wrong = BTreeSet::new();
+    let mut seen = 0;
+    for name in fixtures() {
+        let compiled =
+            fab_compiler::compile(&name, &Fixtures).expect("a listed fixture can be read");
+        for diagnostic in &compiled.diagnostics {
+            for piece in suggested(diagnostic) {
+                seen += 1;
+                // Uppercase words are names to fill in.
+                let filled = piece
+                    .replace("\"…\"", "\"b\"")
+                    .replace('…', "b")
+                    .replace('#', "\n");
+                let fits = PLACES
+                    .iter()
+                    .any(|place| parses(&place.replace('@', &filled)));
+                if !fits {
+                    wrong.insert(format!("{name}: {} -> `{piece}`", diagnostic.message));
+                }
+            }
+        }
+    }
+    assert!(seen > 80, "{seen} suggestions");
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 /// One finding, as a fixture can state it.

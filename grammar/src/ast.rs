@@ -10,6 +10,7 @@
 
 use crate::source::Span;
 use crate::tree::{Kind, Node, Tree};
+use crate::vocabulary::{is_keyword, words as words_of};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::ops;
@@ -760,6 +761,68 @@ impl<'t> File<'t> {
     }
 }
 
+impl<'t> File<'t> {
+    /// Returns whether a declaration does not parse and its name cannot be found; any unknown name may be its name.
+    pub fn has_lost_name(self) -> bool {
+        self.node.tree().nodes().any(|node| match node.kind() {
+            Kind::Junk | Kind::JunkSection => lost_name(node),
+            Kind::Head => {
+                let parent = node.parent().map(Node::kind);
+                let is_named = matches!(
+                    parent,
+                    Some(Kind::Task | Kind::Experts | Kind::Stage | Kind::Check)
+                );
+                is_named && node.child(Kind::Name).is_none()
+            }
+            _ => false,
+        })
+    }
+}
+
+/// Returns whether a line of junk is a declaration without a name.
+fn lost_name(junk: Node<'_>) -> bool {
+    let Some(block) = junk.parent() else {
+        return false;
+    };
+    let text = junk.tree().text();
+    let before = text[..junk.range().start].trim_end_matches([' ', '\t']);
+    if !before.ends_with(['\n', '\r', '{']) {
+        return false;
+    }
+    let mut words = junk.text().split_whitespace();
+    let is_name = |word: Option<&str>| {
+        word.is_some_and(|word| {
+            let end = word.find(|next: char| !next.is_alphanumeric() && next != '_');
+            let name = &word[..end.unwrap_or(word.len())];
+            !name.is_empty()
+                && !name.starts_with(|first: char| first.is_ascii_digit())
+                && !is_keyword(name)
+        })
+    };
+    // A block whose first word is lost.
+    if junk.kind() == Kind::JunkSection && junk.text().starts_with('{') {
+        return true;
+    }
+    if words_of(block.kind()).is_empty() {
+        return !is_name(words.next());
+    }
+    let first = words.find(|word| *word != "override").unwrap_or_default();
+    let declares = ["const", "component", "experts", "read", "given", "check"];
+    declares.contains(&first) && !is_name(words.next())
+}
+
+impl<'t> Task<'t> {
+    /// Returns whether its head does not parse, so that it may extend a task.
+    pub fn may_extend(self) -> bool {
+        let heads = self.node.children();
+        let mut heads = heads.filter(|part| matches!(part.kind(), Kind::Head | Kind::Extends));
+        heads.any(|head| {
+            head.child(Kind::Surplus).is_some()
+                || head.kind() == Kind::Extends && head.child(Kind::Name).is_none()
+        })
+    }
+}
+
 impl<'t> Image<'t> {
     /// Returns the arrow's tail and tip.
     pub fn arrow(self) -> Option<[[Expr<'t>; 2]; 2]> {
@@ -777,7 +840,29 @@ pub enum Declares {
     Override,
 }
 
+/// Returns whether a condition after `when` does not parse, or something stands where `when` may stand.
+fn has_broken_guard(node: Node<'_>) -> bool {
+    let is_empty = |guard: Node<'_>| Guard::cast(guard).is_none();
+    let heads = || {
+        node.child(Kind::Head)
+            .and_then(|head| head.child(Kind::Surplus))
+    };
+    node.child(Kind::Guard).is_some_and(is_empty) || heads().is_some()
+}
+
+impl Check<'_> {
+    /// Returns whether it has a condition after `when` that does not parse.
+    pub fn has_broken_guard(self) -> bool {
+        has_broken_guard(self.node)
+    }
+}
+
 impl<'t> Component<'t> {
+    /// Returns whether it has a condition after `when` that does not parse.
+    pub fn has_broken_guard(self) -> bool {
+        has_broken_guard(self.node)
+    }
+
     /// Returns whether it is new or replaces one.
     pub fn declares(self) -> Declares {
         match self.node.kind() {

@@ -37,6 +37,8 @@ pub enum Problem {
         found: Option<String>,
         /// What would fit, in words for users; may be empty.
         expected: Vec<&'static str>,
+        /// Whether the text parses further without it.
+        is_surplus: bool,
     },
     /// A line begins with an unknown word.
     UnknownWord {
@@ -46,6 +48,13 @@ pub enum Problem {
         candidates: &'static [&'static str],
         /// The keyword of the surrounding block; `None` for the file itself.
         block: Option<String>,
+    },
+    /// A word is not a keyword, but the text goes on as if it were one.
+    Misspelt {
+        /// The word.
+        word: String,
+        /// The keyword; if several fit equally well, all of them, the likeliest first.
+        meant: Vec<&'static str>,
     },
     /// A `{` is missing.
     MissingOpen {

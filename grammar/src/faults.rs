@@ -6,10 +6,12 @@
 
 use crate::fault::{Fault, Problem};
 use crate::measure::{is_word, measure, token_at, unexpected};
+use crate::misspelt::{Strict, misspelt, parses_without};
 use crate::rules::Rule;
 use crate::source::Span;
 use crate::tree::{Kind, Node, Tree};
 use crate::vocabulary::{block, words};
+use std::collections::BTreeSet;
 
 /// Returns every fault of a tree, in source order.
 pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
@@ -27,14 +29,68 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
     faults
 }
 
-/// Drops faults of a missing `}` if an unclosed text swallowed the rest of the file.
+/// How many faults are reported beside the first brace or quote without a partner.
+const MOST_BESIDE_TORN: usize = 2;
+
+/// Returns the first fault that says that braces or triple quotes do not match.
+pub(crate) fn torn(tree: &Tree, faults: &[Fault]) -> Option<usize> {
+    // The rest of a task that was closed too early.
+    let strays = tree.nodes().filter(|node| node.kind() == Kind::Stray);
+    let rests: BTreeSet<usize> = strays
+        .filter(|node| closes_more(node.text()))
+        .map(|node| trimmed(node).start)
+        .collect();
+    faults.iter().position(|fault| {
+        let says_so = matches!(
+            fault.problem,
+            Problem::MissingClose { .. }
+                | Problem::StrayClose
+                | Problem::OutsideTask { .. }
+                | Problem::UnclosedText
+        ) || fault.problem == Problem::UnclosedString
+            && closes_more(&tree.text()[fault.span.range()]);
+        says_so || rests.contains(&fault.span.start)
+    })
+}
+
+/// Drops faults that a brace or a quote without a partner causes further down: there, lines are in the wrong block.
 fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
-    let swallowed = tree
-        .nodes()
-        .any(|node| node.kind() == Kind::NoTriple && node.range().start == tree.text().len());
-    if swallowed {
+    if tree.nodes().any(swallows_braces) {
         faults.retain(|fault| !matches!(fault.problem, Problem::MissingClose { .. }));
     }
+    // Two first words before one `{`: the second is probably too many.
+    faults.dedup_by(|later, earlier| {
+        let lacks_open = |fault: &Fault| matches!(fault.problem, Problem::MissingOpen { .. });
+        let between = tree.text().get(earlier.span.end..later.span.end);
+        lacks_open(later)
+            && lacks_open(earlier)
+            && between.is_some_and(|text| !text.contains(['\n', '\r']))
+    });
+    let Some(torn) = torn(tree, faults) else {
+        return;
+    };
+    let mut number = 0;
+    faults.retain(|fault| {
+        number += 1;
+        // These do not depend on the block that they are in.
+        let is_local = matches!(
+            fault.problem,
+            Problem::WrongQuotes { .. } | Problem::BadEscape
+        );
+        is_local || number <= MOST_BESIDE_TORN || number == torn + 1
+    });
+}
+
+/// Returns whether a text has more closing braces than opening ones.
+fn closes_more(text: &str) -> bool {
+    text.matches('}').count() > text.matches('{').count()
+}
+
+/// Returns whether an unclosed text has swallowed the end of a block.
+fn swallows_braces(end: Node<'_>) -> bool {
+    let is_unclosed = matches!(end.kind(), Kind::NoQuote | Kind::NoTriple);
+    let is_last = end.kind() == Kind::NoTriple && end.range().end == end.tree().text().len();
+    is_unclosed && (is_last || end.parent().is_some_and(|text| closes_more(text.text())))
 }
 
 fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<Fault> {
@@ -66,6 +122,9 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
         Kind::NoQuote => (parent.span(), Problem::UnclosedString),
         Kind::NoTriple => (first(3, parent.span()), Problem::UnclosedText),
         Kind::Surplus if lacking(parent).is_none() => {
+            if let Some(fault) = misspelt_in_head(parent, node) {
+                return Some(fault);
+            }
             let found = node.text().trim().to_owned();
             (span, Problem::Surplus { found })
         }
@@ -76,12 +135,25 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
         Kind::Placeholder if node.text().contains(['\n', '\r']) => {
             (first(2, node.span()), Problem::LoneBraces)
         }
-        Kind::LoneBraces => (node.span(), Problem::LoneBraces),
+        Kind::NoCondition => {
+            let rest = Span {
+                end: node.tree().text().len(),
+                ..node.span()
+            };
+            return Some(unexpected(node.tree(), rest, vec!["a condition"]));
+        }
+        Kind::LoneBraces => {
+            if let Some(fault) = misspelt_in_placeholder(node) {
+                return Some(fault);
+            }
+            (node.span(), Problem::LoneBraces)
+        }
         Kind::Stray => return Some(stray(node)),
         Kind::Junk | Kind::JunkSection => return junk(parent, previous, node),
         Kind::JunkCondition | Kind::JunkGuard => {
             let measured = measure(node.tree(), Rule::only_expr, span);
-            return measured.or_else(|| Some(unexpected(node.tree(), span, Vec::new())));
+            let fault = measured.unwrap_or_else(|| unexpected(node.tree(), span, Vec::new()));
+            return misspelt_expr(node.tree(), span, fault.span.start).or(Some(fault));
         }
         _ => return None,
     };
@@ -118,9 +190,40 @@ fn lacking(node: Node<'_>) -> Option<Fault> {
     let problem = Problem::Unexpected {
         found: Some("}".to_owned()),
         expected: vec!["a condition"],
+        is_surplus: false,
     };
     let span = node.child(Kind::Close)?.span();
     Some(Fault { span, problem })
+}
+
+/// Finds a misspelt `extends` or `when` between the name of a block and its `{`.
+fn misspelt_in_head(head: Node<'_>, surplus: Node<'_>) -> Option<Fault> {
+    let tree = head.tree();
+    let start = head.range().start;
+    let length = tree.text()[surplus.range().end..].find('{')?;
+    let piece = tree.span(start..surplus.range().end + length + 1);
+    let strict = Strict {
+        rule: Rule::only_head,
+        begins: &[],
+    };
+    misspelt(tree, strict, piece, trimmed(surplus).start)
+}
+
+/// Finds a misspelt word between the two braces of a placeholder and their `}}` on the same line.
+fn misspelt_in_placeholder(braces: Node<'_>) -> Option<Fault> {
+    let (tree, start) = (braces.tree(), braces.range().end);
+    let line = tree.text()[start..].split(['\n', '\r', '{']).next()?;
+    let piece = tree.span(start..start + line.find("}}")?);
+    let failed = measure(tree, Rule::only_expr, piece)?.span.start;
+    misspelt_expr(tree, piece, failed)
+}
+
+fn misspelt_expr(tree: &Tree, piece: Span, failed: usize) -> Option<Fault> {
+    let strict = Strict {
+        rule: Rule::only_expr,
+        begins: &[],
+    };
+    misspelt(tree, strict, piece, failed)
 }
 
 /// Returns the keyword of a block.
@@ -135,7 +238,7 @@ fn stray(node: Node<'_>) -> Fault {
     let span = trimmed(node);
     let first = token_at(tree.text(), span.range());
     let items = words(Kind::File);
-    let problem = if first == "}" {
+    let problem = if first.starts_with('}') {
         Problem::StrayClose
     } else if words(Kind::Task).contains(&first) && !items.contains(&first) {
         Problem::OutsideTask {
@@ -183,22 +286,55 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
         return Some(Fault { span, problem });
     }
     // A remainder is parsed together with the statement before it, because that rule knows what may follow.
-    let continued = previous.filter(|before| is_statement(before.kind()) && before.is_cut());
+    let begins =
+        known.is_empty() && looks_like_statement(node.kind(), node.text().trim(), first, known);
+    let statement = previous.filter(|before| is_statement(before.kind()) && !begins);
+    let continued = statement.filter(|before| before.is_cut());
     let whole = Span {
         start: continued.map_or(span.start, |before| before.range().start),
         ..span
     };
-    if let Some(fault) = measure(tree, block(parent.kind())?.line(), whole)
+    let strict = Strict {
+        rule: block(parent.kind())?.line(),
+        begins: known,
+    };
+    let measured = measure(tree, strict.rule, whole);
+    let unknown = |word: &str| Problem::UnknownWord {
+        word: word.to_owned(),
+        candidates: known,
+        block: Some(block_word(parent)),
+    };
+    if let Some(fault) = &measured
+        && let Some(mut fault) = misspelt(tree, strict, whole, fault.span.start)
+    {
+        if let Problem::Misspelt { word, meant } = &fault.problem
+            && meant.iter().any(|meant| known.contains(meant))
+        {
+            fault.problem = unknown(word);
+        }
+        return Some(fault);
+    }
+    // A word that joins may begin the next line.
+    if let Some(before) = statement.filter(|before| !before.is_cut()) {
+        let joined = Span {
+            start: before.range().start,
+            ..span
+        };
+        let failed = measure(tree, strict.rule, joined).map_or(span.start, |it| it.span.start);
+        if let Some(fault) = misspelt(tree, strict, joined, failed) {
+            return Some(fault);
+        }
+    }
+    if let Some(mut fault) = measured
         && fault.span.start > whole.start
     {
+        if let Problem::Unexpected { is_surplus, .. } = &mut fault.problem {
+            *is_surplus = parses_without(tree, strict.rule, whole, fault.span);
+        }
         return Some(fault);
     }
     if is_word(first) && !known.is_empty() && !known.contains(&first) {
-        let problem = Problem::UnknownWord {
-            word: first.to_owned(),
-            candidates: known,
-            block: Some(block_word(parent)),
-        };
+        let problem = unknown(first);
         let span = Span {
             end: span.start + first.len(),
             ..span

@@ -40,6 +40,7 @@ mod fault;
 mod faults;
 mod limits;
 mod measure;
+mod misspelt;
 mod rules;
 mod source;
 mod tree;
@@ -49,7 +50,7 @@ pub use fault::{Fault, Problem};
 pub use limits::{MAX_BYTES, MAX_NESTING, MAX_WORD_BYTES, limit_calls};
 pub use source::{FileId, Source, Sources, Span, line_and_column};
 pub use tree::{Kind, Node, Tree};
-pub use vocabulary::{Block, blocks, is_keyword, keywords, words};
+pub use vocabulary::{Block, blocks, grammar_words, is_keyword, keywords, words};
 
 use pest::Parser;
 use rules::{FabParser, Rule};
@@ -61,6 +62,8 @@ pub struct Parsed {
     pub tree: Tree,
     /// The syntax faults in source order; empty if there are none.
     pub faults: Vec<Fault>,
+    /// Whether its braces or triple quotes do not match. Nobody knows then which part belongs to which block.
+    pub is_torn: bool,
 }
 
 /// Parses a text; never fails and never panics.
@@ -71,18 +74,24 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
         return Parsed {
             tree: Tree::junk(file, text),
             faults: vec![fault],
+            is_torn: true,
         };
     }
     match FabParser::parse(Rule::file, text) {
         Ok(pairs) => {
             let tree = Tree::from_pairs(file, text, pairs);
             let faults = faults::collect(&tree);
-            Parsed { tree, faults }
+            Parsed {
+                is_torn: faults::torn(&tree, &faults).is_some(),
+                tree,
+                faults,
+            }
         }
         // The rule `file` accepts every text, so only pest's guard of the native stack can fail.
         Err(_) => Parsed {
             tree: Tree::junk(file, text),
             faults: vec![limits::too_deep(Span::new(file, 0..text.len()))],
+            is_torn: true,
         },
     }
 }

@@ -63,6 +63,7 @@ pub(crate) fn unexpected(tree: &Tree, span: Span, expected: Vec<&'static str>) -
             problem: Problem::Unexpected {
                 found: None,
                 expected,
+                is_surplus: false,
             },
         };
     }
@@ -71,6 +72,7 @@ pub(crate) fn unexpected(tree: &Tree, span: Span, expected: Vec<&'static str>) -
         problem: Problem::Unexpected {
             found: Some(found.to_owned()),
             expected,
+            is_surplus: false,
         },
     }
 }

@@ -179,6 +179,7 @@ kinds! {
     CurlyText curly_text, "A long text in typographic quotes.";
     CurlyString curly_string, "A text in typographic quotes.";
     SingleString single_string, "A text in single quotes.";
+    NoCondition no_condition, "Where a condition after `when` is missing.";
     NoOpen no_open, "Where a `{` is missing.";
     NoClose no_close, "Where a `}` is missing.";
     NoQuote no_quote, "Where a `\"` is missing.";
@@ -406,6 +407,13 @@ impl<'t> Node<'t> {
             }
         }
         false
+    }
+
+    /// Returns whether junk comes next, perhaps on a later line.
+    pub fn precedes_junk(self) -> bool {
+        let mut after = self.tree.entries[self.entry().next()..].iter();
+        let next = after.find(|entry| !entry.kind.is_trivia());
+        next.is_some_and(|entry| matches!(entry.kind, Kind::Junk | Kind::JunkSection))
     }
 
     /// Returns its children in source order, blanks and comments included.

@@ -4,7 +4,7 @@ use super::context::Context;
 use super::expressions::{
     AsPercent, FramedLength, Operand, Scope, common_frame, keypoint, kind_of, operand, point,
 };
-use super::quantity::{not_whole, out_of_range, read};
+use super::quantity::{no_unit, not_whole, out_of_range, read};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::conditions::{ANGLE_BETWEEN, MARGIN, SIGNS, Sign, WORDS, sign as meaning};
 use fab_grammar::ast::{Compare, Expr, Name, Within};
@@ -34,12 +34,18 @@ pub(crate) fn check<'a>(
         _ => word(expr, context).ok_or_else(|| {
             let diagnostic = context.unexpected(Code::WrongExpression, expr, "a condition");
             let found = context.written(expr.span()).to_lowercase();
-            context.error(diagnostic.help(match found.as_str() {
-                "true" | "false" | "none" => {
-                    "a condition compares values; remove it if it always holds"
+            let conditions = WORDS.iter().filter(|row| row.condition.is_some());
+            let meant = match expr {
+                Expr::Name(name) => nearest(name.text(), conditions.map(|row| row.name)),
+                _ => None,
+            };
+            context.error(match (found.as_str(), meant) {
+                ("true" | "false" | "none", _) => {
+                    diagnostic.help("a condition compares values; remove it if it always holds")
                 }
-                _ => FORMS,
-            }))
+                (_, Some(meant)) => diagnostic.meant(expr.span(), meant),
+                _ => diagnostic.help(FORMS),
+            })
         }),
     }
 }
@@ -350,16 +356,15 @@ fn unlike(
             Operand::Length(_) | Operand::Angle { .. } | Operand::Between { .. }
         )
     };
-    let bare = |side: &Side<'_>, words: &str| {
-        new(
-            Code::MissingUnit,
-            side.expr.span(),
-            format!("`{words}` has no unit"),
-        )
-    };
     let diagnostic = match (&left.value, &right.value) {
-        (_, Operand::Number(_)) if has_unit(left) => bare(right, &right_words),
-        (Operand::Number(_), _) if has_unit(right) => bare(left, &left_words),
+        (_, Operand::Number(_)) if has_unit(left) => {
+            return no_unit(right.expr, left_kind, context)
+                .also(left.expr.span(), format!("this is {left_kind}"));
+        }
+        (Operand::Number(_), _) if has_unit(right) => {
+            return no_unit(left.expr, right_kind, context)
+                .also(right.expr.span(), format!("this is {right_kind}"));
+        }
         _ => {
             let message = format!("{left_kind} is compared with {right_kind}");
             new(Code::WrongQuantity, right.expr.span(), message)
@@ -369,9 +374,6 @@ fn unlike(
         (Operand::Heading, _) | (_, Operand::Heading) => {
             diagnostic.help("write `angle_between(direction, from center to pick) < 45deg`")
         }
-        _ if diagnostic.span == left.expr.span() => diagnostic
-            .label(format!("expected {right_kind}"))
-            .also(right.expr.span(), format!("this is {right_kind}")),
         _ => diagnostic
             .label(format!("expected {left_kind}"))
             .also(left.expr.span(), format!("this is {left_kind}")),

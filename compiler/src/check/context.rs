@@ -182,7 +182,7 @@ impl<'a, 'r> Context<'a, 'r> {
         // A word with several forms has several rows, one after the other.
         candidates.dedup();
         let message = format!("there is no {kind} `{text}`");
-        let diagnostic = Diagnostic::new(Code::UnknownName, span, message);
+        let diagnostic = Diagnostic::new(Code::UnknownName, span, message).about(text);
         self.error(match nearest(text, candidates.iter().copied()) {
             Some(meant) => diagnostic.meant(span, meant),
             None if candidates.is_empty() => diagnostic,

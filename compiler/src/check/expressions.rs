@@ -7,7 +7,7 @@ use super::arguments::{Bound, bind, form};
 use super::context::Context;
 use super::names::Meaning;
 use super::quantity::{
-    measured, no_conversion, out_of_range, quantity_of, read, read_whole, units_of,
+    measured, no_conversion, no_unit, out_of_range, quantity_of, read, read_whole, units_of,
 };
 use super::{files, missing_action};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
@@ -637,6 +637,13 @@ pub(crate) fn heading<'a>(
                 last_field(path.text(), context)?;
             }
             let diagnostic = context.unexpected(Code::WrongExpression, expr, "a direction");
+            if let Expr::Path(path) = expr
+                && let Some((before, field)) = path.text().split_once('.')
+                && is_direction(field, context)
+                && nearest(before, ["last"]).is_some()
+            {
+                return Err(context.error(diagnostic.meant(expr.span(), &format!("last.{field}"))));
+            }
             Err(context.error(diagnostic.help("write `from center to pick`, an angle such as `45deg`, or a field of the action that is a direction")))
         }
     }
@@ -792,6 +799,10 @@ pub(crate) fn operand<'a>(
     match expr {
         Expr::Converted(converted) => {
             let value = operand(converted.value(), context)?;
+            if let (Operand::Number(_), Expr::Name(_)) = (&value, converted.value()) {
+                let diagnostic = no_unit(converted.value(), "a length or an angle", context);
+                return Err(context.error(diagnostic));
+            }
             convert(value, converted.target(), context)
         }
         _ if quantity_of(expr, context)?.is_some() => constant(expr, context),

@@ -109,5 +109,6 @@ fn has_experts(
     let message = "there is no expert result to compare with";
     let span = statement.value().span();
     let diagnostic = Diagnostic::new(Code::NothingToCompare, span, message);
-    Err(context.error(diagnostic.help("name `experts`: images do not say how the cloth ends")))
+    let diagnostic = diagnostic.help("name `experts`: images do not say how the cloth ends");
+    Err(context.missing(merged.is_damaged, span.file, diagnostic))
 }

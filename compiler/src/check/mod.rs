@@ -58,8 +58,9 @@ pub const MAX_INHERITED_BYTES: usize = 64 << 20;
 /// - `grid`: particles along X and Y; if given, it replaces the grid of every task's cloth.
 pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Report) -> Checked {
     let files = || loaded.files.iter();
-    let tasks = files().flat_map(|file| &file.tasks);
-    let lists = files().flat_map(|file| &file.experts);
+    let whole = || files().filter(|file| !loaded.is_torn(file.id));
+    let tasks = whole().flat_map(|file| &file.tasks);
+    let lists = whole().flat_map(|file| &file.experts);
     // An error outside of tasks counts against every task that sees the file, so this proof is not needed here.
     merge::unique(tasks.map(|task| task.name()), "task", report);
     merge::unique(
@@ -82,6 +83,12 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     let mut checked = Checked::default();
     let mut merged_bytes = 0;
     for (file, form) in files().zip(forms) {
+        // Its lines may be in the wrong blocks.
+        if loaded.is_torn(file.id) {
+            let tasks = file.tasks.iter();
+            tasks.for_each(|task| merge::find_bases(*task, loaded, report));
+            continue;
+        }
         let is_entry = file.id == loaded.entry().id;
         for task in &file.tasks {
             // Each task has its own report: an inherited error counts against every task that inherits it, but is

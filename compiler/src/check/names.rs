@@ -3,6 +3,7 @@
 //! Keypoints, texts that stages read, and action fields share one namespace: all can be used in a text.
 
 use crate::diag::{Report, Reported};
+use crate::lang::actions::field as moving_field;
 use crate::load::Loaded;
 use crate::merge::{Merged, declared_twice};
 use fab_grammar::FileId;
@@ -28,6 +29,8 @@ pub(crate) struct Names<'a> {
     meanings: BTreeMap<&'a str, Meaning>,
     seen_from: FileId,
     missing_base: Option<Reported>,
+    /// Whether the block of actions may be in text that did not parse.
+    may_have_fields: bool,
 }
 
 impl<'a> Names<'a> {
@@ -73,6 +76,7 @@ impl<'a> Names<'a> {
             meanings,
             seen_from: merged.task.name().span().file,
             missing_base: merged.missing_base,
+            may_have_fields: merged.actions.is_none() && merged.is_damaged,
         }
     }
 
@@ -82,6 +86,7 @@ impl<'a> Names<'a> {
             meanings: BTreeMap::new(),
             seen_from,
             missing_base: None,
+            may_have_fields: false,
         }
     }
 
@@ -111,12 +116,12 @@ impl<'a> Names<'a> {
     /// Returns the proof of an error that may hide the declaration of an unknown name: a missing task, or a part that
     /// did not parse.
     pub fn hidden(&self, name: &str, loaded: &Loaded<'_>) -> Option<Reported> {
-        let in_file = || {
-            let mut files = loaded.visible_from(self.seen_from);
-            let file = files.find(|file| file.unparsed_words.contains(name))?;
-            loaded.fault(file.id)
-        };
-        self.missing_base.or_else(in_file)
+        let is_field = self.may_have_fields && moving_field(name).is_some();
+        let in_actions = || loaded.fault(self.seen_from).filter(|_| is_field);
+        let parts = || name.split('.');
+        self.missing_base
+            .or_else(in_actions)
+            .or_else(|| parts().find_map(|part| loaded.hidden(self.seen_from, part)))
     }
 }
 

@@ -186,12 +186,13 @@ fn in_dimension<'a>(
     };
     let help = format!("write {}", example(expected));
     let diagnostic = match (expected, found.dimension) {
-        (_, Dimension::Number) => new(Code::MissingUnit, format!("`{written}` has no unit"))
-            .label(format!("expected {expected_noun}"))
-            .help(match expr {
+        (_, Dimension::Number) => {
+            let help = match expr {
                 Expr::Name(_) => format!("give the constant a unit: {}", example(expected)),
                 _ => format!("write `{written}{}`", usual_unit(expected)),
-            }),
+            };
+            no_unit(expr, expected_noun, context).help(help)
+        }
         (Dimension::Number, _) => new(
             Code::WrongQuantity,
             format!("expected a number without a unit, found `{written}`"),
@@ -215,6 +216,21 @@ fn in_dimension<'a>(
         .help(help),
     };
     Err(context.error(diagnostic))
+}
+
+/// Makes the diagnostic for a number without a unit. A constant is reported where it is declared, once for all uses.
+pub(super) fn no_unit(expr: Expr<'_>, expected: &str, context: &Context<'_, '_>) -> Diagnostic {
+    let message = format!("`{}` has no unit", context.written(expr.span()));
+    let declared = match expr {
+        Expr::Name(name) => context.constants.get(name.text()),
+        _ => None,
+    };
+    match declared {
+        Some(Ok(number)) => Diagnostic::new(Code::MissingUnit, number.span(), message)
+            .also(expr.span(), format!("expected {expected}")),
+        _ => Diagnostic::new(Code::MissingUnit, expr.span(), message)
+            .label(format!("expected {expected}")),
+    }
 }
 
 /// Reads `VALUE in UNIT` in the expected dimension.
@@ -242,6 +258,9 @@ fn converted<'a>(
         (Dimension::Length, Dimension::Pixels) => Ok(from.value * context.px_per_m()?),
         (Dimension::Pixels, Dimension::Length) => Ok(from.value / context.px_per_m()?),
         (dimension, _) => {
+            if let (Dimension::Number, Expr::Name(_)) = (dimension, value) {
+                return Err(context.error(no_unit(value, noun(expected), context)));
+            }
             let message = format!(
                 "{} cannot be converted to `{}`",
                 noun(dimension),

@@ -4,7 +4,7 @@
 //! stage says. [`super::examples`] reads examples, [`super::placeholders`] the values in texts.
 
 use super::conditions;
-use super::context::Context;
+use super::context::{Context, Declared};
 use super::examples;
 use super::missing_action::{needs_action, needs_last};
 use super::placeholders::{TextPlace, TextScope, template};
@@ -100,7 +100,9 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<
     if let (None, Some(read)) = (action(last), last.read().next()) {
         let name = last.name().text();
         let message = format!("the last stage, `{name}`, does not read the action");
-        all = Err(context.error(report(read.span(), message).help("write `read action`")));
+        let diagnostic = report(read.span(), message).help("write `read action`");
+        let is_damaged = merged.is_damaged || last.is_damaged();
+        all = Err(context.missing(is_damaged, read.span().file, diagnostic));
     }
     all
 }
@@ -119,6 +121,21 @@ pub(crate) fn guard<'a>(
         return Err(needs_last(expr.span(), "… when last and …", context));
     }
     Ok(when)
+}
+
+/// Builds the condition of a component, if it has one.
+fn component_guard<'a>(
+    component: ast::Component<'a>,
+    context: &mut Context<'a, '_>,
+) -> Declared<Condition> {
+    match (
+        component.when(),
+        context.loaded.fault(component.span().file),
+    ) {
+        (Some(expr), _) => guard(expr, context).map(Some),
+        (None, Some(reported)) if component.has_broken_guard() => Err(reported),
+        (None, _) => Ok(None),
+    }
 }
 
 /// The layers that a stage's texts name, and whether its pictures show any.
@@ -206,7 +223,10 @@ impl<'a> Builder<'_, 'a> {
         let named = std::mem::take(&mut context.named_layers);
         self.layers.push(StageLayers {
             named,
-            shows_layers: shows_layers(&pictures),
+            shows_layers: match context.loaded.fault(stage.span().file) {
+                Some(reported) if stage.is_damaged() => Err(reported),
+                _ => shows_layers(&pictures),
+            },
         });
 
         let read = read.and_then(|line| self::read(line, context));
@@ -301,9 +321,8 @@ impl<'a> Builder<'_, 'a> {
             );
             let span = self.merged.task.name().span();
             let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message);
-            return Err(
-                context.error(diagnostic.also(line.span(), "all of these components are left out"))
-            );
+            let diagnostic = diagnostic.also(line.span(), "all of these components are left out");
+            return Err(context.missing(stage.is_damaged(), line.span().file, diagnostic));
         }
         Ok(names)
     }
@@ -329,10 +348,7 @@ impl<'a> Builder<'_, 'a> {
         };
         // Each stage that says it checks it again, because later stages know more names.
         if self.last_use.insert(text, number) != Some(number) {
-            let when = component
-                .when()
-                .map(|expr| guard(expr, context))
-                .transpose();
+            let when = component_guard(component, context);
             let guarded = format!("component {text}");
             self.build(text, &guarded, component.text(), when, number, context);
         }
@@ -418,10 +434,7 @@ impl<'a> Builder<'_, 'a> {
             if self.last_use.contains_key(name.text()) {
                 continue;
             }
-            let when = component
-                .when()
-                .map(|expr| guard(expr, context))
-                .transpose();
+            let when = component_guard(component, context);
             let scope = TextScope {
                 place: TextPlace::Nowhere,
                 has_last: true,
@@ -456,16 +469,19 @@ impl<'a> Builder<'_, 'a> {
     fn layers(&self, context: &mut Context<'a, '_>) -> Result<(), Reported> {
         let mut all = Ok(());
         for stage in &self.layers {
-            for (layer, span) in stage
-                .named
-                .iter()
-                .filter(|_| stage.shows_layers == Ok(false))
-            {
-                let message = format!("no picture of this stage shows `{layer}`");
-                let diagnostic = Diagnostic::new(Code::LayerNotShown, *span, message);
-                let help = "write `show scene with annotations` in the stage";
-                all = Err(context.error(diagnostic.help(help)));
+            let mut named = stage.named.iter();
+            if stage.shows_layers != Ok(false) {
+                continue;
             }
+            let Some((layer, span)) = named.next() else {
+                continue;
+            };
+            let message = format!("no picture of this stage shows `{layer}`");
+            let diagnostic = Diagnostic::new(Code::LayerNotShown, *span, message)
+                .help("write `show scene with annotations` in the stage");
+            let others = named.filter(|(other, _)| other != layer);
+            all = Err(context
+                .error(others.fold(diagnostic, |it, (_, span)| it.also(*span, "nor this one"))));
         }
         // A variant may remove the text that names a layer; that is no mistake.
         let merged = self.merged;
@@ -474,15 +490,21 @@ impl<'a> Builder<'_, 'a> {
         }
         let named = self.layers.iter().flat_map(|stage| &stage.named);
         let named: BTreeSet<&str> = named.map(|(layer, _)| layer.as_str()).collect();
-        for layer in merged.annotate.into_iter().flat_map(|part| part.list()) {
-            let name = layer.name().text();
-            if matches!(context.layers.get(name), Some(Ok(_))) && !named.contains(name) {
-                let message = format!("the layer `{name}` is drawn, but no prompt says what it is");
-                let diagnostic = Diagnostic::new(Code::LayerNotNamed, layer.name().span(), message);
-                let help = format!("write `{{{{ {name} }}}}` in a text of the stage that shows it");
-                all = Err(context.error(diagnostic.help(help)));
-            }
-        }
+        let drawn = merged.annotate.into_iter().flat_map(|part| part.list());
+        let mut unnamed = drawn.map(|layer| layer.name()).filter(|name| {
+            let is_right = matches!(context.layers.get(name.text()), Some(Ok(_)));
+            is_right && !named.contains(name.text())
+        });
+        let Some(first) = unnamed.next() else {
+            return all;
+        };
+        let name = first.text();
+        let message = format!("the layer `{name}` is drawn, but no prompt says what it is");
+        let diagnostic = Diagnostic::new(Code::LayerNotNamed, first.span(), message).help(format!(
+            "write `{{{{ {name} }}}}` in a text of the stage that shows it"
+        ));
+        let diagnostic = unnamed.fold(diagnostic, |it, name| it.also(name.span(), "nor this one"));
+        all = Err(context.error(diagnostic));
         all
     }
 }

@@ -1,4 +1,4 @@
-//! `test "…" { given … reply "…" expect … }`: an answer and its expected verdict.
+//! `test "…" { given NAME = … reply "…" expect … }`: an answer and its expected verdict.
 
 use super::context::{Context, Declared};
 use super::examples::plain;
@@ -91,7 +91,7 @@ fn required<T>(
         let span = test.head_span();
         let message = format!("the test lacks {what}");
         let diagnostic = Diagnostic::new(Code::TestIncomplete, span, message);
-        let help = "write `test \"what it shows\" { given … reply \"…\" expect accept }`";
+        let help = "write `test \"what it shows\" { given NAME = … reply \"…\" expect accept }`";
         context.missing(test.is_damaged(), span.file, diagnostic.help(help))
     })
 }
@@ -144,8 +144,13 @@ fn given<'a>(test: ast::Test<'a>, context: &mut Context<'a, '_>) -> Result<Given
         [Some(_), None] | [None, Some(_)] => {
             let message = "the previous action must have both a pick and a place";
             let diagnostic = Diagnostic::new(Code::TestIncomplete, test.head_span(), message);
-            let help = "give both `last.pick` and `last.place`";
-            return Err(context.error(diagnostic.help(help)));
+            let diagnostic = diagnostic.help("give both `last.pick` and `last.place`");
+            // A misspelt `last` may give the other one.
+            let mut names = test.given().map(|part| part.name().text());
+            if names.any(|name| name.contains('.') && !name.starts_with("last.")) {
+                all?;
+            }
+            return Err(context.missing(test.is_damaged(), test.head_span().file, diagnostic));
         }
     };
     all.map(|()| given)

@@ -90,7 +90,8 @@ fn declared<'a>(
     // If the guard has an error, check the rest as if there was a previous action.
     let implies_last =
         |when: &Result<Condition, _>| when.as_ref().map_or(true, |it| it.implies_last());
-    let has_last = when.as_ref().is_some_and(|(_, when)| implies_last(when));
+    let has_last =
+        check.has_broken_guard() || when.as_ref().is_some_and(|(_, when)| implies_last(when));
     let allowed =
         |condition: Condition, expr: Expr<'a>, guarded: &str, context: &mut Context<'a, '_>| {
             match condition.uses().last && !has_last {
@@ -120,7 +121,8 @@ fn declared<'a>(
     let Some(text) = check.message() else {
         let diagnostic = lacks(Code::MissingMessage, "why it refuses");
         let diagnostic = diagnostic.help("add `else \"…\"` after the condition");
-        return Err(context.missing(check.is_damaged(), file, diagnostic));
+        let is_damaged = check.is_damaged() || check.node().precedes_junk();
+        return Err(context.missing(is_damaged, file, diagnostic));
     };
     let scope = TextScope {
         place: TextPlace::Message,
@@ -256,7 +258,9 @@ fn relaxed<'a>(
 
 /// Reports a name that no check has, or a check that cannot be removed.
 fn not_relaxed<'a>(name: Name<'a>, merged: &Merged<'a>, context: &mut Context<'a, '_>) -> Reported {
-    let new = |message: String| Diagnostic::new(Code::NothingToRemove, name.span(), message);
+    let new = |message: String| {
+        Diagnostic::new(Code::NothingToRemove, name.span(), message).about(name.text())
+    };
     if let Some(row) = given(name.text()) {
         let diagnostic = new(format!("`{}` cannot be left out", row.name));
         return context.error(diagnostic.help(format!("{} cannot be executed", row.refuses)));

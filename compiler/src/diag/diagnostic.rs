@@ -22,6 +22,8 @@ pub struct Diagnostic {
     pub help: Vec<String>,
     /// Changes that repair it, all equally certain.
     pub edits: Vec<Edit>,
+    /// The undeclared name that it is about, if any: all uses of one name in a file are one finding.
+    pub(super) undeclared: Option<String>,
 }
 
 /// A secondary location.
@@ -78,6 +80,7 @@ impl Diagnostic {
             labels: Vec::new(),
             help: Vec::new(),
             edits: Vec::new(),
+            undeclared: None,
         }
     }
 
@@ -85,6 +88,27 @@ impl Diagnostic {
     pub(crate) fn label(mut self, text: impl Into<String>) -> Diagnostic {
         self.label = text.into();
         self
+    }
+
+    /// States that it is about an undeclared name.
+    pub(crate) fn about(mut self, name: &str) -> Diagnostic {
+        self.undeclared = Some(name.to_owned());
+        self
+    }
+
+    /// Takes another use of the same undeclared name: the first in the file is the main location.
+    pub(super) fn also_used(&mut self, mut other: Diagnostic) {
+        const MOST: usize = 8;
+        if other.span < self.span {
+            std::mem::swap(self, &mut other);
+            self.labels.append(&mut other.labels);
+        }
+        if self.labels.len() < MOST {
+            self.labels.push(Label {
+                span: other.span,
+                text: "here too".to_owned(),
+            });
+        }
     }
 
     /// Adds a secondary location.

@@ -26,6 +26,8 @@ pub(crate) struct Report {
     seen: BTreeSet<(Span, Code, u64)>,
     /// For each severity, the number of findings, and how many of them are kept.
     counts: BTreeMap<Severity, (usize, usize)>,
+    /// The finding about each undeclared name of a file.
+    undeclared: BTreeMap<(FileId, String), usize>,
     /// The files with the main location of an error.
     files_with_errors: BTreeSet<FileId>,
 }
@@ -61,6 +63,14 @@ impl Report {
         let key = (diagnostic.span, diagnostic.code, digest.finish());
         if !self.seen.insert(key) {
             return;
+        }
+        if let Some(name) = &diagnostic.undeclared {
+            let use_of = (diagnostic.span.file, name.clone());
+            if let Some(first) = self.undeclared.get(&use_of) {
+                self.found[*first].also_used(diagnostic);
+                return;
+            }
+            self.undeclared.insert(use_of, self.found.len());
         }
         if diagnostic.severity == Severity::Error {
             self.files_with_errors.insert(diagnostic.span.file);

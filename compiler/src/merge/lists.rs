@@ -1,6 +1,7 @@
 //! Lists of named parts, and statements that may appear only once.
 
 use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
+use crate::load::Loaded;
 use fab_grammar::Span;
 use fab_grammar::ast::Name;
 use std::collections::{BTreeMap, BTreeSet};
@@ -190,10 +191,21 @@ pub(super) const LEAVE_OUT: Change = Change {
 };
 
 impl Change {
-    /// Makes the diagnostic for a name that is not inherited; it lists the names that are.
-    pub fn impossible(&self, kind: &str, name: Name<'_>, inherited: &BTreeSet<&str>) -> Diagnostic {
+    /// Reports a name that is not inherited, and lists the names that are; nothing if it may be in text that did not
+    /// parse.
+    pub fn impossible<'a>(
+        &self,
+        kind: &str,
+        name: Name<'a>,
+        inherited: &BTreeSet<&str>,
+        loaded: &Loaded<'a>,
+        report: &mut Report,
+    ) -> Reported {
+        if let Some(reported) = loaded.hidden(name.span().file, name.text()) {
+            return reported;
+        }
         let message = format!("there is no {kind} `{}` to {}", name.text(), self.verb);
-        let diagnostic = Diagnostic::new(self.code, name.span(), message);
+        let diagnostic = Diagnostic::new(self.code, name.span(), message).about(name.text());
         let diagnostic = match nearest(name.text(), inherited.iter().copied()) {
             Some(meant) => diagnostic.meant(name.span(), meant),
             None if inherited.is_empty() => diagnostic.help(format!(
@@ -201,12 +213,12 @@ impl Change {
             )),
             None => diagnostic.help(format!("it inherits {}", among(inherited.iter().copied()))),
         };
-        match self.adds {
+        report.error(match self.adds {
             Adds::No => diagnostic,
             Adds::Perhaps => diagnostic.help(format!(
                 "to add a {kind}, write `{kind} {}` without `override`",
                 name.text()
             )),
-        }
+        })
     }
 }

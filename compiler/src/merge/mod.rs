@@ -149,15 +149,20 @@ pub(crate) fn merge<'a>(
     };
     for task in chain.into_iter().rev() {
         merged.forget_what_is_not_inherited();
-        merged.add(task.body(), report);
-        merged.add_variants(task, report);
+        merged.add(task.body(), loaded, report);
+        merged.add_variants(task, loaded, report);
     }
     match merged.variant.as_ref().map(|variant| variant.change) {
-        Some(VariantChange::Body(body)) => merged.add(body, report),
-        Some(VariantChange::Without(name)) => merged.leave_out(name, report),
+        Some(VariantChange::Body(body)) => merged.add(body, loaded, report),
+        Some(VariantChange::Without(name)) => merged.leave_out(name, loaded, report),
         None => {}
     }
     merged
+}
+
+/// Reports a task that is extended but missing.
+pub(crate) fn find_bases<'a>(task: Task<'a>, loaded: &Loaded<'a>, report: &mut Report) {
+    chain(task, loaded, report);
 }
 
 /// Returns the task and those it extends, and the proof that one of them is missing, if one is.
@@ -169,8 +174,11 @@ fn chain<'a>(
     let mut chain = vec![task];
     let mut above = task;
     while let Some(base) = above.extends() {
-        let Some(found) = loaded.task(base.span().file, base.text()) else {
-            return (chain, Some(report.error(unknown_task(base, loaded))));
+        let file = base.span().file;
+        let Some(found) = loaded.task(file, base.text()) else {
+            let hidden = loaded.hidden(file, base.text());
+            let reported = hidden.unwrap_or_else(|| report.error(unknown_task(base, loaded)));
+            return (chain, Some(reported));
         };
         let is_known = |seen: &Task<'_>| seen.name().span() == found.name().span();
         if chain.iter().any(is_known) {
@@ -191,7 +199,8 @@ fn chain<'a>(
         chain.push(found);
         above = found;
     }
-    (chain, None)
+    let fault = loaded.fault(above.name().span().file);
+    (chain, fault.filter(|_| above.may_extend()))
 }
 
 fn unknown_task(base: Name<'_>, loaded: &Loaded<'_>) -> Diagnostic {
@@ -225,7 +234,7 @@ impl<'a> Merged<'a> {
         self.statements.retain(|word, _| !never(word));
     }
 
-    fn add(&mut self, body: Body<'a>, report: &mut Report) {
+    fn add(&mut self, body: Body<'a>, loaded: &Loaded<'a>, report: &mut Report) {
         let mut statements: BTreeMap<&str, Statement<'_>> = BTreeMap::new();
         for statement in body.statements() {
             let word = statement.word().text();
@@ -263,10 +272,10 @@ impl<'a> Merged<'a> {
             self.stages.put(stage.name().text(), stage);
             self.said.insert(stage.name().text(), Said::of(stage));
         }
-        self.add_components(body, report);
+        self.add_components(body, loaded, report);
         self.is_damaged |= body.is_damaged();
         self.add_sayings(body, report);
-        self.add_checks(body, report);
+        self.add_checks(body, loaded, report);
         self.bytes += body.bytes();
     }
 
@@ -289,11 +298,11 @@ impl<'a> Merged<'a> {
     // ---- components ----------------------------------------------------------------------------
 
     /// Adds and replaces components.
-    fn add_components(&mut self, body: Body<'a>, report: &mut Report) {
+    fn add_components(&mut self, body: Body<'a>, loaded: &Loaded<'a>, report: &mut Report) {
         self.distinct(body.components().map(|it| it.name()), "component", report);
         let inherited = self.component_names();
         for name in body.without() {
-            self.leave_out(name, report);
+            self.leave_out(name, loaded, report);
         }
         for component in body.components() {
             let name = component.name();
@@ -306,9 +315,13 @@ impl<'a> Merged<'a> {
                     self.joined = Err(report.error(unmarked("component", name, before, help)));
                 }
                 Declares::Override if !is_inherited && self.missing_base.is_none() => {
-                    let diagnostic = OVERRIDE.impossible("component", name, &inherited);
-                    self.joined = Err(report.error(diagnostic));
-                    continue;
+                    let reported =
+                        OVERRIDE.impossible("component", name, &inherited, loaded, report);
+                    self.joined = Err(reported);
+                    // One that may be inherited stays, so that its uses are not reported too.
+                    if loaded.hidden(name.span().file, name.text()).is_none() {
+                        continue;
+                    }
                 }
                 Declares::New | Declares::Override => {}
             }
@@ -318,12 +331,12 @@ impl<'a> Merged<'a> {
     }
 
     /// Removes a component; reports an error if there is none of this name.
-    fn leave_out(&mut self, name: Name<'a>, report: &mut Report) {
+    fn leave_out(&mut self, name: Name<'a>, loaded: &Loaded<'a>, report: &mut Report) {
         if self.components.remove(name.text()).is_some() {
             self.removed.insert(name.text());
         } else if !self.removed.contains(name.text()) {
             let inherited = self.component_names();
-            self.not_left_out("component", name, &inherited, report);
+            self.not_left_out("component", name, &inherited, loaded, report);
         }
     }
 
@@ -466,16 +479,22 @@ impl<'a> Merged<'a> {
     // ---- checks --------------------------------------------------------------------------------
 
     /// Takes over the checks of a `verify`, or changes inherited ones.
-    fn add_checks(&mut self, body: Body<'a>, report: &mut Report) {
+    fn add_checks(&mut self, body: Body<'a>, loaded: &Loaded<'a>, report: &mut Report) {
         let verify = once(body.verify(), "verify", |it| it.head_span(), report);
         match self.only(verify) {
-            Some(verify) => self.restate_checks(body, verify, report),
-            None => self.change_checks(body, report),
+            Some(verify) => self.restate_checks(body, verify, loaded, report),
+            None => self.change_checks(body, loaded, report),
         }
     }
 
     /// Takes over the checks of a `verify` of the body's own, and drops the inherited ones.
-    fn restate_checks(&mut self, body: Body<'a>, verify: Verify<'a>, report: &mut Report) {
+    fn restate_checks(
+        &mut self,
+        body: Body<'a>,
+        verify: Verify<'a>,
+        loaded: &Loaded<'a>,
+        report: &mut Report,
+    ) {
         for check in body.override_checks() {
             self.joined = Err(report.error(not_inherited(check.name(), verify)));
         }
@@ -492,7 +511,7 @@ impl<'a> Merged<'a> {
             } else if inherited.contains(name.text()) {
                 left_out.insert(name.text());
             } else {
-                self.not_left_out("check", name, &inherited, report);
+                self.not_left_out("check", name, &inherited, loaded, report);
             }
         }
         self.replaced = Replaced {
@@ -508,7 +527,7 @@ impl<'a> Merged<'a> {
     }
 
     /// Adds, replaces and removes single checks.
-    fn change_checks(&mut self, body: Body<'a>, report: &mut Report) {
+    fn change_checks(&mut self, body: Body<'a>, loaded: &Loaded<'a>, report: &mut Report) {
         let stated = body.checks().chain(body.override_checks());
         self.distinct(stated.map(|check| check.name()), "check", report);
         let inherited: BTreeSet<&str> = self.check_names().collect();
@@ -516,7 +535,7 @@ impl<'a> Merged<'a> {
             if self.checks.remove(name.text()).is_some() {
                 self.removed_checks.insert(name.text());
             } else if !self.removed_checks.contains(name.text()) {
-                self.not_left_out("check", name, &inherited, report);
+                self.not_left_out("check", name, &inherited, loaded, report);
             }
         }
         let left: BTreeSet<&str> = self.check_names().collect();
@@ -524,8 +543,8 @@ impl<'a> Merged<'a> {
             if left.contains(check.name().text()) {
                 self.checks.put(check.name().text(), check);
             } else if self.missing_base.is_none() {
-                let diagnostic = OVERRIDE.impossible("check", check.name(), &left);
-                self.joined = Err(report.error(diagnostic));
+                let reported = OVERRIDE.impossible("check", check.name(), &left, loaded, report);
+                self.joined = Err(reported);
             }
         }
         for check in body.checks() {
@@ -547,11 +566,12 @@ impl<'a> Merged<'a> {
         kind: &str,
         name: Name<'a>,
         inherited: &BTreeSet<&str>,
+        loaded: &Loaded<'a>,
         report: &mut Report,
     ) {
         if self.missing_base.is_none() {
-            let diagnostic = LEAVE_OUT.impossible(kind, name, inherited);
-            self.joined = Err(report.error(diagnostic));
+            let reported = LEAVE_OUT.impossible(kind, name, inherited, loaded, report);
+            self.joined = Err(reported);
         }
     }
 
@@ -563,7 +583,7 @@ impl<'a> Merged<'a> {
     // ---- variants ------------------------------------------------------------------------------
 
     /// Removes inherited variants of one task.
-    fn leave_out_variants(&mut self, task: Task<'a>, report: &mut Report) {
+    fn leave_out_variants(&mut self, task: Task<'a>, loaded: &Loaded<'a>, report: &mut Report) {
         let left_out: Vec<Name<'a>> = task.without_variants().collect();
         let names: BTreeSet<String> = self.variants.iter().map(|it| it.name.clone()).collect();
         let inherited: BTreeSet<&str> = names.iter().map(String::as_str).collect();
@@ -571,7 +591,7 @@ impl<'a> Merged<'a> {
             if inherited.contains(name.text()) {
                 self.removed_variants.insert(name.text());
             } else if !self.removed_variants.contains(name.text()) {
-                self.not_left_out("variant", *name, &inherited, report);
+                self.not_left_out("variant", *name, &inherited, loaded, report);
             }
         }
         let removed: BTreeSet<&str> = left_out.iter().map(|name| name.text()).collect();
@@ -580,8 +600,8 @@ impl<'a> Merged<'a> {
     }
 
     /// Adds the variants of one task; a later one replaces an earlier one of the same name.
-    fn add_variants(&mut self, task: Task<'a>, report: &mut Report) {
-        self.leave_out_variants(task, report);
+    fn add_variants(&mut self, task: Task<'a>, loaded: &Loaded<'a>, report: &mut Report) {
+        self.leave_out_variants(task, loaded, report);
         let declared = task.variants().map(|variant| VariantOf {
             name: variant.name().text().to_owned(),
             change: VariantChange::Body(variant.body()),

@@ -130,8 +130,8 @@ pub(super) fn recognise(
         {
             fault(span, "a number has no exponent".to_owned()).help("write all of its digits")
         }
-        _ if rest.starts_with('"') && text[..span.start].ends_with("\"\"") => fault(
-            span,
+        _ if rest.starts_with("\"\"\"") => fault(
+            sign("\"\"\""),
             "a text of several lines is not allowed here".to_owned(),
         )
         .help("write one line between `\"` and `\"`"),
@@ -139,7 +139,6 @@ pub(super) fn recognise(
             fault(span, format!("expected `(`, found `{found}`"))
                 .help(format!("write `expect reject({found})`"))
         }
-        ":" | "=" => usual().help(format!("remove the `{found}`")),
         "}" | ")" if before.ends_with(',') => usual().help("remove the comma before it"),
         "“" | "”" | "'" | "‘" | "’" => usual().help("write straight double quotes `\"`"),
         "[" | "]" => {

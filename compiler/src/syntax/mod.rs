@@ -23,8 +23,24 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
         Problem::LongWord { limit } => {
             Diagnostic::new(Code::WordTooLong, span, format!("a word has more than {limit} letters"))
         }
-        Problem::Unexpected { found, expected } => unexpected(span, found.as_deref(), expected, text),
+        Problem::Unexpected { found, expected, is_surplus } => {
+            let diagnostic = unexpected(span, found.as_deref(), expected, text);
+            match found.as_deref() {
+                Some(sign @ (":" | "=")) if *is_surplus && diagnostic.edits.is_empty() => {
+                    diagnostic.help(format!("remove the `{sign}`")).likely(span, "")
+                }
+                _ => diagnostic,
+            }
+        }
         Problem::UnknownWord { word, candidates, block } => unknown_word(span, word, candidates, block.as_deref()),
+        Problem::Misspelt { word, meant } => {
+            let message = format!("expected {}, found `{word}`", among(meant.iter().copied()));
+            let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
+            match meant.as_slice() {
+                [only] => diagnostic.meant(span, only),
+                _ => diagnostic,
+            }
+        }
         Problem::MissingOpen { block } => {
             Diagnostic::new(Code::MissingBrace, span, format!("`{block}` has no `{{`")).label("expected `{`").likely(span, " {")
         }
