@@ -10,13 +10,15 @@
 use crate::diag::{Code, Diagnostic, Edit};
 use crate::{Compiled, LoadError, Loader, compile};
 use fab_grammar::Span;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 /// The most rounds. One finding may hide another of the same line, so few files need more than three.
-const MAX_ROUNDS: usize = 20;
+const MAX_ROUNDS: usize = 8;
 
-/// The most text that one round compiles, bytes: enough to try each of a thousand edits of a task of 8 kB by itself.
-const MAX_ROUND_BYTES: usize = 16 << 20;
+/// The most text that one round compiles, bytes: a task of 8 kB is compiled 256 times. Edits that are not tried by
+/// then are not made.
+const MAX_ROUND_BYTES: usize = 2 << 20;
 
 /// The most findings that an edit may uncover, one after another, if each has a certain edit of its own.
 const MAX_CHAIN: usize = 8;
@@ -118,7 +120,8 @@ struct Round<'a> {
     loader: &'a dyn Loader,
     texts: &'a Texts,
     compiled: &'a Compiled,
-    n_trials: usize,
+    /// How often it may still compile.
+    n_left: Cell<usize>,
 }
 
 /// Edited texts, compiled.
@@ -150,12 +153,16 @@ impl<'a> Round<'a> {
             loader,
             texts,
             compiled,
-            n_trials: (MAX_ROUND_BYTES / n_bytes.max(1)).max(1),
+            n_left: Cell::new((MAX_ROUND_BYTES / n_bytes.max(1)).max(1)),
         }
     }
 
-    /// Returns the diagnostics whose edits may be tried.
+    /// Returns the diagnostics whose edits may be tried; none if findings are left out, since one of those could be
+    /// taken for a new one.
     fn certain(&self, may_change: &dyn Fn(&str) -> bool) -> Vec<usize> {
+        if self.compiled.left_out > 0 {
+            return Vec::new();
+        }
         let sources = &self.compiled.sources;
         let may = |edit: &Edit| may_change(&sources.get(edit.span.file).name);
         let diagnostics = self.compiled.diagnostics.iter().enumerate();
@@ -168,13 +175,11 @@ impl<'a> Round<'a> {
     /// Returns the edits that pass: all together if they can, otherwise found by halving.
     fn accepted(&self, candidates: Vec<usize>) -> Accepted {
         let mut accepted = Accepted::default();
-        let mut n_left = self.n_trials;
         let mut untried = vec![candidates];
         while let Some(group) = untried.pop() {
-            if group.is_empty() || n_left == 0 {
+            if group.is_empty() || self.n_left.get() == 0 {
                 continue;
             }
-            n_left -= 1;
             let together = [accepted.indices.as_slice(), &group].concat();
             if let Some(trial) = self.attempt(&together) {
                 accepted = Accepted {
@@ -204,8 +209,7 @@ impl<'a> Round<'a> {
         for _ in 0..MAX_CHAIN {
             let added = added(&trial.compiled, &allowed);
             if added.is_empty() {
-                let is_whole = trial.compiled.left_out <= self.compiled.left_out;
-                return is_whole.then_some(trial);
+                return (trial.compiled.left_out == 0).then_some(trial);
             }
             let may_follow = |index: &usize| {
                 let diagnostic = &trial.compiled.diagnostics[*index];
@@ -273,6 +277,7 @@ impl<'a> Round<'a> {
             texts: &texts,
             loader: self.loader,
         };
+        self.n_left.set(self.n_left.get().checked_sub(1)?);
         let compiled = compile(self.entry, &overlay).ok()?;
         Some(Trial { files, compiled })
     }

@@ -37,7 +37,7 @@ pub fn run(found: &mut [Result<String, Failure>], io: &Io) {
     for (name, count) in &changes {
         io.talk(&format!("{name}: {}", counted(*count, "change")));
     }
-    let named = found.iter().flatten().filter_map(|it| real(it));
+    let named = found.iter().flatten().filter_map(real);
     let named: BTreeSet<PathBuf> = named.collect();
     let mut unchanged: BTreeMap<String, (&str, usize)> = BTreeMap::new();
     for file in found.iter().flatten() {
