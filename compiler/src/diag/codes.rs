@@ -133,7 +133,7 @@ codes! {
 
     "F0103" MissingBrace Error
     "a brace is missing"
-    "Blocks open with `{` and close with `}`. For a missing `}` the message marks the `{` that is still open."
+    "Blocks open with `{` and close with `}`. For a missing `}` the message marks the `{` that is still open. Until the braces of a file match, its tasks and those that use it are not checked further."
 
     "F0104" StrayBrace Error
     "a `}` closes nothing"
