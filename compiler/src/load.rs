@@ -9,7 +9,7 @@ use crate::loader::{LoadError, Loader};
 use crate::path;
 use crate::syntax;
 use fab_grammar::ast::{Experts, Name, Task};
-use fab_grammar::{FileId, Sources, Span, Tree};
+use fab_grammar::{FileId, Kind, Node, Sources, Span, Tree};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most files in one compilation.
@@ -55,6 +55,8 @@ pub(crate) struct Loaded<'a> {
     sizes: BTreeMap<Span, usize>,
     /// The tasks that others extend, by the spans of their names.
     extended: BTreeSet<Span>,
+    /// The words of all files that use a name; those that only declare a constant or a keypoint are left out.
+    used: BTreeSet<&'a str>,
 }
 
 impl<'a> Loaded<'a> {
@@ -86,6 +88,7 @@ impl<'a> Loaded<'a> {
             files,
             sizes,
             extended: BTreeSet::new(),
+            used: texts.trees.iter().flat_map(used).collect(),
         };
         let tasks = loaded.files.iter().flat_map(|file| &file.tasks);
         let bases = tasks.filter_map(|task| task.extends());
@@ -116,6 +119,12 @@ impl<'a> Loaded<'a> {
     /// Returns whether another task extends this one.
     pub fn is_extended(&self, task: Task<'a>) -> bool {
         self.extended.contains(&task.name().span())
+    }
+
+    /// Returns whether any file uses a constant or a keypoint of this name, or may do so in text that did not parse.
+    pub fn is_used(&self, name: &str) -> bool {
+        let mut files = self.files.iter();
+        self.used.contains(name) || files.any(|file| file.unparsed_words.contains(name))
     }
 
     /// Returns the files whose declarations `file` sees, in the order in which they were read.
@@ -322,6 +331,25 @@ impl Reading<'_> {
             self.unreadable.insert(name.to_owned(), error.clone());
         })
     }
+}
+
+/// Returns the names of a file, except where one declares a constant or a keypoint.
+fn used(tree: &Tree) -> impl Iterator<Item = &str> {
+    let names = tree.nodes().filter(|node| match node.kind() {
+        Kind::Path => true,
+        Kind::Name => !declares(*node),
+        _ => false,
+    });
+    names.flat_map(|node| node.text().split('.'))
+}
+
+/// Returns whether a name is the one that a constant or a keypoint declares.
+fn declares(name: Node<'_>) -> bool {
+    let declaration = name
+        .parent()
+        .filter(|parent| matches!(parent.kind(), Kind::Constant | Kind::Keypoint));
+    let declared = declaration.and_then(|declaration| declaration.child(Kind::Name));
+    declared.is_some_and(|declared| declared.range() == name.range())
 }
 
 fn first_of_each_name<'a>(names: impl Iterator<Item = Name<'a>>) -> BTreeMap<&'a str, usize> {

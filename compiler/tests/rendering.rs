@@ -138,7 +138,7 @@ fn said(text: &str) -> Option<String> {
 }
 
 fn with_text(text: &str) -> Option<Program> {
-    common::compile("task.fab", &TASK.replace("\"What is folded?\"", text))
+    common::compile("task.fab", &TASK.replace("\"What is folded? Instructions: ...\"", text))
         .programs
         .pop()
 }
