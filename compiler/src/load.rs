@@ -4,7 +4,7 @@
 //! `use`. [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`] limit the work. No path may leave the entry's
 //! folder, except into a folder `lib` beside it.
 
-use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported};
+use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported, is_hidden, turns_writing};
 use crate::loader::{LoadError, Loader};
 use crate::path;
 use crate::syntax;
@@ -224,6 +224,7 @@ impl Reading<'_> {
         for fault in &parsed.faults[..n_reported] {
             self.report.error(syntax::diagnose(fault, text));
         }
+        self.hidden_characters(file);
         self.texts.faults.push(
             self.report
                 .error_in(file)
@@ -233,6 +234,24 @@ impl Reading<'_> {
         self.texts.portable_names.push(portable_name);
         self.texts.reach.push(BTreeSet::from([file]));
         file
+    }
+
+    /// Reports the characters of a file that a reader does not see.
+    fn hidden_characters(&mut self, file: FileId) {
+        let text = &self.texts.sources.get(file).text;
+        let hidden = || text.char_indices().filter(|(_, it)| is_hidden(*it));
+        for (at, character) in hidden().take(MAX_FINDINGS) {
+            let shown = character.escape_unicode();
+            let message = match turns_writing(character) {
+                true => format!("the character `{shown}` turns the direction of writing"),
+                false => format!("the character `{shown}` is not visible"),
+            };
+            let span = Span::new(file, at..at + character.len_utf8());
+            let diagnostic = Diagnostic::new(Code::ControlCharacter, span, message);
+            self.report.error(diagnostic.help("remove it"));
+        }
+        let further = hidden().count().saturating_sub(MAX_FINDINGS);
+        self.report.count_further(further, file);
     }
 
     /// Reads the files that a file uses; recursion is bounded by [`MAX_USE_DEPTH`].

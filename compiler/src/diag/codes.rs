@@ -123,6 +123,10 @@ codes! {
     "a path is not of the right form"
     "Paths are relative, with `/` between folders, without `{{ … }}`, and not empty. They stay in the folder of the first file and in those below. This way a task works on every machine, and reads no other files."
 
+    "F0006" ControlCharacter Error
+    "a file has a character that nobody sees"
+    "Control characters such as NUL and escape, and characters that turn the direction of writing, change what a terminal or an editor shows. A reader would see another text than the model. Only line ends and tabs are accepted."
+
     "F0101" Unexpected Error
     "unexpected text"
     "The marked place does not fit the form of the language. The message lists what would fit."

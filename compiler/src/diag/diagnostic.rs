@@ -1,6 +1,7 @@
 //! One finding, as data.
 
 use super::codes::{Code, Severity};
+use super::visible::visible;
 use fab_grammar::Span;
 
 /// One finding.
@@ -59,7 +60,8 @@ impl Diagnostic {
         Diagnostic {
             code,
             severity: code.entry().severity,
-            message: message.into(),
+            // A message quotes the file, and a file may hold characters that a terminal acts on.
+            message: visible(&message.into()).into_owned(),
             span,
             label: String::new(),
             labels: Vec::new(),
@@ -70,7 +72,7 @@ impl Diagnostic {
 
     /// Sets the label at the main location.
     pub(crate) fn label(mut self, text: impl Into<String>) -> Diagnostic {
-        self.label = text.into();
+        self.label = visible(&text.into()).into_owned();
         self
     }
 
@@ -78,14 +80,14 @@ impl Diagnostic {
     pub(crate) fn also(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
         self.labels.push(Label {
             span,
-            text: text.into(),
+            text: visible(&text.into()).into_owned(),
         });
         self
     }
 
     /// Adds advice.
     pub(crate) fn help(mut self, text: impl Into<String>) -> Diagnostic {
-        self.help.push(text.into());
+        self.help.push(visible(&text.into()).into_owned());
         self
     }
 

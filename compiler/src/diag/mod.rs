@@ -9,6 +9,7 @@ mod json;
 mod report;
 mod suggest;
 mod text;
+mod visible;
 
 pub use codes::{CODES, Code, CodeEntry, GROUPS, Severity};
 pub use diagnostic::{Certainty, Diagnostic, Edit, Label};
@@ -16,5 +17,7 @@ pub use json::to_json;
 pub use report::MAX_FINDINGS;
 pub(crate) use report::{Report, Reported};
 pub use text::{Color, to_text};
+pub(crate) use visible::turns_writing;
+pub use visible::{is_hidden, visible};
 
 pub use suggest::{among, nearest};
