@@ -5,7 +5,7 @@
 //! folder, except into a folder `lib` beside it.
 
 use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported, is_hidden, turns_writing};
-use crate::loader::{LoadError, Loader};
+use crate::loader::{Listed, LoadError, Loader};
 use crate::path;
 use crate::syntax;
 use fab_grammar::ast::{Experts, Name, Task};
@@ -57,11 +57,12 @@ pub(crate) struct Loaded<'a> {
     extended: BTreeSet<Span>,
     /// The words of all files that use a name; those that only declare a constant or a keypoint are left out.
     used: BTreeSet<&'a str>,
+    loader: &'a dyn Loader,
 }
 
 impl<'a> Loaded<'a> {
     /// Views the files of `texts`.
-    pub fn of(texts: &'a Texts) -> Loaded<'a> {
+    pub fn of(texts: &'a Texts, loader: &'a dyn Loader) -> Loaded<'a> {
         let mut sizes = BTreeMap::new();
         let mut files = Vec::with_capacity(texts.trees.len());
         for tree in &texts.trees {
@@ -88,6 +89,7 @@ impl<'a> Loaded<'a> {
             files,
             sizes,
             extended: BTreeSet::new(),
+            loader,
             used: texts.trees.iter().flat_map(used).collect(),
         };
         let tasks = loaded.files.iter().flat_map(|file| &file.tasks);
@@ -119,6 +121,13 @@ impl<'a> Loaded<'a> {
     /// Returns whether another task extends this one.
     pub fn is_extended(&self, task: Task<'a>) -> bool {
         self.extended.contains(&task.name().span())
+    }
+
+    /// Returns what lies where a task names a file.
+    ///
+    /// - `path`: relative to the entry's folder.
+    pub fn look(&self, path: &str) -> Listed {
+        self.loader.look(path)
     }
 
     /// Returns whether any file uses a constant or a keypoint of this name, or may do so in text that did not parse.

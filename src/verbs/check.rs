@@ -44,9 +44,10 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     let mut errors = Vec::new();
     let mut left_out = 0;
     for file in &arguments.files {
+        let named = diag::visible(file);
         let compiled = shipped::find(file, io).and_then(|file| match arguments.fix {
             true => fix::run(&file, io),
-            false => sources::compile(&file),
+            false => sources::compile_looking(&file),
         });
         let compiled = match compiled {
             Ok(compiled) => compiled,
@@ -73,7 +74,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
             let calls = u64::from(per_step) * u64::from(program.horizon);
             if !arguments.json && program.variant.is_none() {
                 io.data(&format!(
-                    "{file}: task `{}` has no errors; at most {per_step} model calls per step, {calls} in {} steps{}{}",
+                    "{named}: task `{}` has no errors; at most {per_step} model calls per step, {calls} in {} steps{}{}",
                     program.task,
                     program.horizon,
                     notes(program),
@@ -96,7 +97,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
         }
         if !arguments.json && compiled.programs.is_empty() && !compiled.has_errors() {
             io.data(&format!(
-                "{file}: no errors; it declares no task that can run by itself"
+                "{named}: no errors; it declares no task that can run by itself"
             ));
         }
     }

@@ -127,6 +127,14 @@ codes! {
     "a file has a character that nobody sees"
     "Control characters such as NUL and escape, and characters that turn the direction of writing, change what a terminal or an editor shows. A reader would see another text than the model. Only line ends and tabs are accepted."
 
+    "F0007" FileMissing Error
+    "a file that a task names cannot be read"
+    "A start, a subgoal picture, a picture of an example, or a file of demonstrations is not where the task says, or is no PNG picture where one is needed. `fabc check` looks; a rollout would fail."
+
+    "F0008" PictureOfAnotherSize Warning
+    "a subgoal picture has another size than the camera's"
+    "Points and arrows are given in pixels of the camera's square picture, and results are compared with the next subgoal pixel by pixel. A picture of another size shows them elsewhere."
+
     "F0101" Unexpected Error
     "unexpected text"
     "The marked place does not fit the form of the language. The message lists what would fit."

@@ -16,7 +16,7 @@ const MAX_ROUNDS: usize = 20;
 
 /// Fixes a file and the files it uses until no certain fix remains; returns the last compilation.
 pub fn run(file: &str, io: &Io) -> Result<Compiled, Failure> {
-    let mut compiled = sources::compile(file)?;
+    let mut compiled = sources::compile_looking(file)?;
     let mut n_changes: BTreeMap<String, usize> = BTreeMap::new();
     for _ in 0..MAX_ROUNDS {
         let texts = repaired(&compiled);
@@ -29,7 +29,7 @@ pub fn run(file: &str, io: &Io) -> Result<Compiled, Failure> {
                 .map_err(|error| Failure::environment(format!("cannot write `{name}`: {error}")))?;
             *n_changes.entry(name).or_default() += count;
         }
-        compiled = sources::compile(file)?;
+        compiled = sources::compile_looking(file)?;
     }
     for (name, count) in &n_changes {
         let changes = if *count == 1 { "change" } else { "changes" };
