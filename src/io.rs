@@ -8,7 +8,8 @@
 
 use crate::exit::{Exit, Failure};
 use fab_base::interrupt::Interrupt;
-use fab_compiler::diag::Color;
+use fab_compiler::diag::{Color, is_hidden, visible};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::io::{BufRead, BufReader, Cursor, ErrorKind, IsTerminal, Read, Write};
@@ -80,6 +81,61 @@ pub struct Captured {
     pub stdout: String,
     /// Captured talk.
     pub stderr: String,
+}
+
+/// Makes the hidden characters of a text visible, except the command's own colours.
+fn shown(text: &str, color: Color) -> Cow<'_, str> {
+    if !text.chars().any(is_hidden) {
+        return Cow::Borrowed(text);
+    }
+    if color == Color::Plain {
+        return visible(text);
+    }
+    let mut result = String::with_capacity(text.len());
+    let mut parts = text.split('\x1b');
+    result.push_str(&visible(parts.next().unwrap_or_default()));
+    for part in parts {
+        match style(part) {
+            Some(end) => {
+                result.push('\x1b');
+                result.push_str(&part[..end]);
+                result.push_str(&visible(&part[end..]));
+            }
+            None => {
+                result.push_str(&visible("\x1b"));
+                result.push_str(&visible(part));
+            }
+        }
+    }
+    Cow::Owned(result)
+}
+
+/// Returns the end of a colour or a weight after an escape character, such as `[1m` or `[38;5;9m`; `None` for
+/// anything else, such as `[8m`, which hides text.
+fn style(text: &str) -> Option<usize> {
+    let inside = text.strip_prefix('[')?;
+    let length = inside.find('m')?;
+    let (number, is_indexed) = match inside[..length].strip_prefix("38;5;") {
+        Some(number) => (number, true),
+        None => (&inside[..length], false),
+    };
+    let is_number = (0..=3).contains(&number.len()) && number.bytes().all(|it| it.is_ascii_digit());
+    (is_number && (is_indexed || number != "8")).then_some(length + 2)
+}
+
+/// Writes the hidden characters of a JSON document, which are all inside of its strings, as JSON escapes them.
+fn json_shown(text: &str) -> Cow<'_, str> {
+    if !text.chars().any(is_hidden) {
+        return Cow::Borrowed(text);
+    }
+    let mut result = String::with_capacity(text.len());
+    for character in text.chars() {
+        match is_hidden(character) {
+            true => result.push_str(&format!("\\u{:04x}", u32::from(character))),
+            false => result.push(character),
+        }
+    }
+    Cow::Owned(result)
 }
 
 fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -186,8 +242,16 @@ impl Io {
 
     // --- Output ------------------------------------------------------------------------
 
-    /// Writes data and a line end to stdout.
+    /// Writes data and a line end to stdout. On a terminal, hidden characters of foreign text are made visible;
+    /// programs get the bytes as they are.
     pub(crate) fn data(&self, text: &str) {
+        match self.streams.terminals[1] {
+            true => self.write_data(&shown(text, self.data_color())),
+            false => self.write_data(text),
+        }
+    }
+
+    fn write_data(&self, text: &str) {
         // A closed pipe (`| head`) means the reader has seen enough, so it is not an error.
         if let Err(error) = lock(&self.streams.stdout).write(&format!("{text}\n"))
             && error.kind() != ErrorKind::BrokenPipe
@@ -198,7 +262,8 @@ impl Io {
 
     /// Writes one JSON document to stdout.
     pub(crate) fn json(&self, value: &serde_json::Value) {
-        self.data(&serde_json::to_string_pretty(value).expect("a JSON value can be written"));
+        let text = serde_json::to_string_pretty(value).expect("a JSON value can be written");
+        self.write_data(&json_shown(&text));
     }
 
     /// Writes a verb's result: as JSON if `--json` was given, otherwise as text.
@@ -214,8 +279,9 @@ impl Io {
         }
     }
 
-    /// Writes a line of talk to stderr.
+    /// Writes a line of talk to stderr; hidden characters, such as those of a provider's error, are made visible.
     pub(crate) fn talk(&self, text: &str) {
+        let text = shown(text, self.talk_color());
         let _ = lock(&self.streams.stderr).write(&format!("{text}\n"));
     }
 
@@ -226,6 +292,7 @@ impl Io {
     pub(crate) fn progress(&self, text: &str) {
         if self.streams.terminals[2] {
             // Carriage return, text, and "erase to the end of the line".
+            let text = visible(text);
             let _ = lock(&self.streams.stderr).write(&format!("\r{text}\x1b[K"));
         }
     }
@@ -552,5 +619,55 @@ mod folder {
             assert!(panicked.is_err());
             assert_eq!(current_dir().unwrap(), before);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hidden_characters_are_made_visible_and_colours_are_kept_where_they_are_wanted() {
+        for (text, plain, colored) in [
+            ("a line\n\twith é", "a line\n\twith é", "a line\n\twith é"),
+            (
+                "\x1b[1mbold\x1b[0m",
+                "\\u{1b}[1mbold\\u{1b}[0m",
+                "\x1b[1mbold\x1b[0m",
+            ),
+            ("\x1b[38;5;9mred", "\\u{1b}[38;5;9mred", "\x1b[38;5;9mred"),
+            ("\x1b[8mhidden", "\\u{1b}[8mhidden", "\\u{1b}[8mhidden"),
+            (
+                "\x1b[2J\x1b]0;x\x07",
+                "\\u{1b}[2J\\u{1b}]0;x\\u{7}",
+                "\\u{1b}[2J\\u{1b}]0;x\\u{7}",
+            ),
+            (
+                "\0 \u{202e}m\x1b",
+                "\\u{0} \\u{202e}m\\u{1b}",
+                "\\u{0} \\u{202e}m\\u{1b}",
+            ),
+        ] {
+            assert_eq!(shown(text, Color::Plain), plain);
+            assert_eq!(shown(text, Color::Ansi), colored);
+        }
+    }
+
+    #[test]
+    fn a_json_document_with_hidden_characters_has_the_same_value() {
+        let value = serde_json::json!({ "said": "a\u{202e}b\x1b\u{9b}\u{7f}\n" });
+        let text = json_shown(&value.to_string()).into_owned();
+        assert!(!text.chars().any(is_hidden), "{text}");
+        assert_eq!(
+            serde_json::from_str::<serde_json::Value>(&text).ok(),
+            Some(value)
+        );
+    }
+
+    #[test]
+    fn talk_of_foreign_words_is_visible() {
+        let io = Io::new(".");
+        io.talk("error: \x1b[2Jno such model");
+        assert_eq!(io.captured().stderr, "error: \\u{1b}[2Jno such model\n");
     }
 }

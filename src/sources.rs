@@ -4,11 +4,13 @@ use crate::exit::Failure;
 use crate::io::Io;
 use clap::Args;
 use clap::ValueHint;
-use fab_compiler::{Compiled, LoadError, Loader, diag};
+use fab_compiler::{Compiled, Listed, LoadError, Loader, diag};
 use fab_program::Program;
 use serde::Deserialize;
 use serde::Serialize;
 use serde_json::json;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -65,6 +67,70 @@ impl Loader for Disk {
             ))
         })
     }
+}
+
+/// The bytes of a PNG file up to its size: the signature, the first chunk's length and name, width and height.
+const PNG_HEAD: usize = 24;
+
+/// A loader that also looks for the files that tasks name.
+///
+/// Only `fabc check` looks: other verbs read what they need, and say themselves what is missing.
+struct Looking {
+    disk: Disk,
+    /// What was found, because each task that inherits a file asks again.
+    found: RefCell<BTreeMap<String, Listed>>,
+}
+
+impl Loader for Looking {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        self.disk.load(name)
+    }
+
+    fn look(&self, path: &str) -> Listed {
+        let mut found = self.found.borrow_mut();
+        let look = || listed(&self.disk.folder, &self.disk.folder.join(path));
+        found.entry(path.to_owned()).or_insert_with(look).clone()
+    }
+}
+
+/// Returns what a path in a folder leads to, and a picture's size from its head.
+fn listed(folder: &Path, path: &Path) -> Listed {
+    let head = || -> Result<Vec<u8>, String> {
+        let path = inside(folder, path)?;
+        let information = fs::metadata(&path).map_err(|error| error.to_string())?;
+        // A device or a pipe may never answer.
+        if !information.is_file() {
+            return Err("it is no regular file".to_owned());
+        }
+        let mut head = Vec::new();
+        let file = File::open(&path).map_err(|error| error.to_string())?;
+        let read = file.take(PNG_HEAD as u64).read_to_end(&mut head);
+        read.map_err(|error| error.to_string())?;
+        Ok(head)
+    };
+    match head() {
+        Err(why) => Listed::Nothing(why),
+        Ok(head) => png_size(&head).map_or(Listed::Other, |[width, height]| Listed::Picture {
+            width,
+            height,
+        }),
+    }
+}
+
+/// Returns the width and height that the head of a PNG file states; `None` if it is none.
+fn png_size(head: &[u8]) -> Option<[u32; 2]> {
+    let number = |at: usize| Some(u32::from_be_bytes(head.get(at..at + 4)?.try_into().ok()?));
+    let is_png = head.starts_with(b"\x89PNG\r\n\x1a\n") && head.get(12..16)? == b"IHDR";
+    is_png.then_some([number(16)?, number(20)?])
+}
+
+/// Compiles a file, and looks for the files that its tasks name.
+pub fn compile_looking(file: &str) -> Result<Compiled, Failure> {
+    let loader = Looking {
+        disk: Disk::beside(file),
+        found: RefCell::default(),
+    };
+    fab_compiler::compile(file, &loader).map_err(|error| Failure::environment(error.message))
 }
 
 /// Returns the folder that holds a file.
@@ -356,5 +422,47 @@ mod tests {
             matches!(found.as_slice(), [message] if message.starts_with("F0002")),
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn a_check_looks_for_the_files_that_a_task_names() {
+        let (root, folder) = folders();
+        let head = |width: u32, height: u32| {
+            let mut bytes = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec();
+            bytes.extend(width.to_be_bytes());
+            bytes.extend(height.to_be_bytes());
+            bytes
+        };
+        fs::write(folder.join("right.png"), head(224, 224)).expect("a file");
+        fs::write(folder.join("wide.png"), head(640, 480)).expect("a file");
+        fs::write(folder.join("text.png"), "not a picture").expect("a file");
+        fs::create_dir(folder.join("folder.png")).expect("a folder");
+        symlink(root.path().join("secret.fab"), folder.join("link.png")).expect("a link");
+        let found = |path: &str| {
+            let text = format!(
+                "task t {{
+                    camera top_down(height: 650mm, fov: 45deg, image: 224px)
+                    subgoals {{ image \"right.png\" arrow (1px, 2px) -> (3px, 4px) image \"{path}\" }}
+                }}\n"
+            );
+            let file = folder.join("task.fab");
+            fs::write(&file, text).expect("a file");
+            let compiled = super::compile_looking(&file.display().to_string());
+            let found = compiled.expect("the entry can be read").diagnostics;
+            let found = found.iter().map(|it| it.code.as_str());
+            found
+                .filter(|code| code.starts_with("F00"))
+                .collect::<Vec<_>>()
+        };
+        for (path, expected) in [
+            ("right.png", &[][..]),
+            ("wide.png", &["F0008"]),
+            ("text.png", &["F0007"]),
+            ("folder.png", &["F0007"]),
+            ("link.png", &["F0007"]),
+            ("missing.png", &["F0007"]),
+        ] {
+            assert_eq!(found(path), expected, "{path}");
+        }
     }
 }

@@ -4,7 +4,7 @@
 //! book. The caller writes the files.
 
 use crate::diag::{self, CODES, Code, CodeEntry, Color, GROUPS};
-use crate::{LoadError, Loader};
+use crate::{Listed, LoadError, Loader};
 
 /// The name of an example's file.
 const FILE: &str = "example.fab";
@@ -151,5 +151,23 @@ impl Loader for Files<'_> {
                 message: format!("there is no file `{name}`"),
             }),
         }
+    }
+
+    fn look(&self, path: &str) -> Listed {
+        look(path)
+    }
+}
+
+/// Returns what the examples' folder `listed` holds; other files that examples name are not looked for.
+pub fn look(path: &str) -> Listed {
+    let picture = |side| Listed::Picture {
+        width: side,
+        height: side,
+    };
+    match path.strip_prefix("listed/") {
+        None => Listed::Unknown,
+        Some("flat.png" | "folded.png") => picture(224),
+        Some("large.png") => picture(720),
+        Some(_) => Listed::Nothing("no such file".to_owned()),
     }
 }

@@ -51,7 +51,7 @@ pub use check::MAX_INHERITED_BYTES;
 pub use fab_grammar::is_keyword;
 pub use fab_grammar::{FileId, Source, Sources, Span, line_and_column};
 pub use load::{MAX_FILES, MAX_TOTAL_BYTES, MAX_USE_DEPTH};
-pub use loader::{LoadError, Loader};
+pub use loader::{Listed, LoadError, Loader};
 pub use merge::MAX_EXTENDS_DEPTH;
 
 use diag::{Diagnostic, Report, Severity};
@@ -104,7 +104,7 @@ pub fn compile_for(
 ) -> Result<Compiled, LoadError> {
     let mut report = Report::default();
     let texts = load::read(entry, loader, &mut report)?;
-    let loaded = load::Loaded::of(&texts);
+    let loaded = load::Loaded::of(&texts, loader);
     let checked = check::check(&loaded, grid, &mut report);
     let left_out = report.left_out();
     let mut diagnostics = report.into_sorted();

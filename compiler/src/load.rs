@@ -4,12 +4,12 @@
 //! `use`. [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`] limit the work. No path may leave the entry's
 //! folder, except into a folder `lib` beside it.
 
-use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported};
-use crate::loader::{LoadError, Loader};
+use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported, is_hidden, turns_writing};
+use crate::loader::{Listed, LoadError, Loader};
 use crate::path;
 use crate::syntax;
 use fab_grammar::ast::{Experts, Name, Task};
-use fab_grammar::{FileId, Sources, Span, Tree};
+use fab_grammar::{FileId, Kind, Node, Sources, Span, Tree};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most files in one compilation.
@@ -59,11 +59,14 @@ pub(crate) struct Loaded<'a> {
     sizes: BTreeMap<Span, usize>,
     /// The tasks that others extend, by the spans of their names.
     extended: BTreeSet<Span>,
+    /// The words of all files that use a name; those that only declare a constant or a keypoint are left out.
+    used: BTreeSet<&'a str>,
+    loader: &'a dyn Loader,
 }
 
 impl<'a> Loaded<'a> {
     /// Views the files of `texts`.
-    pub fn of(texts: &'a Texts) -> Loaded<'a> {
+    pub fn of(texts: &'a Texts, loader: &'a dyn Loader) -> Loaded<'a> {
         let mut sizes = BTreeMap::new();
         let mut files = Vec::with_capacity(texts.trees.len());
         for tree in &texts.trees {
@@ -91,6 +94,8 @@ impl<'a> Loaded<'a> {
             files,
             sizes,
             extended: BTreeSet::new(),
+            loader,
+            used: texts.trees.iter().flat_map(used).collect(),
         };
         let tasks = loaded.files.iter().flat_map(|file| &file.tasks);
         let bases = tasks.filter_map(|task| task.extends());
@@ -121,6 +126,19 @@ impl<'a> Loaded<'a> {
     /// Returns whether another task extends this one.
     pub fn is_extended(&self, task: Task<'a>) -> bool {
         self.extended.contains(&task.name().span())
+    }
+
+    /// Returns what lies where a task names a file.
+    ///
+    /// - `path`: relative to the entry's folder.
+    pub fn look(&self, path: &str) -> Listed {
+        self.loader.look(path)
+    }
+
+    /// Returns whether any file uses a constant or a keypoint of this name, or may do so in text that did not parse.
+    pub fn is_used(&self, name: &str) -> bool {
+        let mut files = self.files.iter();
+        self.used.contains(name) || files.any(|file| file.unparsed_words.contains(name))
     }
 
     /// Returns the files whose declarations `file` sees, in the order in which they were read.
@@ -233,6 +251,7 @@ impl Reading<'_> {
         for fault in &parsed.faults[..n_reported] {
             self.report.error(syntax::diagnose(fault, text));
         }
+        self.hidden_characters(file);
         self.texts.faults.push(
             self.report
                 .error_in(file)
@@ -243,6 +262,24 @@ impl Reading<'_> {
         self.texts.portable_names.push(portable_name);
         self.texts.reach.push(BTreeSet::from([file]));
         file
+    }
+
+    /// Reports the characters of a file that a reader does not see.
+    fn hidden_characters(&mut self, file: FileId) {
+        let text = &self.texts.sources.get(file).text;
+        let hidden = || text.char_indices().filter(|(_, it)| is_hidden(*it));
+        for (at, character) in hidden().take(MAX_FINDINGS) {
+            let shown = character.escape_unicode();
+            let message = match turns_writing(character) {
+                true => format!("the character `{shown}` turns the direction of writing"),
+                false => format!("the character `{shown}` is not visible"),
+            };
+            let span = Span::new(file, at..at + character.len_utf8());
+            let diagnostic = Diagnostic::new(Code::ControlCharacter, span, message);
+            self.report.error(diagnostic.help("remove it"));
+        }
+        let further = hidden().count().saturating_sub(MAX_FINDINGS);
+        self.report.count_further(further, file);
     }
 
     /// Reads the files that a file uses; recursion is bounded by [`MAX_USE_DEPTH`].
@@ -341,6 +378,25 @@ impl Reading<'_> {
             self.unreadable.insert(name.to_owned(), error.clone());
         })
     }
+}
+
+/// Returns the names of a file, except where one declares a constant or a keypoint.
+fn used(tree: &Tree) -> impl Iterator<Item = &str> {
+    let names = tree.nodes().filter(|node| match node.kind() {
+        Kind::Path => true,
+        Kind::Name => !declares(*node),
+        _ => false,
+    });
+    names.flat_map(|node| node.text().split('.'))
+}
+
+/// Returns whether a name is the one that a constant or a keypoint declares.
+fn declares(name: Node<'_>) -> bool {
+    let declaration = name
+        .parent()
+        .filter(|parent| matches!(parent.kind(), Kind::Constant | Kind::Keypoint));
+    let declared = declaration.and_then(|declaration| declaration.child(Kind::Name));
+    declared.is_some_and(|declared| declared.range() == name.range())
 }
 
 fn first_of_each_name<'a>(names: impl Iterator<Item = Name<'a>>) -> BTreeMap<&'a str, usize> {

@@ -1,4 +1,4 @@
-//! The compiler's only access to the outside: it asks for texts by name.
+//! The compiler's only access to the outside: it asks for texts by name, and for what lies where a task names a file.
 
 /// Gives the compiler texts, its only access to the outside.
 pub trait Loader {
@@ -7,6 +7,32 @@ pub trait Loader {
     /// `name` is the entry as the caller of [`compile`](crate::compile) named it, or the path of a `use`, resolved
     /// relative to the file that contains it: `/` between folders, no `.`, and `..` only at the front.
     fn load(&self, name: &str) -> Result<String, LoadError>;
+
+    /// Returns what lies where a task names a start, a picture or demonstrations.
+    ///
+    /// `path` is relative to the entry's folder, `/` between folders, and never leads out of it. Without a listing, the
+    /// files are not checked: a task may be compiled where they are not.
+    fn look(&self, _path: &str) -> Listed {
+        Listed::Unknown
+    }
+}
+
+/// What lies where a task names a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Listed {
+    /// The caller has no listing.
+    Unknown,
+    /// No file that can be read; the reason, lower case, no full stop.
+    Nothing(String),
+    /// A picture.
+    Picture {
+        /// Its width, pixels.
+        width: u32,
+        /// Its height, pixels.
+        height: u32,
+    },
+    /// A file that is no picture.
+    Other,
 }
 
 /// Why a file cannot be read.

@@ -15,7 +15,7 @@
 mod common;
 
 use fab_compiler::diag::{self, CODES, Color, Diagnostic, Severity};
-use fab_compiler::{Compiled, LoadError, Loader, line_and_column};
+use fab_compiler::{Compiled, Listed, LoadError, Loader, line_and_column};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
@@ -331,6 +331,23 @@ impl Loader for Fixtures {
             message: format!("there is no file `{name}`"),
         })
     }
+
+    /// The files below `listed`; other fixtures name files that need not be there.
+    fn look(&self, path: &str) -> Listed {
+        match path.strip_prefix("listed/") {
+            None => Listed::Unknown,
+            Some("224.png") => Listed::Picture {
+                width: 224,
+                height: 224,
+            },
+            Some("wide.png") => Listed::Picture {
+                width: 224,
+                height: 200,
+            },
+            Some("demos.jsonl" | "start.npy") => Listed::Other,
+            Some(_) => Listed::Nothing("no such file".to_owned()),
+        }
+    }
 }
 
 /// The fixtures, with one of them changed.
@@ -346,5 +363,9 @@ impl Loader for Edited {
         } else {
             Fixtures.load(name)
         }
+    }
+
+    fn look(&self, path: &str) -> Listed {
+        Fixtures.look(path)
     }
 }

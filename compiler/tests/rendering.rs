@@ -138,9 +138,12 @@ fn said(text: &str) -> Option<String> {
 }
 
 fn with_text(text: &str) -> Option<Program> {
-    common::compile("task.fab", &TASK.replace("\"What is folded?\"", text))
-        .programs
-        .pop()
+    common::compile(
+        "task.fab",
+        &TASK.replace("\"What is folded? Instructions: ...\"", text),
+    )
+    .programs
+    .pop()
 }
 
 /// Texts that are hard for templates: braces, quotes, blanks, line ends, with placeholders between.

@@ -50,9 +50,10 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
         fix::run(&mut found, io);
     }
     for (file, found) in arguments.files.iter().zip(found) {
+        let named = diag::visible(file);
         let compiled = found.and_then(|file| match arguments.json {
             true => fix::judged(&file),
-            false => sources::compile(&file),
+            false => sources::compile_looking(&file),
         });
         let compiled = match compiled {
             Ok(compiled) => compiled,
@@ -79,7 +80,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
             let calls = u64::from(per_step) * u64::from(program.horizon);
             if !arguments.json && program.variant.is_none() {
                 io.data(&format!(
-                    "{file}: task `{}` has no errors; at most {per_step} model calls per step, {calls} in {} steps{}{}",
+                    "{named}: task `{}` has no errors; at most {per_step} model calls per step, {calls} in {} steps{}{}",
                     program.task,
                     program.horizon,
                     notes(program),
@@ -102,7 +103,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
         }
         if !arguments.json && compiled.programs.is_empty() && !compiled.has_errors() {
             io.data(&format!(
-                "{file}: no errors; it declares no task that can run by itself"
+                "{named}: no errors; it declares no task that can run by itself"
             ));
         }
     }

@@ -4,8 +4,10 @@ use super::context::Context;
 use super::expressions::{Scope, call, wrong_form};
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::calls::CAMERAS;
+use crate::merge::Merged;
 use fab_grammar::ast::{Expr, Statement};
-use fab_program::Camera;
+use fab_program::exact::written;
+use fab_program::{Camera, Extractor, Keypoint};
 
 /// Reads where the camera is, and what it sees.
 pub(crate) fn check<'a>(
@@ -45,5 +47,61 @@ pub(crate) fn fits_cloth(laid: Statement<'_>, seen: Statement<'_>, context: &mut
                 .also(seen.value().span(), "the camera")
                 .help("raise the camera, or widen its field of view"),
         );
+    }
+}
+
+/// How high a flat cloth's upper face lies above the table, metres; the simulator's cloths do, and thin real ones.
+const FLAT_CLOTH_M: f64 = 0.005;
+
+/// How far above the table the depth limit of a mask should be, metres: the paper's 646 mm for a camera at 650 mm.
+const CLEAR_OF_TABLE_M: f64 = 0.004;
+
+/// Warns of a depth limit so near to the camera that a flat cloth is not in the mask, as after raising the camera.
+pub(crate) fn masks_see_cloth(
+    seen: Statement<'_>,
+    keypoints: &[Keypoint],
+    merged: &Merged<'_>,
+    context: &mut Context<'_, '_>,
+) {
+    let Ok(Some(camera)) = &context.camera else {
+        return;
+    };
+    let (height_m, flat_m) = (camera.height_m, camera.height_m - FLAT_CLOTH_M);
+    let masks = keypoints
+        .iter()
+        .filter_map(|keypoint| match keypoint.extractor {
+            Extractor::DepthMask { below_m } => Some((keypoint, below_m)),
+            _ => None,
+        });
+    let masks: Vec<(&Keypoint, f64)> = masks.collect();
+    // A second mask may be meant for what is above the cloth. A limit at the cloth's own depth excludes it.
+    if masks.iter().any(|(_, below_m)| *below_m > flat_m) {
+        return;
+    }
+    let mm = |length_m: f64| written(length_m * 1000.0, 3);
+    for (keypoint, below_m) in masks {
+        let Some(declared) = merged.keypoints.get(&keypoint.name) else {
+            continue;
+        };
+        let message = format!(
+            "`{}` ends {}mm from the camera, and a flat cloth is {}mm away",
+            keypoint.name,
+            mm(below_m),
+            mm(flat_m)
+        );
+        let (camera, mask) = (seen.value().span(), declared.value().span());
+        // The cause is what this file says about an inherited mask or an inherited camera.
+        let here = merged.task.name().span().file;
+        let ends = match camera.file != here && mask.file == here {
+            true => [(mask, "the mask"), (camera, "the camera")],
+            false => [(camera, "the camera"), (mask, "the mask")],
+        };
+        let diagnostic = Diagnostic::new(Code::MaskSeesNoCloth, ends[0].0, message);
+        let right = format!(
+            "write `{} = mask(depth < {}mm)`",
+            keypoint.name,
+            mm(height_m - CLEAR_OF_TABLE_M)
+        );
+        context.remark(diagnostic.also(ends[1].0, ends[1].1).help(right));
     }
 }

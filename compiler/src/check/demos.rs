@@ -1,7 +1,7 @@
 //! `demos plan from "double_straight.demos.json"`.
 
 use super::context::{Context, Declared};
-use super::files;
+use super::files::{self, Wanted};
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::merge::Merged;
 use fab_grammar::ast;
@@ -16,7 +16,7 @@ pub(crate) fn check<'a>(
     stages: &[Result<Stage, Reported>],
     context: &mut Context<'a, '_>,
 ) -> Declared<Demos> {
-    let file = files::named(part.file(), "demonstrations", context);
+    let file = files::named(part.file(), "demonstrations", Wanted::Any, context);
     let declared = || merged.stages.iter().map(|stage| stage.name().text());
     let Some(number) = declared().position(|name| name == part.stage().text()) else {
         if merged.stages.is_empty() {

@@ -1,7 +1,7 @@
 //! `example { say "…" reply "…" }` of a stage: questions with their answers.
 
 use super::context::Context;
-use super::files;
+use super::files::{self, Wanted};
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::merge::once;
 use fab_grammar::ast::{self, ComponentOrText, Image, Reply, Sayings, Stage, Text};
@@ -133,7 +133,7 @@ fn images<'a>(
     })?;
     let images = example
         .images()
-        .map(|image| files::named(image.path(), "an image", context));
+        .map(|image| files::named(image.path(), "an image", Wanted::Picture, context));
     let images: Vec<Result<FileRef, Reported>> = images.collect();
     all?;
     images.into_iter().collect()

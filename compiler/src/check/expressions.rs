@@ -5,6 +5,7 @@
 
 use super::arguments::{Bound, bind, form};
 use super::context::Context;
+use super::files::Wanted;
 use super::names::Meaning;
 use super::quantity::{
     measured, no_conversion, no_unit, out_of_range, quantity_of, read, read_whole, units_of,
@@ -206,7 +207,7 @@ fn word_or_file(
         let word = word(expr, words, context);
         return word.map(ArgValue::Word);
     };
-    let file = files::named(text, "a start file", context)?;
+    let file = files::named(text, "a start file", Wanted::Any, context)?;
     if !file.path.ends_with(ending) {
         let written = context.written(expr.span());
         let message = format!("{written} is not a `{ending}` file");

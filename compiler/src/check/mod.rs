@@ -8,6 +8,7 @@ mod actions;
 mod annotate;
 mod arguments;
 mod camera;
+mod certainty;
 mod cloth;
 mod conditions;
 mod context;
@@ -29,7 +30,9 @@ mod stage;
 mod subgoals;
 mod task;
 mod test;
+mod unspoken;
 mod untouched_score;
+mod unused;
 mod variables;
 mod verify;
 

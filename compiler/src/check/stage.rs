@@ -9,7 +9,7 @@ use super::examples;
 use super::missing_action::{needs_action, needs_last};
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read as read_number, read_whole};
-use crate::diag::{Code, Diagnostic, Reported, among};
+use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::stage::{DRAWINGS, MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
 use crate::merge::{Merged, once, unique};
 use fab_grammar::Span;
@@ -447,12 +447,17 @@ impl<'a> Builder<'_, 'a> {
             if can_say && own.contains(&name.span()) && !added.contains(name.text()) {
                 let message = format!("the component `{}` is never used", name.text());
                 let diagnostic = Diagnostic::new(Code::SaidNowhere, name.span(), message);
-                let help = match addable(merged) {
-                    Some((stage, beside)) => format!(
+                // Perhaps the author meant to replace an inherited component.
+                let inherited = merged.components.iter().map(|component| component.name());
+                let inherited = inherited.filter(|name| !own.contains(&name.span()));
+                let meant = nearest(name.text(), inherited.map(|name| name.text()));
+                let help = match (meant, addable(merged)) {
+                    (Some(meant), _) => format!("did you mean `override component {meant}`?"),
+                    (None, Some((stage, beside))) => format!(
                         "add it to what a stage says, such as `say {} in {stage} after {beside}`, or remove it",
                         name.text()
                     ),
-                    None => "name it in a stage's `say` or `system`, or remove it".to_owned(),
+                    (None, None) => "name it in a stage's `say` or `system`, or remove it".to_owned(),
                 };
                 context.remark(diagnostic.help(help));
             }

@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::expressions::pixel;
+use super::files::Wanted;
 use super::{files, folds};
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::merge::once;
@@ -71,7 +72,7 @@ fn images<'a>(
 }
 
 fn image<'a>(part: Image<'a>, context: &mut Context<'a, '_>) -> Result<SubgoalImage, Reported> {
-    let file = files::named(part.path(), "an image", context);
+    let file = files::named(part.path(), "an image", Wanted::CameraPicture, context);
     let ends = part.arrow().map(|ends| ends.map(|end| pixel(end, context)));
     let arrow = match ends {
         Some([tail, tip]) => Some([tail?, tip?]),

@@ -6,8 +6,8 @@
 use super::context::{Context, Declared};
 use super::names::Names;
 use super::{
-    actions, annotate, camera, cloth, demos, experts, goal, horizon, keypoints, picker, stage,
-    subgoals, test, verify,
+    actions, annotate, camera, certainty, cloth, demos, experts, goal, horizon, keypoints, picker,
+    stage, subgoals, test, unspoken, unused, verify,
 };
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::sections::{RequiredFor, SECTIONS};
@@ -52,6 +52,10 @@ pub(super) fn check<'a>(
         .map(|it| picker::check(it, context))
         .transpose();
     let keypoints = keypoints::check(merged, context);
+    unused::names(merged, context);
+    if let (Some(seen), Ok(keypoints)) = (statement("camera"), &keypoints) {
+        camera::masks_see_cloth(seen, keypoints, merged, context);
+    }
     if let Some(part) = merged.actions {
         context.actions = actions::check(part, context);
     }
@@ -123,6 +127,12 @@ pub(super) fn check<'a>(
         goal: goal?,
     };
     contradictions(&program, merged, context.report)?;
+    certainty::check(&program, merged, context);
+    if merged.variant.is_none() {
+        // A variant leaves parts out on purpose, so that runs can be compared.
+        unspoken::check(&program, merged, context);
+        unused::fields(&program, merged, context);
+    }
     Ok(Some((
         program,
         tests.into_iter().collect::<Result<_, _>>()?,

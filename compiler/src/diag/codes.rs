@@ -123,6 +123,18 @@ codes! {
     "a path is not of the right form"
     "Paths are relative, with `/` between folders, without `{{ … }}`, and not empty. They stay in the folder of the first file and in those below. This way a task works on every machine, and reads no other files."
 
+    "F0006" ControlCharacter Error
+    "a file has a character that nobody sees"
+    "Control characters such as NUL and escape, and characters that turn the direction of writing, change what a terminal or an editor shows. A reader would see another text than the model. Only line ends and tabs are accepted."
+
+    "F0007" FileMissing Error
+    "a file that a task names cannot be read"
+    "A start, a subgoal picture, a picture of an example, or a file of demonstrations is not where the task says, or is no PNG picture where one is needed. `fabc check` looks; a rollout would fail."
+
+    "F0008" PictureOfAnotherSize Warning
+    "a subgoal picture has another size than the camera's"
+    "Points and arrows are given in pixels of the camera's square picture, and results are compared with the next subgoal pixel by pixel. A picture of another size shows them elsewhere."
+
     "F0101" Unexpected Error
     "unexpected text"
     "The marked place does not fit the form of the language. The message lists what would fit."
@@ -227,6 +239,10 @@ codes! {
     "a `verify` drops inherited checks"
     "A task that states `verify` inherits no checks, so answers that the extended task refuses are carried out. To add a check, write `check NAME { … } else \"…\"` in the task, outside of `verify`; to change one, `override check`. If `attempts` or `result` must change too, state the inherited checks again in the `verify`. To drop checks on purpose, name them: `without check NAME`."
 
+    "F0220" MaskSeesNoCloth Warning
+    "a mask ends above the cloth"
+    "A depth mask keeps what is nearer to the camera than its limit. A flat cloth lies about 5 mm above the table, so the limit is a little less than the camera's height: 646 mm for a camera at 650 mm. If the camera is raised, the limit must be raised as well; the message says to what."
+
     "F0301" UnknownName Error
     "a name is unknown"
     "Nothing of this kind has this name here. If one is similar, the message suggests it."
@@ -247,6 +263,10 @@ codes! {
     "the previous action is not known in the first step"
     "`last.pick` and `last.place` are the points of the previous action, and the first step has none. Add `when \
      last` to the component or the check."
+
+    "F0306" UnusedName Warning
+    "a new name is never used, and an inherited one is similar"
+    "A constant or a keypoint with the name of an inherited one replaces it; with any other name it is a new one, and the inherited one keeps its value. Nothing uses this new name, so it was probably meant to replace the similar one."
 
     "F0401" CircularExtends Error
     "tasks extend each other in a circle"
@@ -356,6 +376,22 @@ codes! {
     "a value is between single braces"
     "`{corners}` is literal text, as in JSON; a model would read exactly that. Write `{{ corners }}` for the value. If the braces are intended, rename the word between them."
 
+    "F0610" FormatNeverSaid Warning
+    "no prompt says in which format to answer"
+    "The stage that reads the action expects one line for each field, such as `Pick Point = (x, y)`. No text of the stage has `{{ actions.format }}` or such lines, and no example shows them, so the model has to guess."
+
+    "F0611" PointsNeverShown Warning
+    "points are offered, but no prompt shows them"
+    "A model can choose a point only if it knows it. Write `{{ NAME }}` in a text of a stage, or draw the points as a layer of `annotate` on a picture that a stage shows."
+
+    "F0612" TextNeverUsed Warning
+    "a text is read from an answer and never used"
+    "`read NAME from` makes the text known to later stages, but none of their texts has `{{ NAME }}`. The question to the model has no effect."
+
+    "F0613" PrefixNeverNamed Warning
+    "no prompt says the words before a text that is read"
+    "`read NAME from \"Instructions: {NAME}\"` looks for the words before `{NAME}` in the answer. A model writes them only if a text of the stage asks for them, or an example shows them."
+
     "F0701" MissingField Error
     "an action lacks a field"
     "An action has a `pick` and a `place`, or a `pick`, a `direction` and a `distance`. The message says which of them is missing."
@@ -379,6 +415,14 @@ codes! {
     "F0706" Contradiction Error
     "the action space contradicts itself"
     "A value that a prompt offers must be read back as the same value, and two choices must not have the same text. The compiler tries every choice; the message says which one fails. Rename it, or remove one of the two."
+
+    "F0707" FieldMovesNothing Note
+    "nothing acts on a field of the action"
+    "Only `pick` and `place`, or `pick`, `direction` and `distance`, move the cloth. The model is asked for any further field, and its answer is recorded, but it changes nothing unless a check reads it."
+
+    "F0708" CertainCondition Warning
+    "a condition is always true or never true"
+    "Every value has a range: a count ends at the `max` of its detector, a distance at the diagonal of the picture, a step at the horizon. In these ranges the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing."
 
     "F0801" LayerNotNamed Error
     "something is drawn, but no prompt says what it is"

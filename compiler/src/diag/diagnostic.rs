@@ -1,6 +1,7 @@
 //! One finding, as data.
 
 use super::codes::{Code, Severity};
+use super::visible::visible;
 use fab_grammar::Span;
 
 /// One finding.
@@ -74,7 +75,8 @@ impl Diagnostic {
         Diagnostic {
             code,
             severity: code.entry().severity,
-            message: message.into(),
+            // A message quotes the file, and a file may hold characters that a terminal acts on.
+            message: visible(&message.into()).into_owned(),
             span,
             label: String::new(),
             labels: Vec::new(),
@@ -86,7 +88,7 @@ impl Diagnostic {
 
     /// Sets the label at the main location.
     pub(crate) fn label(mut self, text: impl Into<String>) -> Diagnostic {
-        self.label = text.into();
+        self.label = visible(&text.into()).into_owned();
         self
     }
 
@@ -115,14 +117,14 @@ impl Diagnostic {
     pub(crate) fn also(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
         self.labels.push(Label {
             span,
-            text: text.into(),
+            text: visible(&text.into()).into_owned(),
         });
         self
     }
 
     /// Adds advice.
     pub(crate) fn help(mut self, text: impl Into<String>) -> Diagnostic {
-        self.help.push(text.into());
+        self.help.push(visible(&text.into()).into_owned());
         self
     }
 

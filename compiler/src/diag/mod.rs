@@ -10,6 +10,7 @@ mod report;
 mod spelling;
 mod suggest;
 mod text;
+mod visible;
 
 pub use codes::{CODES, Code, CodeEntry, GROUPS, Severity};
 pub use diagnostic::{Certainty, Diagnostic, Edit, Label};
@@ -18,5 +19,7 @@ pub use report::MAX_FINDINGS;
 pub(crate) use report::{Report, Reported};
 pub(crate) use spelling::{keep_spellings_only, keeps_content};
 pub use text::{Color, to_text};
+pub(crate) use visible::turns_writing;
+pub use visible::{is_hidden, visible};
 
 pub use suggest::{among, nearest};

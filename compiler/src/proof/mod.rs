@@ -4,6 +4,7 @@
 //! be read back unchanged and must not be rejected. Values that are not offered must be rejected with a message that
 //! lists the choices. Points come from two generated scenes. The work is bounded and deterministic.
 
+pub(crate) mod certain;
 mod declared;
 mod flaws;
 mod memory;

@@ -4,7 +4,7 @@
 
 pub mod jinja2;
 
-use fab_compiler::{Compiled, LoadError, Loader};
+use fab_compiler::{Compiled, Listed, LoadError, Loader, explain};
 use fab_program::Proposal;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
@@ -35,6 +35,10 @@ impl Loader for Memory {
         self.0.get(name).cloned().ok_or_else(|| LoadError {
             message: format!("there is no file `{name}`"),
         })
+    }
+
+    fn look(&self, path: &str) -> Listed {
+        explain::look(path)
     }
 }
 

@@ -81,7 +81,7 @@ fn real(path: impl AsRef<Path>) -> Option<PathBuf> {
 
 /// Compiles a file, and calls an edit certain only if `--fix` would make it.
 pub fn judged(file: &str) -> Result<Compiled, Failure> {
-    let mut compiled = sources::compile(file)?;
+    let mut compiled = sources::compile_looking(file)?;
     fix::demote(file, &Disk::beside(file), &mut compiled);
     Ok(compiled)
 }

@@ -23,7 +23,7 @@ use super::matching::{fits, refreshed};
 use super::page::{Block, Page};
 use crate::suite::support::{fabc, root};
 use fab_compiler::diag::{self, Color};
-use fab_compiler::{LoadError, Loader};
+use fab_compiler::{Listed, LoadError, Loader};
 use similar::TextDiff;
 use std::fs;
 use std::io::Read;
@@ -346,6 +346,10 @@ impl Loader for Files<'_> {
                 message: format!("there is no file `{name}`"),
             }),
         }
+    }
+
+    fn look(&self, path: &str) -> Listed {
+        fab_compiler::explain::look(path)
     }
 }
 

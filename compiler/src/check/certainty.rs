@@ -1,0 +1,94 @@
+//! Warns of checks that can never pass or never fail, and of components whose condition never or always holds.
+
+use super::context::Context;
+use crate::diag::{Code, Diagnostic};
+use crate::merge::Merged;
+use crate::proof::certain::{never, reason};
+use fab_grammar::Span;
+use fab_program::{Condition, Program};
+
+/// Warns of the conditions of a program whose result is certain.
+pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+    for check in &program.verify.checks {
+        let Some(part) = merged.checks.get(&check.name) else {
+            continue;
+        };
+        let (when, holds) = (check.when.as_ref(), &check.holds);
+        let guard = part.when().map(|expr| expr.span());
+        let condition = part.condition().map(|expr| expr.span());
+        let both = |passes| -> Vec<(&Condition, bool)> {
+            let when = when.map(|when| (when, true));
+            when.into_iter().chain([(holds, passes)]).collect()
+        };
+        let name = format!("the check `{}`", check.name);
+        match (when, guard, condition) {
+            (Some(when), Some(span), _) if never(&[(when, true)], program) => {
+                warn(
+                    format!("{name} never applies"),
+                    when,
+                    span,
+                    program,
+                    context,
+                );
+            }
+            (_, _, Some(span)) if never(&both(true), program) => {
+                warn(
+                    format!("{name} can never pass"),
+                    holds,
+                    span,
+                    program,
+                    context,
+                );
+            }
+            (_, _, Some(span)) if never(&both(false), program) => {
+                warn(
+                    format!("{name} can never fail"),
+                    holds,
+                    span,
+                    program,
+                    context,
+                );
+            }
+            _ => {}
+        }
+    }
+    for template in &program.templates {
+        let component = merged.components.get(&template.name);
+        let guard = component.and_then(|component| component.when());
+        let (Some(when), Some(guard)) = (&template.when, guard) else {
+            continue;
+        };
+        let name = format!("the component `{}`", template.name);
+        if never(&[(when, true)], program) {
+            warn(
+                format!("{name} is never said"),
+                when,
+                guard.span(),
+                program,
+                context,
+            );
+        } else if never(&[(when, false)], program) {
+            warn(
+                format!("{name} is always said"),
+                when,
+                guard.span(),
+                program,
+                context,
+            );
+        }
+    }
+}
+
+fn warn(
+    what: String,
+    condition: &Condition,
+    span: Span,
+    program: &Program,
+    context: &mut Context<'_, '_>,
+) {
+    let message = match reason(condition, program) {
+        Some(reason) => format!("{what}: {reason}"),
+        None => what,
+    };
+    context.remark(Diagnostic::new(Code::CertainCondition, span, message));
+}

@@ -1,0 +1,200 @@
+//! Warns of what a model must know and no prompt says, and of what a model says and nobody uses.
+//!
+//! In: a program without errors. Texts, examples and layers count as prompts; a plain picture does not, because a
+//! model cannot read points or a format from it.
+
+use super::context::Context;
+use crate::diag::{Code, Diagnostic};
+use crate::merge::Merged;
+use fab_grammar::Span;
+use fab_grammar::ast;
+use fab_program::space;
+use fab_program::{Choices, Depends, Layers, Picture, Placeholder, Program, Read, Stage, Template};
+use std::collections::BTreeSet;
+
+/// Warns of everything that the prompts of a task leave unspoken.
+pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+    for stage in &program.stages {
+        let Some(part) = merged.stages.get(&stage.name) else {
+            continue;
+        };
+        let Some(line) = part.read().next() else {
+            continue;
+        };
+        match &stage.read {
+            Read::Action => format(program, stage, line, context),
+            Read::Text { name, before, .. } => {
+                instruction(program, name, line, context);
+                prefix(program, stage, before, line, context);
+            }
+        }
+    }
+    points(program, merged, context);
+}
+
+fn warn(code: Code, span: Span, message: String, help: String, context: &mut Context<'_, '_>) {
+    context.remark(Diagnostic::new(code, span, message).help(help));
+}
+
+// ---- texts ---------------------------------------------------------------------------------------
+
+/// Returns the texts that a stage says.
+fn texts<'p>(program: &'p Program, stage: &'p Stage) -> impl Iterator<Item = &'p Template> {
+    let names = stage.system.iter().chain(&stage.say);
+    names.filter_map(|name| program.template(name))
+}
+
+/// Returns the values that the texts of all stages show.
+fn shown(program: &Program) -> impl Iterator<Item = &Placeholder> {
+    let stages = program.stages.iter();
+    let texts = stages.flat_map(|stage| texts(program, stage));
+    texts.flat_map(|text| text.variables.iter().map(|variable| &variable.value))
+}
+
+/// Returns the words of a text, in lower case and with one blank before and after each.
+fn words(text: &str) -> String {
+    let words = text.split(|letter: char| !letter.is_alphanumeric());
+    let words = words.filter(|word| !word.is_empty());
+    let words = words.map(|word| format!(" {}", word.to_lowercase()));
+    words.chain([" ".to_owned()]).collect()
+}
+
+/// Returns whether a stage's texts or examples have these words.
+fn says(program: &Program, stage: &Stage, wanted: &str) -> bool {
+    let wanted = words(wanted);
+    let examples = stage.examples.iter().map(|example| &example.reply.text);
+    let texts = texts(program, stage).map(|text| &text.text);
+    let mut all = texts.chain(examples);
+    // A prefix of signs alone, such as `>>`, has no words.
+    wanted.trim().is_empty() || all.any(|text| words(text).contains(&wanted))
+}
+
+// ---- what is read --------------------------------------------------------------------------------
+
+/// Warns if no prompt says in which format the action is to be answered.
+fn format(program: &Program, stage: &Stage, line: ast::Read<'_>, context: &mut Context<'_, '_>) {
+    let mut values = texts(program, stage).flat_map(|text| &text.variables);
+    let has_format = values.any(|variable| variable.value == Placeholder::Format);
+    let has_demos = program
+        .demos
+        .as_ref()
+        .is_some_and(|demos| demos.stage == stage.name);
+    // The author may write the lines of the format by hand.
+    let is_written = program.actions.iter().all(|field| {
+        let examples = stage.examples.iter().map(|example| &example.reply.text);
+        let mut all = texts(program, stage).map(|text| &text.text).chain(examples);
+        all.any(|text| states(text, &space::spoken(field)))
+    });
+    if !(has_format || has_demos || is_written) {
+        let message = format!(
+            "no text of the stage `{}` says in which format to answer",
+            stage.name
+        );
+        let help = "write `{{ actions.format }}` in one of them".to_owned();
+        warn(Code::FormatNeverSaid, line.span(), message, help, context);
+    }
+}
+
+/// Returns whether a text has a line for a field, such as `Pick Point = (x, y)` or `"pick": [x, y]`.
+fn states(text: &str, field: &str) -> bool {
+    let text = text.to_lowercase();
+    text.match_indices(&field.to_lowercase()).any(|(at, name)| {
+        let rest = text[at + name.len()..].trim_start_matches([' ', '_', '*', '"', '`']);
+        let rest = rest.strip_prefix("point").unwrap_or(rest);
+        rest.trim_start_matches([' ', '*', '"', '`'])
+            .starts_with(['=', ':'])
+    })
+}
+
+/// Warns if a text that a stage reads is in no later text.
+fn instruction(program: &Program, name: &str, line: ast::Read<'_>, context: &mut Context<'_, '_>) {
+    let templates = program.templates.iter();
+    let mut values = templates.flat_map(|template| &template.variables);
+    let is_used = values.any(
+        |variable| matches!(&variable.value, Placeholder::Text { name: used } if used == name),
+    );
+    if !is_used {
+        let message = format!("`{name}` is read here, and no text uses it");
+        let help = format!("write `{{{{ {name} }}}}` in a text of a later stage");
+        warn(
+            Code::TextNeverUsed,
+            line.name().span(),
+            message,
+            help,
+            context,
+        );
+    }
+}
+
+/// Warns if no prompt says the words that must come before a text that is read.
+fn prefix(
+    program: &Program,
+    stage: &Stage,
+    before: &str,
+    line: ast::Read<'_>,
+    context: &mut Context<'_, '_>,
+) {
+    let Some(pattern) = line.pattern() else {
+        return;
+    };
+    if !says(program, stage, before) {
+        let message = format!(
+            "no text of the stage `{}` asks for an answer with `{before}`",
+            stage.name
+        );
+        let help = format!("write, for example, `Answer in one line: {before} …`");
+        warn(
+            Code::PrefixNeverNamed,
+            pattern.span(),
+            message,
+            help,
+            context,
+        );
+    }
+}
+
+// ---- points --------------------------------------------------------------------------------------
+
+/// Warns of keypoints that a field offers and that no text and no picture shows.
+fn points(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+    let mut known = BTreeSet::new();
+    for value in shown(program) {
+        known.extend(value.uses().keypoints);
+        if let Placeholder::Choices { field } = value
+            && let Some(Choices::Points { keypoints }) =
+                program.field(field).map(|field| &field.choices)
+        {
+            known.extend(keypoints.iter().cloned());
+        }
+    }
+    let drawn = Picture::Scene {
+        layers: Layers::Drawn,
+    };
+    if program
+        .stages
+        .iter()
+        .any(|stage| stage.show.contains(&drawn))
+    {
+        for layer in &program.layers {
+            known.extend(layer.mark.uses().keypoints);
+        }
+    }
+    for field in merged.actions.into_iter().flat_map(|part| part.fields()) {
+        for choice in field.one_of() {
+            let ast::Expr::Name(name) = choice else {
+                continue;
+            };
+            // Once is enough for a keypoint that several fields offer.
+            let is_first = known.insert(name.text().to_owned());
+            if program.keypoint(name.text()).is_some() && is_first {
+                let message = format!(
+                    "`{}` offers `{}`, and no prompt shows it",
+                    field.name().text(),
+                    name.text()
+                );
+                let help = format!("write `{{{{ {} }}}}` in a text of a stage", name.text());
+                warn(Code::PointsNeverShown, name.span(), message, help, context);
+            }
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Names that nothing uses, and fields that nothing acts on.
+//!
+//! Neither is an error: a library may declare what other tasks use. A new name that nothing uses is reported if an
+//! inherited one is similar, because it was probably meant to replace that one.
+
+use super::context::Context;
+use crate::diag::{Code, Diagnostic, nearest};
+use crate::lang::actions::field as moving_field;
+use crate::load::Loaded;
+use crate::merge::{MAX_EXTENDS_DEPTH, Merged, VariantChange};
+use fab_grammar::ast::{Body, Name, Task};
+use fab_program::{Condition, Heading, Length, Point, Program};
+use std::collections::BTreeSet;
+
+/// Warns of the task's own constants and keypoints that nothing uses and that are named almost like inherited ones.
+pub(crate) fn names(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+    let variant = merged.variant.as_ref().map(|variant| variant.change);
+    let (own, task) = match variant {
+        None => (merged.task.body(), None),
+        Some(VariantChange::Body(body)) => (body, Some(merged.task)),
+        Some(VariantChange::Without(_)) => return,
+    };
+    let above: Vec<Body<'_>> = task
+        .into_iter()
+        .chain(bases(merged.task, context.loaded))
+        .map(Task::body)
+        .collect();
+    let all = |names: fn(Body<'_>) -> Vec<Name<'_>>| -> BTreeSet<&str> {
+        let above = above.iter().flat_map(|body| names(*body));
+        above.map(|name| name.text()).collect()
+    };
+    let kinds = [
+        ("constant", constants(own), all(constants)),
+        ("keypoint", keypoints(own), all(keypoints)),
+    ];
+    for (kind, own, inherited) in kinds {
+        for name in own {
+            if inherited.contains(name.text()) || context.loaded.is_used(name.text()) {
+                continue;
+            }
+            let Some(meant) = nearest(name.text(), inherited.iter().copied()) else {
+                continue;
+            };
+            let message = format!(
+                "the {kind} `{}` is new, and nothing uses it; there is an inherited {kind} `{meant}`",
+                name.text()
+            );
+            let diagnostic = Diagnostic::new(Code::UnusedName, name.span(), message);
+            context.remark(diagnostic.meant(name.span(), meant));
+        }
+    }
+}
+
+fn constants(body: Body<'_>) -> Vec<Name<'_>> {
+    body.constants().map(|constant| constant.name()).collect()
+}
+
+fn keypoints(body: Body<'_>) -> Vec<Name<'_>> {
+    let parts = body.keypoints();
+    parts
+        .flat_map(|part| part.list())
+        .map(|keypoint| keypoint.name())
+        .collect()
+}
+
+/// Returns the tasks that a task extends, nearest first.
+fn bases<'a>(task: Task<'a>, loaded: &Loaded<'a>) -> impl Iterator<Item = Task<'a>> {
+    let above = |task: &Task<'a>| {
+        let base = task.extends()?;
+        loaded.task(base.span().file, base.text())
+    };
+    // A circle was reported; here it only has to end.
+    std::iter::successors(above(&task), above).take(MAX_EXTENDS_DEPTH)
+}
+
+// ---- fields --------------------------------------------------------------------------------------
+
+/// Notes the fields that neither move the cloth nor decide a check.
+pub(crate) fn fields(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+    let mut checked = BTreeSet::new();
+    for check in &program.verify.checks {
+        check.when.iter().chain([&check.holds]).for_each(|part| {
+            add_fields(part, &mut checked);
+        });
+    }
+    for field in merged.actions.into_iter().flat_map(|part| part.fields()) {
+        let name = field.name().text();
+        if moving_field(name).is_some() || checked.contains(name) {
+            continue;
+        }
+        let message = format!("nothing acts on the field `{name}`");
+        let diagnostic = Diagnostic::new(Code::FieldMovesNothing, field.name().span(), message);
+        context.remark(diagnostic.help(
+            "the model is asked for it and its answer is recorded; no check reads it, and it does not move the cloth",
+        ));
+    }
+}
+
+/// Adds the action's fields that a condition reads.
+fn add_fields(condition: &Condition, fields: &mut BTreeSet<String>) {
+    match condition {
+        Condition::All { of } | Condition::Any { of } => {
+            of.iter().for_each(|part| add_fields(part, fields));
+        }
+        Condition::Not { of } => add_fields(of, fields),
+        Condition::Lengths { left, right, .. } => {
+            for length in [left, right] {
+                match length {
+                    Length::Field { field, .. } => drop(fields.insert(field.clone())),
+                    Length::OfPoints(measure) => {
+                        measure.points().iter().for_each(|it| add_point(it, fields));
+                    }
+                    Length::Constant { .. } => {}
+                }
+            }
+        }
+        Condition::Angle { a, b, .. } => {
+            for heading in [a, b] {
+                match heading {
+                    Heading::Field { field } | Heading::Last { field } => {
+                        fields.insert(field.clone());
+                    }
+                    Heading::FromTo { from, to } => {
+                        add_point(from, fields);
+                        add_point(to, fields);
+                    }
+                    Heading::Constant { .. } => {}
+                }
+            }
+        }
+        Condition::Word { field, .. } => {
+            fields.insert(field.clone());
+        }
+        Condition::Within { point, .. } => add_point(point, fields),
+        Condition::Number { .. } | Condition::Last | Condition::Unreachable => {}
+    }
+}
+
+fn add_point(point: &Point, fields: &mut BTreeSet<String>) {
+    match point {
+        Point::Action { field } => {
+            fields.insert(field.clone());
+        }
+        Point::Mirror { of, about } => {
+            add_point(of, fields);
+            add_point(about, fields);
+        }
+        Point::Carried { from, .. } => add_point(from, fields),
+        Point::Keypoint { .. } | Point::Last { .. } => {}
+    }
+}
