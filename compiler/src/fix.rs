@@ -7,8 +7,8 @@
 //! may change how something is written, but no number, name or text. [`fix`] looks at the effect: it compiles the
 //! edited text, which must lack the finding and have no new one. An edit that fails either test becomes likely.
 
-use crate::diag::{Code, Diagnostic, Edit};
-use crate::{Compiled, LoadError, Loader, compile};
+use crate::diag::{Code, Diagnostic, Edit, Severity};
+use crate::{Compiled, Listed, LoadError, Loader, compile};
 use fab_grammar::Span;
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -112,6 +112,10 @@ impl Loader for Overlay<'_> {
             None => self.loader.load(name),
         }
     }
+
+    fn look(&self, path: &str) -> Listed {
+        self.loader.look(path)
+    }
 }
 
 /// Tries of the edits of one compilation.
@@ -207,7 +211,7 @@ impl<'a> Round<'a> {
             }
         }
         for _ in 0..MAX_CHAIN {
-            let added = added(&trial.compiled, &allowed);
+            let added = added(&trial.compiled, &allowed, self.compiled.has_errors());
             if added.is_empty() {
                 return (trial.compiled.left_out == 0).then_some(trial);
             }
@@ -299,12 +303,19 @@ fn counts(diagnostics: &[Diagnostic]) -> BTreeMap<Key<'_>, usize> {
 }
 
 /// Returns the indices of the findings beyond the allowed counts; of equal ones, the last.
-fn added<'d>(compiled: &'d Compiled, allowed: &BTreeMap<Key<'d>, usize>) -> Vec<usize> {
+///
+/// - `errors_only`: whether warnings count. They do not where errors kept them from being looked for before.
+fn added<'d>(
+    compiled: &'d Compiled,
+    allowed: &BTreeMap<Key<'d>, usize>,
+    errors_only: bool,
+) -> Vec<usize> {
     let mut left = allowed.clone();
     let mut added = Vec::new();
     for (index, diagnostic) in compiled.diagnostics.iter().enumerate() {
         match left.get_mut(&key(diagnostic)) {
             Some(count) if *count > 0 => *count -= 1,
+            _ if errors_only && diagnostic.severity != Severity::Error => {}
             _ => added.push(index),
         }
     }

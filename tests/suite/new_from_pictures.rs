@@ -294,5 +294,8 @@ fn subgoals_says_which_demonstrated_point_is_not_offered_and_what_offers_it() {
     let more = format!("{keypoints}    actions {{\n{pick}\nplace: one of corners, center\n}}\n");
     std::fs::write(&path, task(&more)).unwrap();
     let ended = said(folder.path(), &["subgoals", "half.fab"]);
-    assert_eq!((ended.code, ended.stderr.as_str()), (0, ""));
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let told = "warning[F0611]: `pick` offers `sides`, and no prompt shows it";
+    assert!(ended.stderr.starts_with(told), "{}", ended.stderr);
+    assert!(!ended.stderr.contains("note: step"), "{}", ended.stderr);
 }

@@ -59,6 +59,13 @@ impl User {
             let from = root().join("tasks/lib").join(library);
             fs::copy(from, folder.join("lib").join(library)).unwrap();
         }
+        for files in ["double_straight.subgoals", "demos"] {
+            fs::create_dir_all(folder.join(files)).unwrap();
+            for file in fs::read_dir(root().join("tasks").join(files)).unwrap() {
+                let file = file.unwrap();
+                fs::copy(file.path(), folder.join(files).join(file.file_name())).unwrap();
+            }
+        }
         let task = fs::read_to_string(root().join("tasks/double_straight.fab")).unwrap();
         let own = task.replace("< 40mm", goal);
         fs::write(folder.join("double_straight.fab"), own).unwrap();

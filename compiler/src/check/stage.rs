@@ -457,7 +457,9 @@ impl<'a> Builder<'_, 'a> {
                         "add it to what a stage says, such as `say {} in {stage} after {beside}`, or remove it",
                         name.text()
                     ),
-                    (None, None) => "name it in a stage's `say` or `system`, or remove it".to_owned(),
+                    (None, None) => {
+                        "name it in a stage's `say` or `system`, or remove it".to_owned()
+                    }
                 };
                 context.remark(diagnostic.help(help));
             }
