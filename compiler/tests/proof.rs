@@ -316,3 +316,27 @@ proptest! {
         prop_assert!(flaws.is_empty(), "{:#?}\n{}", flaws, space::format(&program.actions));
     }
 }
+
+#[test]
+fn every_word_that_the_reader_knows_can_be_a_choice() {
+    let files = std::fs::read_dir("program/src/reply").unwrap();
+    let sources = files.map(|file| std::fs::read_to_string(file.unwrap().path()).unwrap());
+    let words: std::collections::BTreeSet<String> = sources
+        .flat_map(|source| {
+            let words = source.split(|letter: char| !letter.is_ascii_lowercase());
+            words.map(str::to_owned).collect::<Vec<_>>()
+        })
+        .filter(|word| !word.is_empty())
+        .collect();
+    assert!(words.contains("none") && words.contains("instead"));
+    for word in words {
+        let grip = ActionField {
+            name: "gripping_force".to_owned(),
+            choices: Choices::Words {
+                choices: vec![word, "zzz".to_owned()],
+            },
+        };
+        let flaws = proof::flaws(&spaces::program(vec![grip]));
+        assert!(flaws.is_empty(), "{flaws:#?}");
+    }
+}

@@ -11,6 +11,7 @@ use fab_program::space;
 use fab_program::{ActionField, Choices, Program};
 use fab_standins::Geometric;
 use fab_world::Look;
+use serde_json::Value;
 
 /// The result of a rollout of the small task: its outcome, and where each pick and place was, metres.
 type Played = (Outcome, Vec<[f64; 4]>);
@@ -155,14 +156,24 @@ fn the_stand_in_refuses_actions_that_it_does_not_know() {
 }
 
 #[test]
-fn an_answer_that_cannot_be_read_is_printed() {
+fn stand_ins_that_choose_answer_what_a_shipped_task_asks() {
     let folder = tempfile::tempdir().unwrap();
     let file = support::project("tasks/double_straight.fab");
-    let mut run = support::fabc(folder.path());
-    let said = support::finish(run.args(["run", &file, "--model", "imperfect:1:1"]));
+    let run = |model: &str| {
+        let mut run = support::fabc(folder.path());
+        support::finish(run.args(["run", &file, "--json", "--model", model]))
+    };
+    let report: Value = serde_json::from_str(&run("random:1").stdout).unwrap();
+    assert_eq!(report["malformed_replies"], 0, "{report:#}");
+    assert!(report["steps"].as_u64() > Some(0), "{report:#}");
+
+    let said = run("imperfect:1:3");
     assert_eq!(said.code, 3, "{}", said.stderr);
-    let words = "not readable: Your answer states no pick point.";
-    assert!(said.stderr.contains(words), "{}", said.stderr);
-    let words = "the answer: I would pull it a little to the side.";
-    assert!(said.stderr.contains(words), "{}", said.stderr);
+    for words in [
+        "not readable: Your answer states no pick point.",
+        "the answer: I would pull it a little to the side.",
+        "refused by `offered`: The pick point (70, 27) is not one of the offered points.",
+    ] {
+        assert!(said.stderr.contains(words), "{}", said.stderr);
+    }
 }

@@ -17,9 +17,8 @@ pub(super) struct Field {
 
 /// Returns the fields of an action; empty if the request does not ask for one.
 pub(super) fn fields(request: &Request) -> Vec<Field> {
-    let schema = request.schema.as_ref();
-    let properties = schema.and_then(|schema| schema["properties"].as_object());
-    let fields = properties.into_iter().flatten().map(|(name, property)| {
+    let chosen = properties(request).filter(|(_, property)| !is_free_text(property));
+    let fields = chosen.map(|(name, property)| {
         let values = property["enum"].as_array().into_iter().flatten();
         Field {
             name: name.clone(),
@@ -31,13 +30,27 @@ pub(super) fn fields(request: &Request) -> Vec<Field> {
     fields.collect()
 }
 
-/// Writes an answer as the JSON object that the schema describes.
-pub(super) fn answer(values: Vec<(String, String)>) -> String {
+/// Writes an answer as the JSON object that the schema describes, with words without content where it wants text.
+pub(super) fn answer(request: &Request, values: Vec<(String, String)>) -> String {
+    let texts = properties(request).filter(|(_, property)| is_free_text(property));
+    let texts = texts.map(|(name, _)| (name.clone(), "I look at nothing.".to_owned()));
     let object: Map<String, Value> = values
         .into_iter()
+        .chain(texts)
         .map(|(name, value)| (name, Value::String(value)))
         .collect();
     Value::Object(object).to_string()
+}
+
+fn properties(request: &Request) -> impl Iterator<Item = (&String, &Value)> {
+    let schema = request.schema.as_ref();
+    let properties = schema.and_then(|schema| schema["properties"].as_object());
+    properties.into_iter().flatten()
+}
+
+/// Returns whether a property takes any text, such as a reason.
+fn is_free_text(property: &Value) -> bool {
+    property["enum"].is_null() && property["pattern"].is_null()
 }
 
 /// Reads `(x, y)`, integer pixels.

@@ -118,7 +118,7 @@ impl Answer {
             AnswerMistake::Opposite => self.turn_round(pick),
         }
         let values = self.0.into_iter().map(|(field, value)| (field.name, value));
-        Some(choices::answer(values.collect()))
+        Some(choices::answer(request, values.collect()))
     }
 
     fn turn_round(&mut self, pick: usize) {

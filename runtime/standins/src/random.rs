@@ -52,7 +52,7 @@ impl Model for Random {
                 })?;
             values.push((field.name, value));
         }
-        Ok(Reply::text(choices::answer(values)))
+        Ok(Reply::text(choices::answer(request, values)))
     }
 }
 

@@ -321,7 +321,14 @@ fn skip_description(cursor: &mut Cursor<'_, '_>, clarity: Clarity) -> bool {
 fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
     let is_assigned = context.clarity == Clarity::Assigned;
     let start = *cursor;
-    if is_echo(start, context) || is_placeholder(start) {
+    let begins_word = |cursor: &Cursor<'_, '_>| match &context.expected.field.choices {
+        Choices::Words { choices } => !matches!(
+            words::offered(&mut { *cursor }, choices, context.whole),
+            Offered::Nothing
+        ),
+        _ => false,
+    };
+    if is_echo(start, context) || (is_placeholder(start) && !begins_word(&start)) {
         return Found::Nothing;
     }
     // `grip=Grip.SOFT`
@@ -332,14 +339,7 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
             .ahead(1)
             .is_some_and(|point| point.is_sign('.') && point.gap == Gap::None);
     cursor.at += 2 * usize::from(qualified);
-    let begins_word = match &context.expected.field.choices {
-        Choices::Words { choices } => !matches!(
-            words::offered(&mut { *cursor }, choices, context.whole),
-            Offered::Nothing
-        ),
-        _ => false,
-    };
-    if !begins_word {
+    if !begins_word(cursor) {
         cursor.skip(LEADING, &['≈', '=', ':', '→']);
     }
     let mut expected = context.expected;

@@ -19,6 +19,7 @@ fn question(number: usize) -> Request {
         schema: Some(json!({ "properties": {
             "pick": { "type": "string", "enum": values },
             "place": { "type": "string", "enum": places },
+            "reason": { "type": "string" },
         } })),
         ..Request::new(ModelRole::Text, vec![Message::text(Speaker::User, text)])
     }
@@ -60,12 +61,12 @@ fn each_slip_is_what_it_is_called() {
     );
     assert_eq!(
         near.unwrap(),
-        r#"{"pick":"(90, 90)","direction":"45 deg","distance":"0.25 edge"}"#
+        r#"{"pick":"(90, 90)","direction":"45 deg","distance":"0.25 edge","reason":"I look at nothing."}"#
     );
     let opposite = spoil(AnswerMistake::Opposite, "");
     assert_eq!(
         opposite.unwrap(),
-        r#"{"pick":"(90, 10)","direction":"225 deg","distance":"0.25 edge"}"#
+        r#"{"pick":"(90, 10)","direction":"225 deg","distance":"0.25 edge","reason":"I look at nothing."}"#
     );
     let astray: serde_json::Value =
         serde_json::from_str(&spoil(AnswerMistake::OffTheList, "").unwrap()).unwrap();
@@ -88,7 +89,7 @@ fn without_a_direction_pick_and_place_are_swapped() {
     );
     assert_eq!(
         swapped.unwrap(),
-        r#"{"pick":"(10, 10)","place":"(90, 10)"}"#
+        r#"{"pick":"(10, 10)","place":"(90, 10)","reason":"I look at nothing."}"#
     );
 }
 
