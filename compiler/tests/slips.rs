@@ -9,7 +9,7 @@
 mod common;
 
 use common::workspace;
-use fab_compiler::diag::{Diagnostic, Severity};
+use fab_compiler::diag::{self, Color, Diagnostic, Severity};
 use fab_compiler::{Compiled, LoadError, Loader};
 use fab_grammar::{Kind, Sources};
 use std::collections::{BTreeMap, BTreeSet};
@@ -134,7 +134,7 @@ impl Chance {
 
 // ---- keywords ------------------------------------------------------------------------------------
 
-/// Returns the word with one letter dropped, doubled, swapped with the next, or replaced.
+/// Returns the word with one letter dropped, doubled, swapped with the next, or replaced, and its plural or singular.
 fn misspelt(word: &str, chance: &mut Chance) -> Vec<String> {
     let letters: Vec<char> = word.chars().collect();
     let at = chance.below(letters.len());
@@ -151,7 +151,13 @@ fn misspelt(word: &str, chance: &mut Chance) -> Vec<String> {
         .into_iter()
         .find(|letter| *letter != letters[at] && chance.below(2) == 0)
         .unwrap_or('q');
-    let words = [dropped, doubled, swapped, replaced].map(|letters| letters.iter().collect());
+    let mut number = letters.clone();
+    if number.pop() != Some('s') {
+        number = letters.clone();
+        number.push('s');
+    }
+    let words =
+        [dropped, doubled, swapped, replaced, number].map(|letters| letters.iter().collect());
     let is_typo = |typo: &String| {
         typo != word && !typo.is_empty() && !fab_grammar::grammar_words().contains(&typo.as_str())
     };
@@ -366,4 +372,103 @@ fn a_missing_closing_quote_is_reported_at_its_opening() {
     }
     assert!(tried > 50, "{tried} texts");
     assert!(missed.is_empty(), "{missed:#?}");
+}
+
+// ---- messages that were read and judged ----------------------------------------------------------
+
+/// Decides which slips are drawn.
+const JUDGED_SEED: u64 = 20_261_126;
+
+/// The number of slips whose messages were read.
+const JUDGED: usize = 60;
+
+/// The least number of them whose message is plainly good.
+const LEAST_GOOD: usize = 54;
+
+/// Draws one slip: its place, what was written, what stands there now.
+fn draw(case: &Case, chance: &mut Chance) -> (Range<usize>, String) {
+    let tokens = case.tokens();
+    let range = tokens[chance.below(tokens.len())].1.clone();
+    let written = &case.text[range.clone()];
+    let other = &case.text[tokens[chance.below(tokens.len())].1.clone()];
+    let line_start = case.text[..range.start]
+        .rfind('\n')
+        .map_or(0, |line_break| line_break + 1);
+    let line_end = case.text[range.end..]
+        .find('\n')
+        .map_or(case.text.len(), |length| range.end + length + 1);
+    let line = line_start..line_end;
+    let is_number = written.starts_with(|letter: char| letter.is_ascii_digit());
+    let is_word = written.chars().count() > 2 && written.chars().all(char::is_alphabetic);
+    match chance.below(8) {
+        0 => (range, String::new()),
+        1 => (range.clone(), format!("{written} {other}")),
+        2 => (range, other.to_owned()),
+        3 => (line.clone(), String::new()),
+        4 => (line.clone(), case.text[line].repeat(2)),
+        5 if is_number => (range.clone(), format!("-{written}")),
+        6 if is_number => (range.clone(), format!("{written}0")),
+        _ if is_word => {
+            let mut typos = misspelt(written, chance);
+            let typo = typos.swap_remove(chance.below(typos.len()));
+            (range, typo)
+        }
+        _ => (range.clone(), String::new()),
+    }
+}
+
+/// Returns the slips, each as one line, with the first message that it causes.
+fn slips_with_messages() -> Vec<(String, String)> {
+    let cases = shipped();
+    let mut chance = Chance(JUDGED_SEED);
+    let mut found: Vec<(String, String)> = Vec::new();
+    while found.len() < JUDGED {
+        let case = &cases[chance.below(cases.len())];
+        let (range, slip) = draw(case, &mut chance);
+        let text = case.with(&range, &slip);
+        let compiled = case.compile(&text);
+        let is_new = |it: &&Diagnostic| it.severity != Severity::Note;
+        let Some(first) = compiled.diagnostics.iter().find(is_new) else {
+            continue;
+        };
+        let message = diag::to_text(std::slice::from_ref(first), &compiled.sources, Color::Plain);
+        let was = &case.text[range.clone()];
+        let slip = format!("{}: {was:?} -> {slip:?}", case.at(range.start));
+        if found.iter().all(|(known, _)| *known != slip) {
+            found.push((slip, message));
+        }
+    }
+    found
+}
+
+#[test]
+fn messages_that_were_read_and_judged_still_read_like_that() {
+    let path = workspace().join("tests/fixtures/judged_messages.txt");
+    let page = fs::read_to_string(&path).unwrap_or_default();
+    let judgements: BTreeMap<&str, &str> = page
+        .split("\n\n\n")
+        .filter_map(|entry| {
+            let (_slip, rest) = entry.trim().split_once('\n')?;
+            let (judgement, message) = rest.split_once('\n')?;
+            Some((message, judgement))
+        })
+        .collect();
+    let mut wanted = format!(
+        "{JUDGED} slips in shipped tasks, drawn with seed {JUDGED_SEED}: the slip, one line of judgement, the first message.\n"
+    );
+    let mut n_good = 0;
+    for (slip, message) in slips_with_messages() {
+        let message = message.trim();
+        let judgement = judgements.get(message).copied().unwrap_or("not judged");
+        n_good += usize::from(judgement.starts_with("good"));
+        wanted.push_str(&format!("\n\n{slip}\n{judgement}\n{message}\n"));
+    }
+    if std::env::var_os("FABC_WRITE_DOCS").is_some() {
+        fs::write(&path, &wanted).unwrap();
+    }
+    assert!(
+        wanted == page,
+        "read the messages that changed, and judge them: FABC_WRITE_DOCS=1 cargo test -p fab-compiler --test slips"
+    );
+    assert!(n_good >= LEAST_GOOD, "{n_good} of {JUDGED} are judged good");
 }

@@ -88,6 +88,14 @@ fn closes_more(text: &str) -> bool {
 
 /// Returns whether an unclosed text has swallowed the end of a block.
 fn swallows_braces(end: Node<'_>) -> bool {
+    if end.kind().is_junk() {
+        // Junk reads texts as statements do, and a quote too many makes the end of its line a text.
+        let lines = end.text().lines();
+        let torn = lines.filter(|line| line.matches('"').count() % 2 == 1);
+        return torn
+            .filter_map(|line| line.rsplit_once('"'))
+            .any(|(_, text)| closes_more(text));
+    }
     let is_unclosed = matches!(end.kind(), Kind::NoQuote | Kind::NoTriple);
     let is_last = end.kind() == Kind::NoTriple && end.range().end == end.tree().text().len();
     is_unclosed && (is_last || end.parent().is_some_and(|text| closes_more(text.text())))

@@ -140,6 +140,16 @@ pub enum Kind {
     },
 }
 
+impl Kind {
+    /// Returns the accepted words, if it is one of a closed set.
+    pub fn words(&self) -> Option<&'static [Word]> {
+        match self {
+            Kind::Word(words) | Kind::NameOf { words, .. } => Some(words),
+            _ => None,
+        }
+    }
+}
+
 /// The accepted numbers, both ends included, stated once and in the author's units.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Range {

@@ -126,10 +126,22 @@ pub(crate) fn bind<'a>(
         let message = format!(
             "`{}` lacks {}",
             signature.name,
-            among(missing).replace(" or ", " and ")
+            among(missing.iter().copied()).replace(" or ", " and ")
         );
         let diagnostic = Diagnostic::new(Code::WrongArguments, call.name().span(), message);
-        return Err(context.error(diagnostic.help(format!("write `{}`", signature.form()))));
+        let diagnostic = diagnostic.help(format!("write `{}`", signature.form()));
+        let words = signature
+            .args
+            .iter()
+            .find(|arg| missing.contains(&arg.name))
+            .and_then(|arg| arg.kind.words().map(|words| (arg.name, words)));
+        return Err(context.error(match words {
+            Some((name, words)) => {
+                let words = among(words.iter().map(|word| word.name));
+                diagnostic.help(format!("{} is {words}", name.to_uppercase()))
+            }
+            None => diagnostic,
+        }));
     }
     for (arg, value) in &bound {
         needs_partner(arg, *value, &bound, context)?;

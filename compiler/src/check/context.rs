@@ -185,7 +185,9 @@ impl<'a, 'r> Context<'a, 'r> {
         let diagnostic = Diagnostic::new(Code::UnknownName, span, message).about(text);
         self.error(match nearest(text, candidates.iter().copied()) {
             Some(meant) => diagnostic.meant(span, meant),
-            None if candidates.is_empty() => diagnostic,
+            None if candidates.is_empty() => {
+                diagnostic.help("declare it, or write `use` with the file that declares it")
+            }
             None => diagnostic.help(format!("there is {}", among(candidates))),
         })
     }

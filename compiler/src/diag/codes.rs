@@ -235,10 +235,6 @@ codes! {
     "a value cannot be converted to this unit"
     "`in` is followed by a unit of the same kind as the value, or by `percent` for fractions. The message names both."
 
-    "F0213" ChecksDropped Warning
-    "a `verify` drops inherited checks"
-    "A task that states `verify` inherits no checks, so answers that the extended task refuses are carried out. To add a check, write `check NAME { … } else \"…\"` in the task, outside of `verify`; to change one, `override check`. If `attempts` or `result` must change too, state the inherited checks again in the `verify`. To drop checks on purpose, name them: `without check NAME`."
-
     "F0220" MaskSeesNoCloth Warning
     "a mask ends above the cloth"
     "A depth mask keeps what is nearer to the camera than its limit. A flat cloth lies about 5 mm above the table, so the limit is a little less than the camera's height: 646 mm for a camera at 650 mm. If the camera is raised, the limit must be raised as well; the message says to what."
@@ -303,6 +299,10 @@ codes! {
     "F0409" TasksTooLarge Error
     "the tasks of a compilation are too large together"
     "Each task and each variant is checked with everything that it inherits. Together they may inherit at most 64 MiB. Extend smaller tasks, or compile the files one by one."
+
+    "F0410" ChecksDropped Warning
+    "a `verify` drops inherited checks"
+    "A task that states `verify` inherits no checks, so answers that the extended task refuses are carried out. To add a check, write `check NAME { … } else \"…\"` in the task, outside of `verify`; to change one, `override check`. If `attempts` or `result` must change too, state the inherited checks again in the `verify`. To drop checks on purpose, name them: `without check NAME`."
 
     "F0501" NoFolds Error
     "there are no folds"

@@ -139,6 +139,8 @@ pub(super) fn recognise(
             fault(span, format!("expected `(`, found `{found}`"))
                 .help(format!("write `expect reject({found})`"))
         }
+        ")" if last_open(before).is_none() => fault(span, "this `)` closes nothing".to_owned())
+            .help("write the `(` that it closes, or remove it"),
         "}" | ")" if before.ends_with(',') => usual().help("remove the comma before it"),
         "“" | "”" | "'" | "‘" | "’" => usual().help("write straight double quotes `\"`"),
         "[" | "]" => {
@@ -149,6 +151,22 @@ pub(super) fn recognise(
         )),
         _ => return None,
     })
+}
+
+/// Returns the place of the last `(` on this line that is still open; brackets in texts do not count.
+pub(super) fn last_open(before: &str) -> Option<usize> {
+    let start = before.rfind('\n').map_or(0, |line_break| line_break + 1);
+    let mut open = Vec::new();
+    let mut is_text = false;
+    for (at, letter) in before[start..].char_indices() {
+        match letter {
+            '"' => is_text = !is_text,
+            '(' if !is_text => open.push(start + at),
+            ')' if !is_text => drop(open.pop()),
+            _ => {}
+        }
+    }
+    open.pop()
 }
 
 /// Returns whether a position is in the condition of a check: after its `{` on the same line.

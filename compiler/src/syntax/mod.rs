@@ -59,6 +59,13 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
                 Diagnostic::new(Code::Unexpected, span, format!("expected `{{`, found `{found}`"));
             let continues_a_word = text[..span.start]
                 .ends_with(|before: char| before.is_alphanumeric() || before == '_');
+            let is_task = text[..span.start]
+                .lines()
+                .next_back()
+                .is_some_and(|line| line.trim_start().starts_with("task "));
+            if is_task && !continues_a_word && found.split_whitespace().count() == 1 {
+                return diagnostic.meant(span, &format!("extends {found}"));
+            }
             if continues_a_word {
                 diagnostic.help("a name has only letters without accents, digits and `_`")
             } else {
@@ -108,7 +115,29 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
         [] => format!("unexpected {found_words}"),
         _ => format!("expected {}, found {found_words}", listed(expected)),
     };
-    Diagnostic::new(Code::Unexpected, span, message)
+    let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
+    let open = mistakes::last_open(&text[..span.start]).filter(|_| expected.contains(&"`)`"));
+    match open {
+        Some(start) => {
+            let bracket = Span {
+                start,
+                end: start + 1,
+                ..span
+            };
+            diagnostic.also(bracket, "this `(` is open")
+        }
+        None if expected.is_empty() && follows_value(found, span, text) => diagnostic
+            .help("a sign such as `<` or a word such as `and` is missing before it, or it is one too many"),
+        None => diagnostic,
+    }
+}
+
+/// Returns whether a word or a number stands directly after another one on its line.
+fn follows_value(found: Option<&str>, span: Span, text: &str) -> bool {
+    let is_part = |letter: char| letter.is_alphanumeric() || letter == '_';
+    let before = text[..span.start].trim_end_matches([' ', '\t']);
+    found.is_some_and(|found| found.starts_with(is_part))
+        && before.ends_with(|letter: char| is_part(letter) || letter == ')')
 }
 
 fn unknown_word(span: Span, word: &str, candidates: &[&str], block: Option<&str>) -> Diagnostic {

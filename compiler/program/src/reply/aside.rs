@@ -285,6 +285,7 @@ fn introduced(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
 /// Returns whether a line introduces something that is no answer.
 fn introduces(line: &str) -> bool {
     let bare = line.trim_end_matches(['*', '_', '`', ' ', ')']);
+    let bare = last_sentence(bare);
     let ends = [
         ":",
         "：",
@@ -295,10 +296,32 @@ fn introduces(line: &str) -> bool {
         "for instance",
         "such as",
     ];
+    let first = bare.trim_start_matches(['*', '_', ' ']);
+    let forbids = ["none of", "do not", "don't", "don’t", "never", "neither of"];
+    if bare.ends_with([':', '：'])
+        && forbids.iter().any(|words| {
+            first
+                .get(..words.len())
+                .is_some_and(|begin| begin.eq_ignore_ascii_case(words))
+        })
+    {
+        return true;
+    }
     let begins = line.starts_with('#');
     (begins || ends.iter().any(|end| bare.to_lowercase().ends_with(end)))
         && says(bare, INTRODUCING)
         && !says(bare, ANSWERING)
+}
+
+/// Returns the last sentence of a line.
+fn last_sentence(line: &str) -> &str {
+    let ends = line.match_indices(['.', '!', '?']).filter(|(at, _)| {
+        let (before, after) = (&line[..*at], &line[at + 1..]);
+        // `e.g. this`
+        let letters = before.len() - before.trim_end_matches(char::is_alphabetic).len();
+        letters > 1 && after.starts_with(' ')
+    });
+    ends.last().map_or(line, |(at, _)| &line[at + 1..])
 }
 
 fn says(line: &str, words: &[&str]) -> bool {

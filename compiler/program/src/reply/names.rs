@@ -17,6 +17,8 @@ pub(super) enum Form {
     Verb,
     /// By a verb that needs `to` before the point: `move it to`.
     VerbTo,
+    /// By a verb after `be`: `should be grasped at`.
+    Passive,
 }
 
 /// A place where a field is named.
@@ -32,7 +34,7 @@ pub(super) struct Mention {
 }
 
 /// Words for the fields `pick` and `place`.
-const VERBS: [(&str, &[&str], Form); 3] = [
+const VERBS: [(&str, &[&str], Form); 5] = [
     (
         "pick",
         &[
@@ -61,6 +63,16 @@ const VERBS: [(&str, &[&str], Form); 3] = [
             "pull",
         ],
         Form::VerbTo,
+    ),
+    (
+        "pick",
+        &["picked", "grasped", "grabbed", "gripped", "pinched"],
+        Form::Passive,
+    ),
+    (
+        "place",
+        &["placed", "dropped", "released", "put"],
+        Form::Passive,
     ),
 ];
 
@@ -187,9 +199,10 @@ fn is_qualifier(tokens: &[Token<'_>], end: usize) -> bool {
 }
 
 fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Mention> {
-    let (name, _, form) = VERBS
-        .iter()
-        .find(|(_, verbs, _)| tokens[at].is_any(verbs))?;
+    let is_passive = at > 0 && tokens[at - 1].is_any(&["be"]);
+    let (name, _, form) = VERBS.iter().find(|(_, verbs, form)| {
+        tokens[at].is_any(verbs) && (*form == Form::Passive) == is_passive
+    })?;
     let field = fields
         .iter()
         .position(|field| field.name == *name && field.is_point())?;

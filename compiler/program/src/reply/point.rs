@@ -66,6 +66,24 @@ pub(super) fn read(
     found
 }
 
+/// Skips `(x, y)` or `[y, x]`, which repeats the format; returns the order that it states.
+pub(super) fn echo(cursor: &mut Cursor<'_, '_>) -> Option<Order> {
+    const OTHER: [&str; 5] = ["px", "pixels", "in", "pixel", "coordinates"];
+    let mut ahead = *cursor;
+    ahead.eat_signs(&['(', '['])?;
+    ahead.skip(&OTHER, &[]);
+    let order = match ahead.peek()? {
+        first if first.is_any(&["x", "u"]) => Order::Xy,
+        first if first.is_any(&["y", "v"]) => Order::Yx,
+        _ => return None,
+    };
+    ahead.skip(&["x", "y", "u", "v"], &[',']);
+    ahead.skip(&OTHER, &[',']);
+    ahead.eat_signs(&[')', ']'])?;
+    *cursor = ahead;
+    Some(order)
+}
+
 /// A coordinate.
 struct Coordinate {
     /// `x` or `y`, if it is named.

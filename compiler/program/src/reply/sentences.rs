@@ -181,7 +181,15 @@ impl<'a> Sentences<'a> {
         let named = cursor.at;
         let mut hint = None;
         if is_point {
-            skip_echo(&mut cursor);
+            if let Some(order) = point::echo(&mut cursor)
+                && order != self.reader.notation.order()
+            {
+                return Some(Claim {
+                    field: mention.field,
+                    span: self.tokens[mention.at].at..self.tokens[cursor.at - 1].end(),
+                    claimed: Claimed::Bad("its coordinates are in another order".to_owned()),
+                });
+            }
         } else {
             hint = self.hint(&mut cursor);
         }
@@ -204,6 +212,9 @@ impl<'a> Sentences<'a> {
         }
         let mut sign = if is_tag {
             tag_sign(&mut cursor)
+        } else if is_point && self.is_row(mention, cursor) {
+            cursor.at += 1;
+            Sign::Assigns
         } else {
             sign(&mut cursor)
         };
@@ -271,7 +282,7 @@ impl<'a> Sentences<'a> {
         if mention.form == Form::VerbTo && !self.is_moved_to(named, cursor.at) {
             return None;
         }
-        if sign == Sign::None && self.asks(cursor.at) {
+        if self.asks(cursor.at, clarity) {
             return None;
         }
         let last = cursor.at.max(start + 1).min(limit) - 1;
@@ -294,6 +305,15 @@ impl<'a> Sentences<'a> {
             .any(|token| token.is_sign('>'));
         let keys = ["name", "key", "id", "field", "param"];
         open.is_sign('<') && key.is_any(&keys) && equals.is_sign('=') && closes
+    }
+
+    /// Returns whether a line is the row `pick,65,77` of a table without lines between its columns.
+    fn is_row(&self, mention: Mention, cursor: Cursor<'_, '_>) -> bool {
+        let is_first = mention.at == 0 || self.tokens[mention.at].gap >= Gap::Line;
+        let ends = cursor.ahead(4).is_none_or(|next| next.gap >= Gap::Line);
+        let cells = cursor.rest().iter().take(4).map(|token| token.kind);
+        let comma = Kind::Sign(',');
+        is_first && ends && cells.eq([comma, Kind::Number, comma, Kind::Number])
     }
 
     /// Reads `pick → place: (71, 178) → (149, 66)`, for either field.
@@ -565,10 +585,11 @@ impl<'a> Sentences<'a> {
         false
     }
 
-    /// Returns whether the sentence at a token ends with a question mark.
-    fn asks(&self, at: usize) -> bool {
+    /// Returns whether the sentence at a token ends with a question mark; what is assigned ends with its line.
+    fn asks(&self, at: usize, clarity: Clarity) -> bool {
         for (index, token) in self.tokens.iter().enumerate().skip(at).take(60) {
-            if token.gap >= Gap::Item {
+            let is_next_line = clarity == Clarity::Assigned && token.gap >= Gap::Line;
+            if token.gap >= Gap::Item || is_next_line {
                 return false;
             }
             if token.is_sign('?') {
@@ -705,7 +726,13 @@ impl<'a> Sentences<'a> {
     /// Reads a value that stands before the name: `(10, 20) is the pick point`, `a soft grip`.
     fn before(&self, index: usize) -> Option<Claim> {
         let mention = self.mentions[index];
-        if mention.form != Form::Name || self.tokens[mention.at].gap >= Gap::Line {
+        // `(33, 190) is to be picked up`
+        let is_picked = mention.form == Form::Passive
+            && !self.tokens[mention.end..]
+                .iter()
+                .take(2)
+                .any(|next| next.is_any(&["at", "to", "on", "onto", "from", "in"]));
+        if !(mention.form == Form::Name || is_picked) || self.tokens[mention.at].gap >= Gap::Line {
             return None;
         }
         let mut end = mention.at;
@@ -713,8 +740,9 @@ impl<'a> Sentences<'a> {
         while end > 0 {
             let token = &self.tokens[end - 1];
             let is_open = matches!(token.kind, Kind::Sign('(' | '[' | '<'));
-            let joins = token.is_any(&["as", "is", "for", "becomes", "be", "to", "will"])
-                || matches!(token.kind, Kind::Sign('→' | '=' | ':'));
+            let joins = token.is_any(&[
+                "as", "is", "for", "becomes", "be", "to", "will", "should", "must",
+            ]) || matches!(token.kind, Kind::Sign('→' | '=' | ':'));
             if !(is_open
                 || joins
                 || token.is_any(&["the", "my", "a", "our", "chosen", "best", "final"]))
@@ -762,7 +790,10 @@ impl<'a> Sentences<'a> {
             });
             is_same_line && !is_apart
         });
-        if is_owned || self.is_denied(begin, Clarity::Spoken, false) || self.asks(mention.end) {
+        if is_owned
+            || self.is_denied(begin, Clarity::Spoken, false)
+            || self.asks(mention.end, Clarity::Spoken)
+        {
             return None;
         }
         let preceding = begin.checked_sub(1).map(|at| &self.tokens[at]);
@@ -813,31 +844,6 @@ fn is_bracket(cursor: &Cursor<'_, '_>) -> bool {
     cursor
         .peek()
         .is_some_and(|token| matches!(token.kind, Kind::Sign('(' | '[' | '{' | '<' | '>')))
-}
-
-/// Skips `(x, y)` or `[y, x]` between the name and the sign: the model repeats the format there.
-fn skip_echo(cursor: &mut Cursor<'_, '_>) {
-    let mut ahead = *cursor;
-    let is_echo = ahead.eat_signs(&['(', '[']).is_some() && {
-        ahead.skip(
-            &[
-                "x",
-                "y",
-                "u",
-                "v",
-                "px",
-                "pixels",
-                "in",
-                "pixel",
-                "coordinates",
-            ],
-            &[','],
-        );
-        ahead.eat_signs(&[')', ']']).is_some()
-    };
-    if is_echo {
-        *cursor = ahead;
-    }
 }
 
 /// Skips words such as `might as well be`.

@@ -472,7 +472,11 @@ fn is_placeholder(text: &str) -> bool {
     let inside = |open: char, close: char| {
         bare.starts_with(open) && bare.ends_with(close) && !bare[open.len_utf8()..].contains(open)
     };
-    PLACEHOLDERS.contains(&&*bare)
+    // `Instructions: ...`, so here it is
+    let dots = bare.trim_start_matches(['.', '…']);
+    let is_open = dots.len() < bare.len() && dots.starts_with([',', ';', ':']);
+    is_open
+        || PLACEHOLDERS.contains(&&*bare)
         || PLACEHOLDERS.contains(&text.trim())
         || inside('<', '>')
         || inside('[', ']')

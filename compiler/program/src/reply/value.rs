@@ -134,7 +134,14 @@ pub(super) fn read<'t>(cursor: &mut Cursor<'_, 't>, context: &Context<'_>) -> Fo
     };
     let (value, note) = match found {
         Found::Value(value, note) => (value, note),
-        other => return demoted(other, context),
+        other => {
+            let start = *cursor;
+            let found = match other {
+                Found::Bad(_) => result(cursor, context, start),
+                _ => None,
+            };
+            return found.unwrap_or_else(|| demoted(other, context));
+        }
     };
     let end = ahead;
     let clause = Cursor {
@@ -162,7 +169,7 @@ pub(super) fn read<'t>(cursor: &mut Cursor<'_, 't>, context: &Context<'_>) -> Fo
     }
 }
 
-/// Reads the value after the last `=` of a calculation, `360 deg - 45 deg = 315 deg`.
+/// Reads the value after the last `=` of a calculation, `360 deg - 45 deg = 315 deg`, or of `(x, y) = (10, 20)`.
 fn result(
     cursor: &mut Cursor<'_, '_>,
     context: &Context<'_>,
@@ -173,29 +180,38 @@ fn result(
         ..start
     });
     let last = (start.at + 1..clause.len()).rfind(|at| clause[*at].is_sign('='))?;
+    let is_point = context.expected.field.is_point();
     let is_calculation = clause[start.at..last].iter().all(|token| match token.kind {
         Kind::Number => true,
+        Kind::Sign(',') => is_point,
         Kind::Sign(sign) => "+-*/()°%=".contains(sign),
         Kind::Word => UNITS
             .iter()
             .any(|unit| unit.words().any(|word| token.is(word))),
     });
+    let mut echoed = start;
+    let is_echo = point::echo(&mut echoed) == Some(context.notation.order()) && echoed.at == last;
     let operates = clause[start.at + 1..last]
         .iter()
         .any(|token| matches!(token.kind, Kind::Sign('+' | '-' | '*' | '/')));
-    if !is_calculation || !operates {
+    if !(is_echo && is_point || is_calculation && operates) {
         return None;
     }
     let mut ahead = Cursor {
         tokens: clause,
         at: last + 1,
     };
-    match at_value(&mut ahead, context) {
-        Found::Value(value, _) if tail(ahead, context, &value, 1).is_ok() => {
+    let found = match is_point {
+        true => at_point(&mut ahead, context),
+        false => at_value(&mut ahead, context),
+    };
+    match found {
+        Found::Value(value, note) if tail(ahead, context, &value, 1).is_ok() => {
             cursor.at = ahead.at;
+            let calculated = "the result of its calculation".to_owned();
             Some(Found::Value(
                 value,
-                Some("the result of its calculation".to_owned()),
+                note.or((!is_echo).then_some(calculated)),
             ))
         }
         _ => None,
@@ -363,6 +379,10 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
                 expected.hint = unit.or(expected.hint);
             }
         }
+        if open.is_none() && is_assigned && remark_begins(cursor) {
+            cursor.at += 1;
+            open = cursor.eat_signs(&['(']);
+        }
         if open.is_some() {
             cursor.skip(LEADING, &['≈', '=']);
             found = single(cursor, &expected, context);
@@ -415,6 +435,14 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
         return Found::Bad(format!("`{}` is none of its choices", line(start, context)));
     }
     Found::Nothing
+}
+
+/// Returns whether one word stands before a value in brackets and does not change it: `vertical (90 deg)`.
+fn remark_begins(cursor: &Cursor<'_, '_>) -> bool {
+    let changes = [RELATING, ALTERING, TURNING, &REJECTING];
+    cursor.peek().is_some_and(|word| {
+        word.kind == Kind::Word && !changes.iter().any(|words| word.is_any(words))
+    }) && cursor.ahead(1).is_some_and(|next| next.is_sign('('))
 }
 
 /// Returns whether a word is a part of the field's name.
