@@ -34,6 +34,9 @@ const TURNS: [&str; 13] = [
     "let me reconsider",
 ];
 
+/// Words for the unit that is asked for.
+const PIXELS: &[&str] = &["pixel", "pixels", "px"];
+
 /// Returns everything that an answer states.
 pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let cleared = aside::clear(reply);
@@ -98,7 +101,14 @@ fn reframed(tokens: &[Token<'_>], is_native: bool, last_claim: Option<usize>) ->
         let is_axes = says(&["coordinates", "coordinate", "x"]).is_some();
         let counts = says(&["normalized", "normalised"]).is_some() && is_scale
             || says(&["percent", "percentages", "thousandths"]).is_some() && is_axes;
-        if is_native && !denies && counts {
+        // `given on a 0-1000 grid, not in pixels`
+        let other_scale = is_scale
+            && (says(&["1000", "999"]).is_some() && says(&["grid", "scale", "range"]).is_some()
+                || sentence.windows(3).any(|three| {
+                    three[0].is("not")
+                        && (three[1].is_any(PIXELS) || three[1].is("in") && three[2].is_any(PIXELS))
+                }));
+        if is_native && (!denies && counts || other_scale) {
             return Some("the answer counts in another unit than pixels".to_owned());
         }
         // `Please disregard those two lines`, `exchange the two points`

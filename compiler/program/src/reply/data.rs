@@ -86,16 +86,25 @@ fn members(
         }
         Shape::Object(found) => {
             // `{"point_2d": [54, 171], "label": "pick point"}`
-            let label = found.iter().find_map(|member| match &member.value.shape {
-                Shape::Text(text)
-                    if LABELS
+            let holds_action = found.iter().any(|member| {
+                matches!(member.value.shape, Shape::Object(_))
+                    && CONTAINERS
                         .iter()
-                        .any(|name| member.key.eq_ignore_ascii_case(name)) =>
-                {
-                    Some(text)
-                }
-                _ => None,
+                        .any(|name| member.key.eq_ignore_ascii_case(name))
             });
+            let labels = found.iter().filter(|_| !holds_action);
+            let label = labels
+                .into_iter()
+                .find_map(|member| match &member.value.shape {
+                    Shape::Text(text)
+                        if LABELS
+                            .iter()
+                            .any(|name| member.key.eq_ignore_ascii_case(name)) =>
+                    {
+                        Some(text)
+                    }
+                    _ => None,
+                });
             if let Some(field) = label.and_then(|label| named(reader, label)) {
                 let claimed = match written(node) {
                     Some((text, hint)) => reader.whole(field, &text, hint, Clarity::Assigned),
@@ -233,6 +242,8 @@ fn member(
             claimed,
         });
     }
+    // `"direction_in_words": "to the left"`
+    let is_worded = rest.eat_any(&["words", "word", "text", "label", "name", "description"]);
     if !rest.rest().is_empty() && !is_pixels {
         return None;
     }
@@ -242,6 +253,7 @@ fn member(
     };
     match claimed {
         Claimed::Nothing => None,
+        Claimed::Bad(_) if is_worded => None,
         claimed => Some(Claim {
             field,
             span,

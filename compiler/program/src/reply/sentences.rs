@@ -299,10 +299,13 @@ impl<'a> Sentences<'a> {
         let [.., open, _, key, equals] = &self.tokens[..mention.at] else {
             return false;
         };
-        let closes = self.tokens[mention.end..]
-            .iter()
-            .take(2)
-            .any(|token| token.is_sign('>'));
+        let mut behind = Cursor {
+            tokens: self.tokens,
+            at: mention.end,
+        };
+        names::skip_nouns(&mut behind, self.field(mention));
+        behind.eat_signs(&['"', '\'']);
+        let closes = behind.eat_sign('>');
         let keys = ["name", "key", "id", "field", "param"];
         open.is_sign('<') && key.is_any(&keys) && equals.is_sign('=') && closes
     }
