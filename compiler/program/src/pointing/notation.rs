@@ -2,7 +2,7 @@
 
 use super::{CoordinateUnit, Frame, Order, Pointing};
 use crate::data::actions::{ActionField, Value};
-use crate::data::camera::PixelPoint;
+use crate::data::camera::{Camera, PixelPoint};
 use crate::scene::SceneView;
 use crate::space;
 
@@ -46,6 +46,14 @@ impl Notation {
             pointing: Pointing::pixels([1, 1]),
             offered: Vec::new(),
             decimals: 0,
+        }
+    }
+
+    /// Returns the notation in pixels of a camera's picture.
+    pub(crate) fn pixels_of(camera: &Camera) -> Notation {
+        Notation {
+            pointing: Pointing::pixels([camera.image_px; 2]),
+            ..Notation::pixels()
         }
     }
 
@@ -190,6 +198,11 @@ impl Notation {
 
     pub(crate) fn unit(&self) -> CoordinateUnit {
         self.frame().unit
+    }
+
+    /// Returns the size of the picture that the model works on, pixels, if it is known.
+    pub(crate) fn sent_px(&self) -> Option<[u32; 2]> {
+        Some(self.frame().sent).filter(|size| *size != [1, 1])
     }
 
     pub(crate) fn order(&self) -> Order {

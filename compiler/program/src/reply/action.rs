@@ -19,7 +19,7 @@ use std::ops::Range;
 /// Fails if a field is missing or has two different values, or if the answer is longer than
 /// [`super::MAX_REPLY_BYTES`].
 pub fn read_action(program: &Program, reply: &str) -> Result<Reading<Proposal>, Malformed> {
-    read_action_in(program, &Notation::pixels(), reply)
+    read_action_in(program, &Notation::pixels_of(&program.camera), reply)
 }
 
 /// Reads every field of the action, with points written as in this scene.

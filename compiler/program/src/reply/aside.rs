@@ -307,6 +307,26 @@ fn introduces(line: &str) -> bool {
     {
         return true;
     }
+    // What somebody else said, or what was right at another time.
+    let theirs = [
+        "you proposed",
+        "you suggested",
+        "you wrote",
+        "you answered",
+        "other model",
+        "another model",
+        "last image",
+        "last picture",
+        "last step",
+        "last action",
+    ];
+    if bare.ends_with([':', '：'])
+        && theirs
+            .iter()
+            .any(|words| first.to_lowercase().contains(words))
+    {
+        return true;
+    }
     let begins = line.starts_with('#');
     (begins || ends.iter().any(|end| bare.to_lowercase().ends_with(end)))
         && says(bare, INTRODUCING)
@@ -315,13 +335,13 @@ fn introduces(line: &str) -> bool {
 
 /// Returns the last sentence of a line.
 fn last_sentence(line: &str) -> &str {
-    let ends = line.match_indices(['.', '!', '?']).filter(|(at, _)| {
+    let mut ends = line.match_indices(['.', '!', '?']).filter(|(at, _)| {
         let (before, after) = (&line[..*at], &line[at + 1..]);
         // `e.g. this`
         let letters = before.len() - before.trim_end_matches(char::is_alphabetic).len();
         letters > 1 && after.starts_with(' ')
     });
-    ends.last().map_or(line, |(at, _)| &line[at + 1..])
+    ends.next_back().map_or(line, |(at, _)| &line[at + 1..])
 }
 
 fn says(line: &str, words: &[&str]) -> bool {

@@ -5,9 +5,9 @@
 
 use super::aside::{self, Cleared};
 use super::data;
-use super::lexer::{self, Gap, Token};
+use super::lexer::{self, Token};
+use super::remarks;
 use super::sentences::{Claim, Claimed, Reader};
-use super::value;
 
 /// What an answer claims.
 pub(super) struct Claims {
@@ -34,9 +34,6 @@ const TURNS: [&str; 13] = [
     "let me reconsider",
 ];
 
-/// Words for the unit that is asked for.
-const PIXELS: &[&str] = &["pixel", "pixels", "px"];
-
 /// Returns everything that an answer states.
 pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let cleared = aside::clear(reply);
@@ -53,19 +50,16 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let tokens = lexer::tokens(&text);
     let turns = turns(&tokens);
     let last = claims.iter().map(|claim| claim.span.start).max();
-    if let Some(why) = reframed(&tokens, reader.notation.is_native(), last) {
-        let at = reply.len();
-        for (field, _) in reader
-            .fields
-            .iter()
-            .enumerate()
-            .filter(|(_, field)| field.is_point())
-        {
-            claims.push(Claim {
-                field,
-                span: at..at,
-                claimed: Claimed::Bad(why.clone()),
-            });
+    let at = reply.len();
+    for (about, why) in remarks::of(&tokens, reader.notation, last) {
+        for (field, declared) in reader.fields.iter().enumerate() {
+            if about.concerns(declared) {
+                claims.push(Claim {
+                    field,
+                    span: at..at,
+                    claimed: Claimed::Bad(why.clone()),
+                });
+            }
         }
     }
     Claims {
@@ -73,85 +67,6 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         turns,
         cleared,
     }
-}
-
-/// Returns why the points of an answer are not those of the picture that was sent, or not its answer at all.
-///
-/// - `last_claim`: where the last claim begins; what takes an answer back stands after it.
-fn reframed(tokens: &[Token<'_>], is_native: bool, last_claim: Option<usize>) -> Option<String> {
-    let mut start = 0;
-    let is_after_claims = |sentence: &[Token<'_>]| last_claim.is_some_and(|at| sentence[0].at > at);
-    for index in 0..tokens.len() {
-        let is_last = index + 1 == tokens.len();
-        if !is_last && !value::ends_sentence(tokens, index) && tokens[index + 1].gap < Gap::Item {
-            continue;
-        }
-        let sentence = &tokens[start..=index];
-        start = index + 1;
-        let says = |words: &[&str]| sentence.iter().find(|token| token.is_any(words));
-        let denies = says(&["not", "no", "without", "top"]).is_some();
-        if is_native
-            && !denies
-            && says(&["origin"]).is_some()
-            && says(&["bottom", "lower", "center", "centre"]).is_some()
-        {
-            return Some("the answer counts from another origin than the top left".to_owned());
-        }
-        let is_scale = says(&["coordinates", "coordinate", "points", "values"]).is_some();
-        let is_axes = says(&["coordinates", "coordinate", "x"]).is_some();
-        let counts = says(&["normalized", "normalised"]).is_some() && is_scale
-            || says(&["percent", "percentages", "thousandths"]).is_some() && is_axes;
-        // `given on a 0-1000 grid, not in pixels`
-        let other_scale = is_scale
-            && (says(&["1000", "999"]).is_some() && says(&["grid", "scale", "range"]).is_some()
-                || sentence.windows(3).any(|three| {
-                    three[0].is("not")
-                        && (three[1].is_any(PIXELS) || three[1].is("in") && three[2].is_any(PIXELS))
-                }));
-        if is_native && (!denies && counts || other_scale) {
-            return Some("the answer counts in another unit than pixels".to_owned());
-        }
-        // `Please disregard those two lines`, `exchange the two points`
-        let is_answer = says(&[
-            "those", "these", "above", "two", "both", "points", "lines", "answer", "that", "it",
-        ])
-        .is_some();
-        let revokes = says(&[
-            "disregard",
-            "ignore",
-            "forget",
-            "exchange",
-            "swap",
-            "swapped",
-            "withdraw",
-            "retract",
-        ]);
-        if let Some(word) = revokes
-            && is_answer
-            && !denies
-            && is_after_claims(sentence)
-        {
-            return Some(format!("the answer takes it back with `{}`", word.text));
-        }
-        let is_picture = says(&["picture", "image", "crop", "view", "version"]).is_some();
-        if let Some(word) = says(&[
-            "enlarged",
-            "cropped",
-            "zoomed",
-            "upscaled",
-            "rescaled",
-            "magnified",
-        ]) && is_picture
-            && is_native
-            && !denies
-        {
-            return Some(format!(
-                "the answer refers to a picture that is {}",
-                word.text
-            ));
-        }
-    }
-    None
 }
 
 /// Returns where a text takes something back.

@@ -16,6 +16,7 @@ mod object;
 mod point;
 mod quantity;
 mod reading;
+mod remarks;
 mod schema;
 mod sentences;
 mod text;

@@ -73,11 +73,11 @@ pub(super) fn echo(cursor: &mut Cursor<'_, '_>) -> Option<Order> {
     ahead.eat_signs(&['(', '['])?;
     ahead.skip(&OTHER, &[]);
     let order = match ahead.peek()? {
-        first if first.is_any(&["x", "u"]) => Order::Xy,
-        first if first.is_any(&["y", "v"]) => Order::Yx,
+        first if first.is_any(&["x", "u", "column", "col"]) => Order::Xy,
+        first if first.is_any(&["y", "v", "row"]) => Order::Yx,
         _ => return None,
     };
-    ahead.skip(&["x", "y", "u", "v"], &[',']);
+    ahead.skip(&["x", "y", "u", "v", "row", "column", "col"], &[',']);
     ahead.skip(&OTHER, &[',']);
     ahead.eat_signs(&[')', ']'])?;
     *cursor = ahead;

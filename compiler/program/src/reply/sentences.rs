@@ -53,7 +53,7 @@ const DENYING: &[&str] = words!(
     "case not don't don’t didn't isn't won't wouldn't shouldn't can't cannot never avoid avoiding no nor neither
     previous previously last old earlier former initial initially example e.g. rejected refused wrong incorrect
     instead than considered considering candidate candidates alternative alternatives alternatively option options if
-    unless could might may maybe perhaps possible possibly unlike was were template tempting without ❌ ✗ rather"
+    unless could might may maybe perhaps possible possibly unlike was were template tempting without ❌ ✗ rather human"
 );
 
 /// Words between a name and its sign that change nothing.
@@ -62,11 +62,19 @@ const QUALIFYING: &[&str] = words!(
     final pixel in image on the cloth of my we move robot gripper fold first next pixels here should used"
 );
 
+/// Words after `is` that say that a value is not chosen.
+const UNFIT: &[&str] = words!(
+    "unnecessary reserved excessive overkill too not never risky unsuitable unneeded needless inappropriate"
+);
+
 /// The most tokens after a name that may state the field.
 const MAX_CLAUSE: usize = 400;
 
 /// The most tokens of a sentence that moves something.
 const MAX_MOTION: usize = 30;
+
+/// The most words between a verb and `from`.
+const MAX_CARRIED: usize = 8;
 
 /// The most tokens before a name that may deny it.
 const MAX_BEFORE: usize = 60;
@@ -87,6 +95,7 @@ impl Reader<'_> {
         let found = (0..mentions.len()).filter_map(|index| sentences.claim(index));
         found
             .chain(sentences.motions())
+            .chain(sentences.carries())
             .map(|claim| Claim {
                 span: span.clone().unwrap_or(claim.span),
                 ..claim
@@ -488,9 +497,16 @@ impl<'a> Sentences<'a> {
     /// Returns where the text that may state a mentioned field ends: where another field is named, or its tag ends.
     fn limit(&self, index: usize) -> usize {
         let mention = self.mentions[index];
-        let named = self.mentions[index + 1..]
-            .iter()
-            .find(|next| next.at > mention.at);
+        let named = self.mentions[index + 1..].iter().find(|next| {
+            // `Grip = soft (a firm grip could tear it)`
+            let is_remark = next.field == mention.field
+                && next.form == Form::Name
+                && self
+                    .tokens
+                    .get(next.end)
+                    .is_some_and(|verb| verb.gap < Gap::Line && verb.is_any(value::CONDITIONAL));
+            next.at > mention.at && !is_remark
+        });
         let next = named
             .map_or(self.tokens.len(), |next| next.at)
             .min(mention.end + MAX_CLAUSE);
@@ -616,6 +632,59 @@ impl<'a> Sentences<'a> {
             .iter()
             .position(|token| matches!(token.kind, Kind::Sign('(' | '[')));
         !from && to.zip(opens).is_some_and(|(to, open)| to < open)
+    }
+
+    /// Returns pick and place of `drag the cloth from (50, 50) to (170, 170)`.
+    fn carries(&self) -> Vec<Claim> {
+        let field = |name: &str| {
+            let mut fields = self.reader.fields.iter();
+            fields.position(|field| field.name == name && field.is_point())
+        };
+        let (Some(pick), Some(place)) = (field("pick"), field("place")) else {
+            return Vec::new();
+        };
+        let verbs = self
+            .mentions
+            .iter()
+            .filter(|mention| mention.form == Form::VerbTo);
+        let found = verbs.filter_map(|verb| {
+            let begin = (verb.end..self.tokens.len().min(verb.end + MAX_CARRIED))
+                .find(|at| self.tokens[*at].is("from"))?;
+            let inside = &self.tokens[verb.at..=begin];
+            let is_one_clause = inside[1..].iter().all(|token| {
+                token.kind == Kind::Word && token.gap < Gap::Item && !token.is_any(DENYING)
+            });
+            if !is_one_clause || self.is_denied(verb.at, Clarity::Spoken, false) {
+                return None;
+            }
+            let mut cursor = Cursor {
+                tokens: self.tokens,
+                at: begin + 1,
+            };
+            let mut point = || {
+                let start = cursor.at;
+                match point::read(&mut cursor, self.reader.notation, Brackets::Needed) {
+                    PointFound::Pixel(point, _) => {
+                        let span = self.tokens[start].at..self.tokens[cursor.at - 1].end();
+                        Some((cursor.eat_any(&["to", "onto"]), span, point))
+                    }
+                    _ => None,
+                }
+            };
+            let (leads, from, picked) = point()?;
+            let (_, to, placed) = point().filter(|_| leads)?;
+            let ends = cursor.peek().is_none_or(|next| {
+                next.gap >= Gap::Line || value::ends_sentence(self.tokens, cursor.at)
+            });
+            let claim = |field, span, point| Claim {
+                field,
+                span,
+                claimed: Claimed::Value(Value::Point(point), None),
+            };
+            let is_stated = ends && !self.asks(begin, Clarity::Spoken);
+            is_stated.then(|| [claim(pick, from, picked), claim(place, to, placed)])
+        });
+        found.flatten().collect()
     }
 
     /// Returns the lengths by which something is moved, without a field's name: `moving it by 1 edge`.
@@ -809,13 +878,19 @@ impl<'a> Sentences<'a> {
         {
             return None;
         }
-        // `A firm grip would crease it.`
-        if self.tokens.get(mention.end).is_some_and(|next| {
-            next.gap < Gap::Line
-                && next.is_any(&[
-                    "would", "could", "might", "may", "isn't", "wouldn't", "can", "cannot", "was",
-                ])
-        }) {
+        // `A firm grip would crease it.`, `A very firm grip is reserved for leather.`
+        let after = &self.tokens[mention.end..];
+        let judged = after.iter().take(4).take_while(|next| next.gap < Gap::Line);
+        let is_judged = judged.enumerate().any(|(at, next)| {
+            (at == 0 && next.is_any(value::CONDITIONAL)) || (at > 0 && next.is_any(UNFIT))
+        });
+        let is_even = preceding.is_some_and(|token| token.is_any(&["with", "a"]))
+            && self.tokens[..begin]
+                .iter()
+                .rev()
+                .take(3)
+                .any(|token| token.is("even"));
+        if is_judged || is_even {
             return None;
         }
         let context = self

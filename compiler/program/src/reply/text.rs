@@ -42,6 +42,8 @@ struct Found {
     value: String,
     span: Range<usize>,
     repairs: Vec<String>,
+    /// Whether it is the first of several items below the words.
+    is_list: bool,
 }
 
 /// Reads the text between `before` and `after`; if `after` is empty, up to the end of the line.
@@ -82,6 +84,10 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
     found.retain(|it| !is_placeholder(&it.value));
     if cleared.is_cut_off {
         return Err(wrong("Your answer ends inside of its thoughts.".to_owned()));
+    }
+    if found.iter().any(|it| it.is_list) {
+        let why = format!("Your answer lists several texts below \"{before}\".");
+        return Err(wrong(why));
     }
     if let Some(why) = found
         .iter()
@@ -159,6 +165,7 @@ fn members(node: &Node, before: &str, after: &str, found: &mut Vec<Found>) {
                             value: value_text,
                             span: value.span.clone(),
                             repairs,
+                            is_list: false,
                         });
                     }
                     Shape::Bare(text) if is_label => {
@@ -166,6 +173,7 @@ fn members(node: &Node, before: &str, after: &str, found: &mut Vec<Found>) {
                             value: text.clone(),
                             span: value.span.clone(),
                             repairs: Vec::new(),
+                            is_list: false,
                         });
                     }
                     Shape::Object(_) | Shape::List(_) if !is_aside => {
@@ -235,6 +243,7 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
             }
         }
         let mut last = index;
+        let mut is_list = false;
         let mut begun = has_letters(&text);
         for (next, (_, following)) in lines.iter().enumerate().skip(index + 1) {
             let is_empty = !has_letters(following);
@@ -256,6 +265,18 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
                 repairs.push(format!("took the line below `{before}`"));
             }
             let marks = if begun { 0 } else { skip_marks(following) };
+            let is_item = |line: &str| {
+                line.trim_start()
+                    .starts_with(|first: char| first.is_ascii_digit() || "-•*+|".contains(first))
+                    && skip_marks(line) > 0
+            };
+            let several = !begun
+                && is_item(following)
+                && lines[next + 1..]
+                    .iter()
+                    .take_while(|(_, line)| has_letters(line))
+                    .any(|(_, line)| is_item(line));
+            is_list |= several;
             let piece = following[marks..].trim();
             let piece = piece.split("</").next().unwrap_or_default();
             text = format!("{text} {piece}").trim().to_owned();
@@ -270,6 +291,7 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
             value,
             span: start + label..end,
             repairs,
+            is_list,
         });
     }
     found
@@ -340,12 +362,19 @@ fn within_lines(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Found
             {
                 continue;
             }
+            // `a line beginning with "Instructions:", so:`
+            let is_quoted = line[..at].ends_with(['"', '`', '“', '\''])
+                && line[at + length..].starts_with(['"', '`', '”', '\'']);
+            if is_quoted {
+                continue;
+            }
             let mut repairs = vec![format!("found `{before}` inside of a line")];
             let value = cut(&line[at + length..], after, &mut repairs);
             found.push(Found {
                 value,
                 span: start + at..start + line.len(),
                 repairs,
+                is_list: false,
             });
         }
     }
@@ -373,8 +402,44 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
         "i am unable",
         "i'm unable",
         "as an ai",
+        "unable to",
+        "not able to",
+        "cannot determine",
+        "can't determine",
+        "i don't know",
+        "i do not know",
+        "not sure",
     ]) {
         return Some("Your answer holds an apology where the text is expected.".to_owned());
+    }
+    let is_remark = lower.starts_with('(') && lower.ends_with(')')
+        || begins(&["please look", "please note", "see the", "refer to"]);
+    if is_remark || (lower.contains(" | ") || lower.ends_with('|')) {
+        return Some(
+            "Your answer holds a remark or a table where the text is expected.".to_owned(),
+        );
+    }
+    if lower.ends_with('?') {
+        return Some("Your answer asks something where the text is expected.".to_owned());
+    }
+    let blank = lower
+        .split_once('<')
+        .and_then(|(_, rest)| rest.split_once('>'));
+    let is_word = |letter: char| letter.is_alphabetic() || letter == ' ';
+    if blank.is_some_and(|(blank, _)| blank.len() > 1 && blank.chars().all(is_word)) {
+        return Some("Your answer leaves a blank in the text.".to_owned());
+    }
+    if [
+        "no wait",
+        "no, wait",
+        "i mean:",
+        "scratch that",
+        "correction:",
+    ]
+    .iter()
+    .any(|turn| lower.contains(turn))
+    {
+        return Some("Your answer takes back a part of the text.".to_owned());
     }
     let chooses_none =
         (begins(&["either "]) && lower.contains(" or ")) || lower.contains("not sure which");

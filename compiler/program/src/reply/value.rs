@@ -104,6 +104,10 @@ const TURNING: &[&str] = words!(
     towards than max min"
 );
 
+/// Words after a value that say what it would do if it were chosen.
+pub(super) const CONDITIONAL: &[&str] =
+    words!("would could might may isn't wouldn't can cannot can't won't was");
+
 /// Words that call the value before them wrong.
 const REJECTING: [&str; 8] = [
     "wrong",
@@ -284,6 +288,8 @@ fn at_point(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
     match found {
         PointFound::Pixel(point, note) => Found::Value(Value::Point(point), note),
         PointFound::Bad(why) => Found::Bad(why),
+        // `Pick Point = (x, y)`, the format
+        PointFound::Nothing if is_format(start) => Found::Nothing,
         PointFound::Nothing => {
             let clause = clause_of(&start);
             let has_number = clause[start.at.min(clause.len())..]
@@ -296,6 +302,11 @@ fn at_point(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
             }
         }
     }
+}
+
+/// Returns whether only the format is repeated, `(x, y)`, and no value follows it.
+fn is_format(mut cursor: Cursor<'_, '_>) -> bool {
+    point::echo(&mut cursor).is_some() && !cursor.peek().is_some_and(|next| next.is_sign('='))
 }
 
 /// Skips words that describe a point; returns whether the last ones make the point after them another one.
@@ -641,9 +652,39 @@ fn tail(
     }
 }
 
+/// Skips another word to the end of its remark, if it says what that would do: `a firm grip could tear it`.
+fn dismissed(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) -> bool {
+    if !matches!(context.expected.field.choices, Choices::Words { .. }) {
+        return false;
+    }
+    let start = *cursor;
+    cursor.skip(&["a", "an", "the"], &[]);
+    let other = bare(cursor, context);
+    own_words(cursor, context);
+    let is_conditional = cursor.eat_any(CONDITIONAL)
+        || cursor.eat_words("is not")
+        || cursor.eat_words("is too")
+        || cursor.eat_words("is unnecessary");
+    let is_other = other.is_some_and(|(other, _)| other != *value);
+    let rest = cursor.rest();
+    let is_plain = !rest
+        .iter()
+        .any(|token| token.is_any(ALTERING) || token.is("better"))
+        && (0..rest.len()).all(|at| bare(&mut Cursor { tokens: rest, at }, context).is_none());
+    if !(is_other && is_conditional && is_plain) {
+        *cursor = start;
+        return false;
+    }
+    cursor.at = cursor.tokens.len();
+    true
+}
+
 /// Skips another value that is said not to be the answer: `not 0 deg`, `instead of (112, 112)`.
 fn excluded(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) -> bool {
     let start = *cursor;
+    if dismissed(cursor, context, value) {
+        return true;
+    }
     cursor.eat_word("and");
     let excludes = [
         "instead of",
@@ -926,6 +967,9 @@ fn bracket(
         ends_at_name: false,
         ..*context
     };
+    if dismissed(&mut { inside }, &context, value) {
+        return Ok(());
+    }
     let mut again = inside;
     again.skip(
         &[
