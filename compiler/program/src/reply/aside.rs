@@ -319,7 +319,12 @@ fn introduces(line: &str) -> bool {
         "last picture",
         "last step",
         "last action",
+        "annotators",
+        "perception module",
     ];
+    if first.to_lowercase().starts_with("as in ") {
+        return false;
+    }
     if bare.ends_with([':', '：'])
         && theirs
             .iter()

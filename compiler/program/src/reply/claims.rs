@@ -41,6 +41,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let mut claims = Vec::new();
     let points = data::tagged_points(reader, &text, &mut claims);
     text = aside::blanked(&text, &points);
+    let beside = data::beside(reader, &text);
     let objects = data::objects(reader, &text, &mut claims);
     text = aside::blanked(&text, &objects);
     let tables = data::tables(reader, &text, &mut claims);
@@ -51,7 +52,12 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let turns = turns(&tokens);
     let last = claims.iter().map(|claim| claim.span.start).max();
     let at = reply.len();
-    for (about, why) in remarks::of(&tokens, reader.notation, last) {
+    let beside = lexer::tokens(&beside);
+    let remarks = remarks::of(&tokens, reader.notation, last);
+    let remarks = remarks
+        .into_iter()
+        .chain(remarks::of(&beside, reader.notation, None));
+    for (about, why) in remarks {
         for (field, declared) in reader.fields.iter().enumerate() {
             if about.concerns(declared) {
                 claims.push(Claim {

@@ -24,6 +24,16 @@ const CONTAINERS: &[&str] = words!(
 /// Keys whose value is the name of a field.
 const LABELS: [&str; 7] = ["label", "name", "role", "field", "type", "action", "kind"];
 
+/// Keys whose text is a thought: it may say anything.
+const NO_REMARKS: [&str; 6] = [
+    "thought",
+    "thoughts",
+    "reasoning",
+    "analysis",
+    "draft",
+    "example",
+];
+
 /// The longest tag, bytes.
 const MAX_TAG: usize = 200;
 
@@ -61,6 +71,52 @@ pub(super) fn objects(
         }
     }
     spans
+}
+
+/// Returns what objects say beside the fields, as sentences: `"unit": "percent"`, `// dummy`.
+pub(super) fn beside(reader: &Reader<'_>, text: &str) -> String {
+    let mut said = String::new();
+    for node in object::objects(text) {
+        for line in text[node.span.clone()].lines() {
+            if let Some((_, comment)) = line.split_once("//") {
+                said.push_str(&format!("// {comment}\n\n"));
+            }
+        }
+        aside_members(reader, &node, 0, &mut said);
+    }
+    said
+}
+
+fn aside_members(reader: &Reader<'_>, node: &Node, depth: usize, said: &mut String) {
+    let Shape::Object(found) = &node.shape else {
+        return;
+    };
+    let mut sides = [None, None];
+    for object::Member { key, value, .. } in found {
+        if names::labelled(reader.fields, &lexer::tokens(key)).is_some() {
+            continue;
+        }
+        let is_reason = NO_REMARKS.iter().any(|name| key.eq_ignore_ascii_case(name));
+        match &value.shape {
+            Shape::Object(_) if depth < MAX_STRINGS => {
+                aside_members(reader, value, depth + 1, said);
+            }
+            Shape::Text(text) | Shape::Bare(text) if !is_reason => {
+                let key = key.replace('_', " ");
+                let (key, text) = (key.to_lowercase(), text.replace('_', " "));
+                for (side, name) in sides.iter_mut().zip(["width", "height"]) {
+                    if key == name || key == format!("image {name}") {
+                        *side = Some(text.clone());
+                    }
+                }
+                said.push_str(&format!("{key}: {text}\n\n"));
+            }
+            _ => {}
+        }
+    }
+    if let [Some(width), Some(height)] = sides {
+        said.push_str(&format!("the image is {width} x {height}\n\n"));
+    }
 }
 
 /// Reads the members of an object, and of the objects that may hold an action inside it.

@@ -14,8 +14,8 @@ use crate::pointing::{Notation, Order};
 pub(super) enum About {
     /// Points, where pixels are asked for.
     Pixels,
-    /// Directions.
     Directions,
+    Lengths,
     /// The whole action.
     Action,
 }
@@ -26,277 +26,107 @@ impl About {
         match self {
             About::Pixels => field.is_point(),
             About::Directions => matches!(field.choices, Choices::Directions { .. }),
+            About::Lengths => matches!(field.choices, Choices::Lengths { .. }),
             About::Action => true,
         }
     }
 }
 
-/// Where a remark counts.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
-    Anywhere,
-    /// Only after the values: before them, it is about something else.
-    AfterValues,
-}
+use About::{Action, Directions, Lengths, Pixels};
 
-/// A row: a sentence is such a remark if it says one phrase of each group and none of `unless`. Phrases of a group are
+/// A kind of remark: a sentence is one if it says a phrase of each group and none of `unless`. Phrases of a group are
 /// separated by `|`; signs are words of their own.
 struct Row {
     about: About,
-    place: Place,
+    /// Whether it counts only after the values; before them, it is about something else.
+    is_after: bool,
     says: &'static [&'static str],
     unless: &'static str,
     why: &'static str,
 }
 
-const NEGATIONS: &str = "not|no|without|isn't|aren't";
+const fn anywhere(
+    about: About,
+    why: &'static str,
+    says: &'static [&'static str],
+    unless: &'static str,
+) -> Row {
+    Row {
+        about,
+        is_after: false,
+        says,
+        unless,
+        why,
+    }
+}
 
-const ROWS: [Row; 24] = [
+const fn after(why: &'static str, says: &'static [&'static str], unless: &'static str) -> Row {
     Row {
-        about: About::Pixels,
-        place: Place::Anywhere,
-        says: &["origin", "bottom|lower|center|centre"],
-        unless: "not|no|without|top",
-        why: "the answer counts from another origin than the top left",
-    },
-    Row {
-        about: About::Pixels,
-        place: Place::Anywhere,
-        says: &[
-            "y",
-            "measured upward|measured upwards|increases upward|increases upwards|increasing upward|increasing upwards|\
-             grows upward|grows upwards|points up|pointing up|axis up|upward from|upwards from",
-        ],
-        unless: NEGATIONS,
-        why: "the answer counts y upwards",
-    },
-    Row {
-        about: About::Pixels,
-        place: Place::Anywhere,
-        says: &[
-            "normalized|normalised",
-            "coordinates|coordinate|points|values",
-        ],
-        unless: NEGATIONS,
-        why: "the answer counts in another unit than pixels",
-    },
-    Row {
-        about: About::Pixels,
-        place: Place::Anywhere,
-        says: &[
-            "percent|percentage|percentages|thousandths",
-            "coordinates|coordinate|x|image width|picture width|image size|picture size",
-        ],
-        unless: NEGATIONS,
-        why: "the answer counts in another unit than pixels",
-    },
-    Row {
-        about: About::Pixels,
-        place: Place::Anywhere,
-        says: &[
-            "1000|999",
-            "grid|scale|range",
-            "coordinates|coordinate|points|values",
-        ],
-        unless: "",
-        why: "the answer counts on another scale than pixels",
-    },
-    Row {
-        about: About::Pixels,
-        place: Place::Anywhere,
-        says: &[
-            "not in pixels|not pixels|not px|not in px|not pixel",
-            "coordinates|coordinate|points|values|numbers",
-        ],
-        unless: "",
-        why: "the answer counts in another unit than pixels",
-    },
-    Row {
-        about: About::Pixels,
-        place: Place::Anywhere,
-        says: &[
-            "millimetres|millimeters|mm|centimetres|centimeters|cm|meters|metres",
-            "robot|base|world",
-            "frame|coordinates",
-        ],
-        unless: NEGATIONS,
-        why: "the answer counts in a frame of the robot",
-    },
-    Row {
-        about: About::Pixels,
-        place: Place::Anywhere,
-        says: &[
-            "enlarged|cropped|zoomed|upscaled|rescaled|magnified",
-            "picture|image|crop|view|version|region",
-        ],
-        unless: NEGATIONS,
-        why: "the answer refers to another picture",
-    },
-    Row {
-        about: About::Pixels,
-        place: Place::Anywhere,
-        says: &["row , column|row , col|rows , columns|v , u|y before x|y first"],
-        unless: NEGATIONS,
-        why: "the answer writes its coordinates in another order",
-    },
-    Row {
-        about: About::Directions,
-        place: Place::Anywhere,
-        says: &[
-            "clockwise|cw",
-            "angle|angles|direction|directions|degrees|deg|measured|measure|counted",
-        ],
-        unless: "counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|\
-                 counterclockwise|ccw|not",
-        why: "the answer counts angles clockwise",
-    },
-    Row {
-        about: About::Directions,
-        place: Place::Anywhere,
-        says: &[
-            "0 deg|0 degrees|0 °|zero degrees",
-            "is up|points up|pointing up|means up|pointing upwards|is straight up|pointing straight up|is north",
-        ],
-        unless: "not|right",
-        why: "the answer counts angles from another side than the right",
-    },
-    Row {
-        about: About::Action,
-        place: Place::Anywhere,
-        says: &[
-            "illustrative|dummy|hypothetical|fictitious|made - up|made up|invented",
-            "value|values|number|numbers|coordinates|points|answer|purely|example|below|above",
-        ],
-        unless: NEGATIONS,
-        why: "the answer says that its values are made up",
-    },
-    Row {
-        about: About::Action,
-        place: Place::Anywhere,
-        says: &[
-            "sample values|example values|placeholder values|are placeholders|placeholder coordinates|sample coordinates|\
-             example coordinates|only an example|just an example|merely an example|only a template|just a template|\
-             only a sample|only an illustration",
-        ],
-        unless: NEGATIONS,
-        why: "the answer says that its values are only an example",
-    },
-    Row {
-        about: About::Action,
-        place: Place::Anywhere,
-        says: &[
-            "would look like|would respond|you would write|format would be|would be formatted|would have the form|\
-             structure you need|replace the numbers|replace the values|replace these|replace them|replace those|\
-             fill in the actual|fill in your",
-        ],
-        unless: "",
-        why: "the answer says that its values are only an example",
-    },
-    Row {
-        about: About::Action,
-        place: Place::Anywhere,
-        says: &[
-            "if",
-            "were at|were in|could see|had the image|were visible",
-            "would",
-        ],
-        unless: "",
-        why: "the answer says what would be right in another picture",
-    },
-    Row {
-        about: About::Action,
-        place: Place::Anywhere,
-        says: &[
-            "can't|cannot|unable|don't|can not|couldn't|do not|didn't|not able",
-            "see the image|see an image|see any image|see images|see your image|see the picture|see a picture|\
-             see any picture|see the photo|see the cloth|view the image|view an image|view images|view the picture|\
-             analyze images|analyze the image|access the image|access images|process images|open the image|\
-             receive an image|receive the image",
-        ],
-        unless: "",
-        why: "the answer says that it sees no picture",
-    },
-    Row {
-        about: About::Action,
-        place: Place::Anywhere,
-        says: &[
-            "no image|no picture|no photo|without the image|without an image|not given the image|without seeing the image",
-            "attached|came|come|provided|received|through|cannot|can't|given|was|available|determine",
-        ],
-        unless: "",
-        why: "the answer says that it sees no picture",
-    },
-    Row {
-        about: About::Action,
-        place: Place::Anywhere,
-        says: &["not my final|not the final|not final|isn't final"],
-        unless: "",
-        why: "the answer calls itself a draft",
-    },
-    Row {
-        about: About::Action,
-        place: Place::AfterValues,
-        says: &[
-            "answer is incorrect|answer is wrong|would be wrong|is not correct|isn't correct|is invalid|are wrong|\
-             are incorrect|is mistaken|was a mistake",
-        ],
-        unless: "if|otherwise|previous|earlier|first|else|instead",
-        why: "the answer calls itself wrong",
-    },
-    Row {
-        about: About::Action,
-        place: Place::AfterValues,
-        says: &[
-            "do not execute|don't execute|not be executed|do not perform|don't perform|do not carry out|\
-             don't carry out|do not run|don't use this|do not use this",
-        ],
-        unless: "",
-        why: "the answer says that it is not to be carried out",
-    },
-    Row {
-        about: About::Action,
-        place: Place::AfterValues,
-        says: &[
-            "disregard|ignore|forget|withdraw|retract",
-            "those|these|above|two|both|points|lines|answer|that|it",
-        ],
-        unless: NEGATIONS,
-        why: "the answer takes itself back",
-    },
-    Row {
-        about: About::Action,
-        place: Place::AfterValues,
-        says: &[
-            "exchange|swap|swapped",
-            "those|these|above|two|both|points|lines|answer|that|it",
-        ],
-        unless: NEGATIONS,
-        why: "the answer exchanges its values afterwards",
-    },
-    Row {
-        about: About::Action,
-        place: Place::AfterValues,
-        says: &[
-            "add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|\
-             inverted|mirror|mirrored",
-            "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|\
-             x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|\
-             the direction|the angle|them to|to your resolution",
-        ],
-        unless: NEGATIONS,
-        why: "the answer changes its values afterwards",
-    },
-    Row {
-        about: About::Pixels,
-        place: Place::AfterValues,
-        says: &[
-            "scale them|rescale them|convert them",
-            "resolution|pixels|size",
-        ],
-        unless: NEGATIONS,
-        why: "the answer refers to another picture",
-    },
+        about: Action,
+        is_after: true,
+        says,
+        unless,
+        why,
+    }
+}
+
+const NOT: &str = "not|no|without|isn't|aren't|haven't";
+
+const POINTS: &str = "coordinates|coordinate|coords|points|point|values|pixels|numbers";
+
+const OTHER_FRAME: &str = "the answer counts from another place than the top left of the picture";
+const OTHER_UNIT: &str = "the answer counts in another unit than pixels";
+const OTHER_ORDER: &str = "the answer writes its coordinates in another order";
+const OTHER_PICTURE: &str = "the answer refers to another picture";
+const OTHER_ANGLE: &str = "the answer counts angles in another way";
+const SAMPLE: &str = "the answer says that its values are only a sample";
+const UNSEEN: &str = "the answer says that it sees no picture";
+const CHANGED: &str = "the answer changes its values afterwards";
+const WITHDRAWN: &str = "the answer says that it is not to be carried out";
+
+#[rustfmt::skip]
+const ROWS: &[Row] = &[
+    anywhere(Pixels, OTHER_FRAME, &["origin", "bottom|lower|center|centre|middle|cloth"], "not|no|without|top"),
+    anywhere(Pixels, OTHER_FRAME, &["( 0 , 0 )", "is|being|at", "center|centre|middle|bottom|lower"], "not|top"),
+    anywhere(Pixels, OTHER_FRAME, &["y", "measured upward|measured upwards|increases upward|increases upwards|increasing upward|increasing upwards|grows upward|grows upwards|points up|pointing up|axis up|upward from|upwards from|from the bottom"], NOT),
+    anywhere(Pixels, OTHER_FRAME, &["relative to the pick|displacement from the pick|offset from the pick|relative to the cloth|not of the image|relative to the cropped"], ""),
+    anywhere(Pixels, OTHER_FRAME, &["millimetres|millimeters|mm|centimetres|centimeters|cm|meters|metres|inches", "robot|base|world", "frame|coordinates"], NOT),
+    anywhere(Pixels, OTHER_UNIT, &["centimetres|centimeters|cm|millimetres|millimeters|mm|inches", "units :|unit :|table corner|corner of the table"], "distance|length|lengths"),
+    anywhere(Pixels, OTHER_UNIT, &["normalized|normalised", "coordinates|coordinate|points|values|true|0"], NOT),
+    anywhere(Pixels, OTHER_UNIT, &["percent|percentage|percentages|thousandths", "coordinates|coordinate|x|width|height|image size|unit|units"], NOT),
+    anywhere(Pixels, OTHER_UNIT, &["1000|999", "grid|scale|range|scaled", "coordinates|coordinate|points|values|relative|normalized|:"], ""),
+    anywhere(Pixels, OTHER_UNIT, &["grid|patches|cells", "column|columns|row|rows|cell", "name|count|divided|number"], NOT),
+    anywhere(Pixels, OTHER_UNIT, &["not in pixels|not pixels|not px|not in px|not pixel", POINTS], ""),
+    anywhere(Pixels, OTHER_ORDER, &["row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|from the goal image|from the depth|in the depth image|half the resolution|half resolution"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["image|picture", "be mirrored|upside down|turned it|rotated it|rotated by|is mirrored"], NOT),
+    anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "angle|angles|direction|directions|measured|measure|counted|count"], "counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
+    anywhere(Directions, OTHER_ANGLE, &["0 deg|0 degrees|0 °|zero degrees", "is up|points up|pointing up|means up|pointing upwards|is straight up|means straight up|pointing straight up|is north|at the top|straight down"], "not|right"),
+    anywhere(Directions, OTHER_ANGLE, &["90 deg|90 degrees|90 °", "points to the bottom|points down|pointing down|is down|means down"], "not|270"),
+    anywhere(Directions, OTHER_ANGLE, &["compass bearing|a bearing|right towards the bottom|right toward the bottom|right to the bottom|angle of the fold line|from the vertical"], NOT),
+    anywhere(Directions, OTHER_ANGLE, &["direction is relative to|directions are relative to|angle is relative to"], "not relative|relative to the image|relative to the picture"),
+    anywhere(Lengths, "the answer counts lengths in another unit", &["in inches|in centimetres|in centimeters|in metres|in meters", "length|lengths|distance|distances"], NOT),
+    anywhere(Lengths, "the answer means another side of the cloth", &["shorter side|shorter edge|short side", "edge|distance"], "not the shorter|not of the shorter|and not"),
+    anywhere(Action, SAMPLE, &["illustrative|dummy|hypothetical|fictitious|made - up|made up|invented|random|default", "value|values|number|numbers|coordinates|points|answer|purely|example|below|above|/ /"], NOT),
+    anywhere(Action, SAMPLE, &["sample values|example values|placeholder values|are placeholders|placeholder coordinates|sample coordinates|example coordinates|only an example|just an example|merely an example|only a template|just a template|only a sample|only an illustration"], NOT),
+    anywhere(Action, SAMPLE, &["would look like|would respond|you would write|format would be|would be formatted|would have the form|structure you need|replace the numbers|replace the values|replace these|replace them|replace those|fill in the actual|fill in your|once i know|one usually sees|the demonstration reads|the paper reads"], ""),
+    anywhere(Action, "the answer says what would be right in another picture", &["if|assuming", "were at|were in|could see|had the image|were visible|was centered|was centred", "would|could"], ""),
+    anywhere(Action, UNSEEN, &["can't|cannot|unable|don't|can not|couldn't|do not|didn't|not able|no", "see the image|see an image|see any image|see images|see your image|see the picture|see a picture|see any picture|see the photo|see the cloth|view the image|view an image|view images|view the picture|analyze images|analyze the image|access the image|access images|access to the image|process images|open the image|receive an image|receive the image|tell where the cloth"], ""),
+    anywhere(Action, UNSEEN, &["no image|no picture|no photo|without the image|without an image|not given the image|without seeing the image|without seeing the cloth|image failed|image was not|no cloth in|cloth not detected|didn't come through|did not come through", "attached|came|come|provided|received|through|cannot|can't|given|was|available|determine|load|opinion|image|returning"], ""),
+    anywhere(Action, WITHDRAWN, &["status : error|valid : false|success : false|error : true|no further action"], ""),
+    anywhere(Action, "the answer calls itself a draft", &["not my final|not the final|not final|isn't final"], ""),
+    after("the answer calls itself wrong", &["answer is incorrect|answer is wrong|would be wrong|is not correct|isn't correct|is invalid|are wrong|are incorrect|is mistaken|was a mistake|mixed up|mixed left|wrong corner"], "if|otherwise|previous|earlier|first|else|instead|not to|make sure|avoid"),
+    after(WITHDRAWN, &["do not execute|don't execute|not be executed|do not perform|don't perform|do not carry out|don't carry out|do not run|don't use this|do not use this|shouldn't be used|should not be used|disagree with it|disagree with this"], ""),
+    after(WITHDRAWN, &["disregard|ignore|forget|withdraw|retract", "those|these|above|two|both|points|lines|answer|that|it"], NOT),
+    after(CHANGED, &["exchange|swap|swapped", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
+    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|mirrored|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|it"], "not|no|will|would|to avoid"),
+    after(CHANGED, &["hmm|on reflection|on second thought|come to think of it|i'd rather|i would rather|better to grab|better to use|better choose|make that|one step lower|one step higher|one level|opposite way|than i wrote|so i take|let's halve|let's double|actually , shift|actually , the"], "no need|also|unchanged|stays"),
 ];
+
+/// What says that values of another picture were converted.
+const CONVERTED: &str =
+    "scaled back|converted|multiplied by|in your picture|divided by|dividing by";
 
 /// Returns the remarks of an answer: what each is about, and the reason why those values cannot be used.
 ///
@@ -323,19 +153,22 @@ pub(super) fn of(
         start = index + 1;
         let is_after = last_claim.is_some_and(|at| sentence[0].at > at);
         let words = spoken(sentence);
+        if !is_after && says(&words, CONVERTED) {
+            found.retain(|(about, _)| *about != Pixels);
+            continue;
+        }
         let rows = ROWS.iter().filter(|row| {
-            (row.place == Place::Anywhere || is_after)
+            (!row.is_after || is_after)
                 && row.says.iter().all(|group| says(&words, group))
                 && !says(&words, row.unless)
         });
         found.extend(rows.map(|row| (row.about, row.why.to_owned())));
-        found.extend(another_size(sentence, notation).map(|why| (About::Pixels, why)));
-        if !says(&words, NEGATIONS) && another_order(sentence, notation) {
-            let why = "the answer writes its coordinates in another order";
-            found.push((About::Pixels, why.to_owned()));
+        found.extend(another_size(sentence, notation).map(|why| (Pixels, why)));
+        if !says(&words, NOT) && another_order(sentence, notation) {
+            found.push((Pixels, OTHER_ORDER.to_owned()));
         }
     }
-    found.retain(|(about, _)| *about != About::Pixels || notation.is_native());
+    found.retain(|(about, _)| *about != Pixels || notation.is_native());
     found
 }
 

@@ -73,6 +73,11 @@ const MAX_CLAUSE: usize = 400;
 /// The most tokens of a sentence that moves something.
 const MAX_MOTION: usize = 30;
 
+/// Verbs after a name that tell what another value did.
+const TELLING: &[&str] = words!(
+    "lost slipped slips tears tore creases creased leaves left failed fails damages crushes drops dropped"
+);
+
 /// The most words between a verb and `from`.
 const MAX_CARRIED: usize = 8;
 
@@ -501,10 +506,11 @@ impl<'a> Sentences<'a> {
             // `Grip = soft (a firm grip could tear it)`
             let is_remark = next.field == mention.field
                 && next.form == Form::Name
-                && self
-                    .tokens
-                    .get(next.end)
-                    .is_some_and(|verb| verb.gap < Gap::Line && verb.is_any(value::CONDITIONAL));
+                && self.tokens.get(next.end).is_some_and(|verb| {
+                    verb.gap < Gap::Line
+                        && verb.kind == Kind::Word
+                        && !verb.is_any(&["is", "for", "with", "at", "of", "and", "or", "as"])
+                });
             next.at > mention.at && !is_remark
         });
         let next = named
@@ -882,7 +888,8 @@ impl<'a> Sentences<'a> {
         let after = &self.tokens[mention.end..];
         let judged = after.iter().take(4).take_while(|next| next.gap < Gap::Line);
         let is_judged = judged.enumerate().any(|(at, next)| {
-            (at == 0 && next.is_any(value::CONDITIONAL)) || (at > 0 && next.is_any(UNFIT))
+            (at == 0 && (next.is_any(value::CONDITIONAL) || next.is_any(TELLING)))
+                || (at > 0 && next.is_any(UNFIT))
         });
         let is_even = preceding.is_some_and(|token| token.is_any(&["with", "a"]))
             && self.tokens[..begin]

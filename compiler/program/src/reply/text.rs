@@ -95,6 +95,12 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
     {
         return Err(wrong(why));
     }
+    let taken_back = found
+        .iter()
+        .any(|it| reply.get(it.span.end..).is_some_and(takes_back));
+    if taken_back {
+        return Err(wrong("Your answer takes back its text.".to_owned()));
+    }
     let Some(first) = found.first() else {
         return Err(wrong(match is_named {
             true => format!("Nothing follows \"{before}\" in your answer."),
@@ -388,6 +394,29 @@ fn is_last(reply: &str, found: &Found) -> bool {
         .is_some_and(|rest| !rest.contains(char::is_alphanumeric))
 }
 
+/// Returns whether what follows a text begins a sentence that takes it back.
+fn takes_back(rest: &str) -> bool {
+    let lower = rest.to_lowercase().replace('’', "'");
+    let sentences = lower.split(['\n', '.', '!', '?']);
+    sentences.map(str::trim).any(|sentence| {
+        [
+            "wait,",
+            "wait ",
+            "scratch that",
+            "make that",
+            "or alternatively",
+            "please ignore",
+            "ignore this",
+            "on second thought",
+            "actually, ",
+            "correction:",
+            "looking again,",
+        ]
+        .iter()
+        .any(|words| sentence.starts_with(words))
+    })
+}
+
 /// Returns why something that stands after the words is no text.
 fn unusable(text: &str, is_last: bool) -> Option<String> {
     let lower = text.to_lowercase().replace('’', "'");
@@ -409,6 +438,8 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
         "i don't know",
         "i do not know",
         "not sure",
+        "none,",
+        "nothing to ",
     ]) {
         return Some("Your answer holds an apology where the text is expected.".to_owned());
     }

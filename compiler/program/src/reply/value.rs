@@ -592,6 +592,14 @@ fn tail(
                 is_apart = !restated(&mut cursor, context, value)?;
                 continue;
             }
+            Kind::Sign('→')
+                if cursor.ahead(1).is_some_and(|next| {
+                    next.is_any(&["the", "it", "this", "so", "moves", "i.e."])
+                }) =>
+            {
+                cursor.at += 1;
+                return explanation(cursor, context, value, true);
+            }
             Kind::Sign('=' | '≈' | '/' | '|' | '→') => {
                 cursor.at += 1;
                 restated(&mut cursor, context, value)?
@@ -661,7 +669,8 @@ fn dismissed(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) 
     cursor.skip(&["a", "an", "the"], &[]);
     let other = bare(cursor, context);
     own_words(cursor, context);
-    let is_conditional = cursor.eat_any(CONDITIONAL)
+    let is_conditional = tells_of_word(*cursor, context)
+        || cursor.eat_any(CONDITIONAL)
         || cursor.eat_words("is not")
         || cursor.eat_words("is too")
         || cursor.eat_words("is unnecessary");
@@ -875,6 +884,12 @@ fn own_words(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) {
     }
 }
 
+/// Words before a number that is rounded.
+const ABOUT: &[&str] = words!("approximately about roughly around approx circa nearly");
+
+/// How far off a length may be that is called rounded.
+const ROUNDED: f64 = 0.01;
+
 /// Reads the value once more; fails if it is another one. Returns whether there was one.
 fn restated(
     cursor: &mut Cursor<'_, '_>,
@@ -882,6 +897,10 @@ fn restated(
     value: &Value,
 ) -> Result<bool, String> {
     let start = *cursor;
+    let mut is_rounded = cursor
+        .at
+        .checked_sub(1)
+        .is_some_and(|at| cursor.tokens[at].is_any(ABOUT) || cursor.tokens[at].is_sign('≈'));
     let assigned = Context {
         clarity: Clarity::Assigned,
         ..*context
@@ -898,11 +917,20 @@ fn restated(
             PointFound::Nothing => Found::Nothing,
         }
     } else {
-        cursor.skip(&["approximately", "about", "roughly", "the"], &['≈', '=']);
+        let before = cursor.at;
+        cursor.skip(ABOUT, &['≈', '=']);
+        is_rounded |= cursor.at > before;
+        cursor.eat_word("the");
         single(cursor, &context.expected, &assigned)
     };
     match found {
         Found::Value(other, _) if other == *value => Ok(true),
+        Found::Value(Value::Length { length: other }, _)
+            if is_rounded
+                && matches!(value, Value::Length { length } if (other - length).abs() < ROUNDED * length) =>
+        {
+            Ok(true)
+        }
         Found::Value(other, _) => Err(format!(
             "it has both {} and {}",
             context.notation.stated_value(context.expected.field, value),
@@ -1008,6 +1036,24 @@ const REFRAMING: &[&str] = words!(
     cropped crop"
 );
 
+/// Returns whether something is told of a word before the cursor, so that it is a reason: `a firm grip` before `could
+/// leave marks`.
+fn tells_of_word(mut behind: Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    let start = behind.at;
+    own_words(&mut behind, context);
+    let names_field = behind.at > start;
+    matches!(context.expected.field.choices, Choices::Words { .. })
+        && names_field
+        && behind.peek().is_some_and(|next| {
+            next.kind == Kind::Word && !next.is_any(GOVERNING) && !next.is_any(ALTERING)
+        })
+}
+
+/// Words after a value that say when or for what it is chosen.
+const GOVERNING: &[&str] = words!(
+    "for when on at with then and or if instead is while during once after before to until as later from in near where"
+);
+
 /// Returns whether an explanation adds another value: `60 deg for one and 90 deg for the other`.
 fn states_other(cursor: Cursor<'_, '_>, context: &Context<'_>, value: &Value) -> bool {
     let spoken = Context {
@@ -1016,15 +1062,19 @@ fn states_other(cursor: Cursor<'_, '_>, context: &Context<'_>, value: &Value) ->
     };
     let mut ahead = cursor;
     while let Some(token) = ahead.peek() {
-        let adds = token.is_any(&["and", "then", "or", "to", "through", "until"])
-            || matches!(token.kind, Kind::Sign(',' | ';'));
+        let goes_on = token.is_any(&["and", "then", "or", "to", "through", "until"]);
+        let adds = goes_on || matches!(token.kind, Kind::Sign(',' | ';'));
         ahead.at += 1;
         let mut other = ahead;
         other.skip(&["then", "a", "the", "also"], &[]);
         // In an explanation, `to the left` describes the picture as often as the direction.
         let is_worded = matches!(context.expected.field.choices, Choices::Directions { .. })
             && !quantity::begins(other);
-        if adds && !is_worded && bare(&mut other, &spoken).is_some_and(|(found, _)| found != *value)
+        let found = bare(&mut other, &spoken);
+        if adds
+            && !is_worded
+            && (goes_on || !tells_of_word(other, context))
+            && found.is_some_and(|(found, _)| found != *value)
         {
             return true;
         }
