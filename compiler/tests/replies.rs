@@ -437,3 +437,24 @@ fn the_schema_offers_each_field_its_own_points() {
     assert_eq!(schema["required"], serde_json::json!(["pick", "place"]));
     assert_eq!(schema["additionalProperties"], false);
 }
+
+#[test]
+fn an_answer_with_one_unreadable_field_says_where_the_others_stand() {
+    let program = spaces::space("points");
+    let read = |reply: &str| reply::read_action(&program, reply).unwrap_err();
+    let refused = read("**Pick**: [41.3, 56]\nPlace Point = huh");
+    assert_eq!(refused.field, "place");
+    let [pick] = &refused.stated[..] else {
+        panic!("{:?}", refused.stated)
+    };
+    assert_eq!(
+        (pick.field.as_str(), pick.text.as_str(), pick.at),
+        ("pick", "**Pick**: [41.3, 56]", 0)
+    );
+    let boxed = reply::read_action(
+        &program,
+        "Pick Point = \\boxed{(41, 167)}\nPlace Point = (3, 4)",
+    )
+    .unwrap();
+    assert_eq!(boxed.stated[0].text, "Pick Point = \\boxed{(41, 167)}");
+}

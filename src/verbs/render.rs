@@ -207,6 +207,7 @@ fn as_json(stage: &ShownStage) -> Value {
         "messages": stage.messages.iter().map(message).collect::<Vec<_>>(),
         "corrections": stage.corrections.iter().map(correction).collect::<Vec<_>>(),
         "findings": stage.findings,
+        "results": stage.results,
     })
 }
 

@@ -339,6 +339,9 @@ pub enum Finding {
         field: String,
         /// The message to the model.
         message: String,
+        /// Where the answer states the fields that could be read.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        stated: Vec<Stated>,
     },
     /// There was no answer.
     Failed {

@@ -38,6 +38,8 @@ pub struct ShownStage {
     pub corrections: Vec<(String, PromptText)>,
     /// The findings about the given answers, in words.
     pub findings: Vec<String>,
+    /// The same as data, as a run records them.
+    pub results: Vec<serde_json::Value>,
 }
 
 /// A line of a page.

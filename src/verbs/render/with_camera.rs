@@ -209,6 +209,11 @@ impl DisplayedScene {
                 n_asked_first: rehearsed.n_asked_first,
                 messages: shown(&rehearsed.conversation, self.step),
                 findings: rehearsed.findings.iter().map(in_words).collect(),
+                results: rehearsed
+                    .findings
+                    .iter()
+                    .map(|it| serde_json::json!(it))
+                    .collect(),
                 name: rehearsed.stage,
             })
         });
@@ -298,7 +303,9 @@ fn in_words(finding: &Finding) -> String {
             stated,
             ..
         } => format!("refused by `{check}`{}", sources(stated)),
-        Finding::Malformed { field, .. } => format!("`{field}` cannot be read"),
+        Finding::Malformed { field, stated, .. } => {
+            format!("`{field}` cannot be read{}", sources(stated))
+        }
         Finding::Failed { why, .. } => why.clone(),
     }
 }

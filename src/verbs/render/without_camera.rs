@@ -94,6 +94,7 @@ impl DisplayedScene {
                     .collect(),
                 corrections: super::corrections_of(program, stage, values)?,
                 findings: Vec::new(),
+                results: Vec::new(),
             })
         });
         let shown: Result<Vec<ShownStage>, RenderError> = shown.collect();

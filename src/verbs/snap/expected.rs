@@ -321,6 +321,7 @@ impl Page<'_> {
             messages,
             corrections: corrections.map_err(Failure::environment)?,
             findings: Vec::new(),
+            results: Vec::new(),
         }))
     }
 }

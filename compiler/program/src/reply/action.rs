@@ -50,7 +50,7 @@ pub fn read_fields(
     let mut proposal = Proposal {
         fields: Vec::with_capacity(actions.len()),
     };
-    let (mut repairs, mut stated) = (Vec::new(), Vec::new());
+    let (mut repairs, mut stated, mut unreadable) = (Vec::new(), Vec::new(), None);
     for (index, declared) in actions.iter().enumerate() {
         let field = Field {
             index,
@@ -58,10 +58,13 @@ pub fn read_fields(
             reply,
             notation,
         };
-        let taken = field.value(&found).map_err(|why| Malformed {
-            field: declared.name.clone(),
-            message: complaint(&why, actions, declared, notation),
-        })?;
+        let taken = match field.value(&found) {
+            Ok(taken) => taken,
+            Err(why) => {
+                unreadable.get_or_insert((declared, why));
+                continue;
+            }
+        };
         repairs.extend(taken.repairs.iter().cloned());
         stated.push(Stated::new(
             &declared.name,
@@ -70,6 +73,13 @@ pub fn read_fields(
             taken.repairs,
         ));
         proposal.fields.push((declared.name.clone(), taken.value));
+    }
+    if let Some((declared, why)) = unreadable {
+        return Err(Malformed {
+            field: declared.name.clone(),
+            message: complaint(&why, actions, declared, notation),
+            stated,
+        });
     }
     Ok(Reading {
         value: proposal,

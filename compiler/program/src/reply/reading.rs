@@ -43,6 +43,7 @@ impl Stated {
         span: Range<usize>,
         repairs: Vec<String>,
     ) -> Stated {
+        let span = with_marks(reply, span);
         Stated {
             field: field.to_owned(),
             text: reply.get(span.clone()).unwrap_or_default().to_owned(),
@@ -52,6 +53,27 @@ impl Stated {
     }
 }
 
+/// Adds the marks around a piece of an answer, `**Pick**` and `\boxed{…}`, so that no half of a pair is shown.
+fn with_marks(reply: &str, span: Range<usize>) -> Range<usize> {
+    let is_mark = |letter: char| matches!(letter, '*' | '_' | '`' | '$');
+    let (Some(before), Some(text), Some(after)) = (
+        reply.get(..span.start),
+        reply.get(span.clone()),
+        reply.get(span.end..),
+    ) else {
+        return span;
+    };
+    let start = before.trim_end_matches(is_mark).len();
+    let open = text
+        .matches('{')
+        .count()
+        .saturating_sub(text.matches('}').count());
+    let closes = after.chars().take_while(|letter| *letter == '}').take(open);
+    let end = span.end + closes.count();
+    let marks = reply[end..].chars().take_while(|letter| is_mark(*letter));
+    start..end + marks.map(char::len_utf8).sum::<usize>()
+}
+
 /// Why an answer cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Malformed {
@@ -59,6 +81,8 @@ pub struct Malformed {
     pub field: String,
     /// The message to the model: what is missing or ambiguous, and the requested format.
     pub message: String,
+    /// Where the answer states the fields that could be read.
+    pub stated: Vec<Stated>,
 }
 
 /// Rejects an answer that is too long.
@@ -73,6 +97,7 @@ pub(super) fn bounded(field: &str, reply: &str) -> Result<(), Malformed> {
     Err(Malformed {
         field: field.to_owned(),
         message,
+        stated: Vec::new(),
     })
 }
 

@@ -1,5 +1,6 @@
 //! The JSON Schema of an answer, for models with structured output.
 
+use super::wordlist::words;
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::data::program::Program;
 use crate::data::stage::Read;
@@ -73,7 +74,12 @@ fn object(program: &Program, property: impl Fn(&ActionField) -> Json) -> Json {
 const REASON: &str = "reason";
 
 /// Words with which a prompt asks for reasons.
-const ASKING: [&str; 5] = ["reason", "why", "explain", "justify", "explanation"];
+const ASKING: &[&str] = words!(
+    "reason reasons reasoning why explain explains explanation explanations justify justification rationale step-by-step"
+);
+
+/// Words with which it wants none, or means something else.
+const NOT_ASKING: &[&str] = words!("no not don't don’t never without this that");
 
 /// Returns whether a question for an action asks for reasons.
 fn asks_for_reasons(program: &Program) -> bool {
@@ -88,14 +94,27 @@ fn asks_for_reasons(program: &Program) -> bool {
             .iter()
             .find(|template| template.name == *name);
         template.is_some_and(|template| {
-            let text = template.text.to_lowercase();
-            let mut words = text.split(|letter: char| !letter.is_alphabetic());
-            words.any(|word| {
-                ASKING
-                    .iter()
-                    .any(|asking| word.strip_suffix('s').unwrap_or(word) == *asking)
-            })
+            let text = template
+                .text
+                .to_lowercase()
+                .replace("step by step", "step-by-step");
+            text.split(['.', '!', '?', ';', ':']).any(wants_reasons)
         })
+    })
+}
+
+/// Returns whether a sentence asks for reasons: `then give your reason`, not `give no reason`, `for this reason`.
+fn wants_reasons(sentence: &str) -> bool {
+    let is_part = |letter: char| letter.is_alphabetic() || "'’-".contains(letter);
+    let words: Vec<&str> = sentence
+        .split(|letter: char| !is_part(letter))
+        .filter(|word| !word.is_empty())
+        .collect();
+    words.iter().enumerate().any(|(at, word)| {
+        ASKING.contains(word)
+            && !words[at.saturating_sub(3)..at]
+                .iter()
+                .any(|before| NOT_ASKING.contains(before))
     })
 }
 
@@ -136,5 +155,33 @@ fn what(notation: &Notation, field: &ActionField) -> String {
         }
         Choices::Lengths { .. } => format!("the {name}, on the table"),
         Choices::Words { .. } => format!("the {name}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::wants_reasons;
+
+    #[test]
+    fn a_prompt_asks_for_reasons_in_many_words_and_wants_none_in_others() {
+        for asking in [
+            "then give your reason",
+            "explain your choice",
+            "state your rationale first",
+            "think step-by-step",
+            "say why you chose it",
+        ] {
+            assert!(wants_reasons(asking), "{asking}");
+        }
+        for other in [
+            "give no reason",
+            "do not explain",
+            "for this reason stay on the cloth",
+            "there is no reason to hurry",
+            "without explanations",
+            "begin your answer with these two lines",
+        ] {
+            assert!(!wants_reasons(other), "{other}");
+        }
     }
 }

@@ -56,6 +56,7 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
         message: format!(
             "{why} Answer again with one line in exactly this format:\n{before} …{after}"
         ),
+        stated: Vec::new(),
     };
     bounded(before, reply)?;
     let cleared = aside::clear(reply);

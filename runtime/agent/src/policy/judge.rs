@@ -7,7 +7,7 @@ use super::{Accepted, Finding, StepView};
 use fab_program::Proposal;
 use fab_program::facts::Facts;
 use fab_program::render::RenderError;
-use fab_program::reply::{self, Malformed, Reading};
+use fab_program::reply::{self, Malformed, Reading, Stated};
 use fab_program::verify::{self, Strictness, Verdict};
 use fab_program::{Read, Stage};
 use std::collections::BTreeMap;
@@ -19,7 +19,15 @@ pub(super) fn judge(
     facts: Facts<'_>,
     text: &str,
 ) -> Result<Finding, RenderError> {
-    let malformed = |Malformed { field, message }| Finding::Malformed { field, message };
+    let malformed = |Malformed {
+                         field,
+                         message,
+                         stated,
+                     }| Finding::Malformed {
+        field,
+        message,
+        stated,
+    };
     match &stage.read {
         Read::Text {
             name,
@@ -35,7 +43,13 @@ pub(super) fn judge(
                 name: name.clone(),
                 value,
                 repairs,
-                stated,
+                stated: stated
+                    .into_iter()
+                    .map(|it| Stated {
+                        field: name.clone(),
+                        ..it
+                    })
+                    .collect(),
             },
             Err(error) => malformed(error),
         }),

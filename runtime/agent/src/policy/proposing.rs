@@ -90,6 +90,7 @@ pub(super) fn until_accepted(
                 verdict: verdict(*step, facts, proposal, Strictness::Full)?,
             },
             Answer::Unreadable { field, message } => Finding::Malformed {
+                stated: Vec::new(),
                 field: field.clone(),
                 message: message.clone(),
             },
