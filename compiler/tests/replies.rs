@@ -179,7 +179,7 @@ fn described(outcome: Result<(String, Vec<String>), Malformed>) -> String {
                 .collect();
             format!("is {value}\n{repairs}")
         }
-        Err(Malformed { field, message }) => {
+        Err(Malformed { field, message, .. }) => {
             format!("malformed {field}: {}\n", message.lines().next().unwrap())
         }
     }
