@@ -52,7 +52,7 @@ pub(super) struct Reader<'a> {
 const DENYING: &[&str] = words!(
     "case not don't don’t didn't isn't won't wouldn't shouldn't can't cannot never avoid avoiding no nor neither
     previous previously last old earlier former initial initially example e.g. rejected refused wrong incorrect
-    instead than considered considering candidate candidates alternative alternatives alternatively option options if
+    instead than considered considering candidate candidates alternative alternatives alternatively option options choices if
     unless could might may maybe perhaps possible possibly unlike was were template tempting without ❌ ✗ rather human"
 );
 
