@@ -52,7 +52,7 @@ for responses_api, stream in [(False, False), (False, True), (True, False), (Tru
     )
     [finished] = eval(task, model=model, log_dir="logs", max_tokens=500, temperature=0.2, display="none", epochs=4)
     log = read_eval_log(finished.location)
-    assert log.status == "success", log.error
+    assert log.status == "success", log.error.message
     assert len(log.samples) == 8, log.samples
     for sample in log.samples:
         wanted = next(it.target for it in samples if it.id == sample.id)

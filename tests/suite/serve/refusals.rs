@@ -171,7 +171,7 @@ fn what_cannot_be_honoured_is_refused_by_name_and_no_model_is_asked() {
             "reasoning",
             json!({ "effort": "high" }),
             400,
-            "reasoning",
+            "reasoning.effort",
         ),
         (RESPONSES, "background", json!(true), 400, "background"),
         (

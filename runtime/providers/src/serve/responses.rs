@@ -69,6 +69,12 @@ impl Form for Responses {
         if let Some(options) = fields.stream_options(is_streamed)? {
             options.finish(&[])?;
         }
+        if let Some(reasoning) = fields.take("reasoning") {
+            let mut reasoning = Fields::of("reasoning", reasoning)?;
+            reasoning.only("effort", json!("none"))?;
+            // No reasoning has no summary.
+            reasoning.finish(&["summary", "generate_summary"])?;
+        }
         for (name, allowed) in [
             ("background", json!(false)),
             ("truncation", json!("disabled")),
