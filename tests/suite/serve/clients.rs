@@ -83,7 +83,7 @@ fn clients_that_hang_in_any_part_of_a_request_or_a_stream_keep_nobody_waiting() 
         "POST /v1/".to_owned(),
         head(32 << 20),
         head(9) + "{",
-        head(32 << 20) + &"[".repeat(2 << 20),
+        head(32 << 20) + &"[".repeat(5 << 20),
     ];
     let hanging: Vec<TcpStream> = (0..50)
         .map(|client| {
@@ -107,4 +107,51 @@ fn clients_that_hang_in_any_part_of_a_request_or_a_stream_keep_nobody_waiting() 
         begun.elapsed()
     );
     drop((deaf, hanging));
+}
+
+#[test]
+#[ignore = "long"]
+fn connections_that_stall_are_closed_in_time() {
+    let long = "a".repeat(8 << 20);
+    let server = Server::of(Arc::new(Scripted::new(&[long.as_str()])));
+    let body = changed(CHAT, "stream", json!(true)).to_string();
+    let head = |length: usize| {
+        format!(
+            "POST {CHAT} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: {length}\r\n\r\n"
+        )
+    };
+    // What is sent, how long nothing is read, how soon the connection ends after that, and a part of what came.
+    let rows = [
+        (String::new(), 0, 25, None),
+        ("GET /v1/models HTTP/1.1\r\nHost: ".to_owned(), 0, 25, None),
+        (
+            head(9) + "{",
+            0,
+            15,
+            Some("its next piece has to arrive within 10 s"),
+        ),
+        (head(body.len()) + &body, 23, 5, Some("text/event-stream")),
+    ];
+    std::thread::scope(|scope| {
+        for (sent, deaf_s, ends_in_s, part) in rows {
+            let mut client = TcpStream::connect(server.address).unwrap();
+            scope.spawn(move || {
+                client.write_all(sent.as_bytes()).unwrap();
+                std::thread::sleep(Duration::from_secs(deaf_s));
+                client
+                    .set_read_timeout(Some(Duration::from_secs(30)))
+                    .unwrap();
+                let (begun, mut answer) = (Instant::now(), Vec::new());
+                // It may end in an error: the server gave up a stream that nobody read.
+                let _ = client.read_to_end(&mut answer);
+                assert!(begun.elapsed() < Duration::from_secs(ends_in_s), "{sent}");
+                let answer = String::from_utf8_lossy(&answer);
+                match part {
+                    Some(part) => assert!(answer.contains(part), "{sent}: {answer:.300}"),
+                    None => assert_eq!(answer, "", "{sent}"),
+                }
+                assert!(!answer.contains("[DONE]"), "{sent}");
+            });
+        }
+    });
 }

@@ -11,17 +11,17 @@ use axum::http::header::CONTENT_LENGTH;
 use futures_util::StreamExt;
 use serde_json::{Map, Value};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::timeout;
 
 /// Time limit for a body to arrive, and for its next piece, so that a client that hangs holds no place for ever.
-const BODY_TIME: Duration = Duration::from_secs(120);
+const BODY_TIME: Duration = Duration::from_secs(60);
 const STALL_TIME: Duration = Duration::from_secs(10);
 /// How long a long body waits for its place.
-const PLACE_TIME: Duration = Duration::from_secs(60);
+const PLACE_TIME: Duration = Duration::from_secs(300);
 /// The longest body that takes no place, bytes.
-const SHORT_BYTES: usize = 1 << 20;
+const SHORT_BYTES: usize = 4 << 20;
 /// The most long bodies in memory.
 const LONG_AT_ONCE: usize = 4;
 /// The most values in a body: in memory, each takes up to forty times its bytes.
@@ -57,30 +57,27 @@ impl Body {
             bytes: Vec::new(),
             place: None,
         };
-        let reading = async {
-            loop {
-                let piece = timeout(STALL_TIME, pieces.next()).await;
-                let Some(piece) = piece.map_err(|_| Refusal::timed_out(STALL_TIME))? else {
-                    return Ok(());
-                };
-                let piece =
-                    piece.map_err(|_| Refusal::body(StatusCode::BAD_REQUEST, MAX_BODY_BYTES))?;
-                let length = body.bytes.len() + piece.len();
-                if length > MAX_BODY_BYTES {
-                    return Err(Refusal::body(StatusCode::PAYLOAD_TOO_LARGE, MAX_BODY_BYTES));
-                }
-                if length > SHORT_BYTES && body.place.is_none() {
-                    let place = timeout(PLACE_TIME, places.0.clone().acquire_owned()).await;
-                    let place = place.ok().and_then(Result::ok);
-                    body.place = Some(place.ok_or_else(Refusal::busy)?);
-                }
-                body.bytes.extend_from_slice(&piece);
+        // The wait for a place is not the client's fault, and does not count.
+        let mut left = BODY_TIME;
+        loop {
+            let begun = Instant::now();
+            let piece = timeout(left.min(STALL_TIME), pieces.next()).await;
+            let piece = piece.map_err(|_| Refusal::too_slow(STALL_TIME, BODY_TIME))?;
+            left = left.saturating_sub(begun.elapsed());
+            let Some(piece) = piece else { return Ok(body) };
+            let piece =
+                piece.map_err(|_| Refusal::body(StatusCode::BAD_REQUEST, MAX_BODY_BYTES))?;
+            let length = body.bytes.len() + piece.len();
+            if length > MAX_BODY_BYTES {
+                return Err(Refusal::body(StatusCode::PAYLOAD_TOO_LARGE, MAX_BODY_BYTES));
             }
-        };
-        timeout(BODY_TIME, reading)
-            .await
-            .map_err(|_| Refusal::timed_out(BODY_TIME))??;
-        Ok(body)
+            if length > SHORT_BYTES && body.place.is_none() {
+                let place = timeout(PLACE_TIME, places.0.clone().acquire_owned()).await;
+                let place = place.ok().and_then(Result::ok);
+                body.place = Some(place.ok_or_else(Refusal::busy)?);
+            }
+            body.bytes.extend_from_slice(&piece);
+        }
     }
 
     /// Parses the body; returns its fields, and its place, which is to be held as long as they are.

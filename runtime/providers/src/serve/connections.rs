@@ -20,12 +20,12 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{Sleep, sleep, timeout};
 
-/// The most connections at once; a quarter of the files that a process may usually open.
-const CONNECTIONS: usize = 256;
+/// The most connections at once, an eighth of the files that a process may usually open.
+const CONNECTIONS: usize = 128;
 /// Time limit for the head of a request, and between two requests.
 const HEAD_TIME: Duration = Duration::from_secs(20);
 /// How long a client may accept nothing of an answer.
-const STALL_TIME: Duration = Duration::from_secs(30);
+const STALL_TIME: Duration = Duration::from_secs(20);
 /// Time limit for answers in progress at shutdown.
 const LAST_TIME: Duration = Duration::from_secs(5);
 

@@ -199,3 +199,7 @@ fn lengths(listed: &[&str]) -> Option<Choices> {
         choices,
     })
 }
+
+#[cfg(test)]
+#[path = "format_tests.rs"]
+mod tests;

@@ -75,8 +75,13 @@ impl Refusal {
         Refusal::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, message)
     }
 
-    pub(super) fn timed_out(time: Duration) -> Refusal {
-        let message = format!("the body did not arrive within {} s", time.as_secs());
+    /// The body came too slowly: nothing of it for the time of a `piece`, or not all of it in the `whole` time.
+    pub(super) fn too_slow(piece: Duration, whole: Duration) -> Refusal {
+        let message = format!(
+            "the body came too slowly: its next piece has to arrive within {} s, and all of it within {} s",
+            piece.as_secs(),
+            whole.as_secs()
+        );
         Refusal::new(StatusCode::REQUEST_TIMEOUT, message)
     }
 

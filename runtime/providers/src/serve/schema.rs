@@ -28,7 +28,7 @@ pub(super) struct Schema {
 
 /// What a keyword's value has to be.
 #[derive(Clone, Copy, PartialEq)]
-enum Form {
+enum Shape {
     /// Anything: the keyword has no effect.
     Note,
     Types,
@@ -46,59 +46,59 @@ enum Form {
 }
 
 /// Compares a value with a keyword: `(judging, schema, keyword's value, value, place of the value)`.
-type Rule = fn(&Judging, &Map<String, Value>, &Value, &Value, &str) -> Result<(), String>;
+type Comparison = fn(&Judging, &Map<String, Value>, &Value, &Value, &str) -> Result<(), String>;
 
-const NONE: Rule = |_, _, _, _, _| Ok(());
+const NONE: Comparison = |_, _, _, _, _| Ok(());
 
-const KEYWORDS: [(&str, Form, Rule); 26] = [
-    ("title", Form::Note, NONE),
-    ("description", Form::Note, NONE),
-    ("default", Form::Note, NONE),
-    ("examples", Form::Note, NONE),
-    ("$schema", Form::Note, NONE),
-    ("$comment", Form::Note, NONE),
-    ("$defs", Form::NamedSchemas, NONE),
-    ("definitions", Form::NamedSchemas, NONE),
-    ("type", Form::Types, types),
-    ("enum", Form::List, one_of),
-    ("const", Form::Anything, |_, _, only, found, at| {
+const KEYWORDS: [(&str, Shape, Comparison); 26] = [
+    ("title", Shape::Note, NONE),
+    ("description", Shape::Note, NONE),
+    ("default", Shape::Note, NONE),
+    ("examples", Shape::Note, NONE),
+    ("$schema", Shape::Note, NONE),
+    ("$comment", Shape::Note, NONE),
+    ("$defs", Shape::NamedSchemas, NONE),
+    ("definitions", Shape::NamedSchemas, NONE),
+    ("type", Shape::Types, types),
+    ("enum", Shape::List, one_of),
+    ("const", Shape::Anything, |_, _, only, found, at| {
         unless(only == found, at, || format!("has to be {only}"))
     }),
-    ("anyOf", Form::Schemas, any_of),
-    ("$ref", Form::Reference, |judging, _, name, found, at| {
+    ("anyOf", Shape::Schemas, any_of),
+    ("$ref", Shape::Reference, |judging, _, name, found, at| {
         let target = judging.schema.target(name).ok_or("a reference is broken")?;
         judging.follow(target, found, at)
     }),
-    ("properties", Form::NamedSchemas, properties),
-    ("required", Form::Names, required),
-    ("additionalProperties", Form::SchemaOrSwitch, others),
-    ("items", Form::Schema, items),
-    ("minItems", Form::Count, |_, _, n, found, at| {
+    ("properties", Shape::NamedSchemas, properties),
+    ("required", Shape::Names, required),
+    ("additionalProperties", Shape::SchemaOrSwitch, others),
+    ("items", Shape::Schema, items),
+    ("minItems", Shape::Count, |_, _, n, found, at| {
         let count = found.as_array().map(|list| list.len() as f64);
         least(count, n, at, "entries")
     }),
-    ("maxItems", Form::Count, |_, _, n, found, at| {
+    ("maxItems", Shape::Count, |_, _, n, found, at| {
         let count = found.as_array().map(|list| list.len() as f64);
         most(count, n, at, "entries")
     }),
-    ("minLength", Form::Count, |_, _, n, found, at| {
+    ("minLength", Shape::Count, |_, _, n, found, at| {
         least(letters(found), n, at, "letters")
     }),
-    ("maxLength", Form::Count, |_, _, n, found, at| {
+    ("maxLength", Shape::Count, |_, _, n, found, at| {
         most(letters(found), n, at, "letters")
     }),
-    ("pattern", Form::Pattern, pattern),
-    ("minimum", Form::Number, |_, _, n, found, at| {
+    ("pattern", Shape::Pattern, pattern),
+    ("minimum", Shape::Number, |_, _, n, found, at| {
         least(found.as_f64(), n, at, "")
     }),
-    ("maximum", Form::Number, |_, _, n, found, at| {
+    ("maximum", Shape::Number, |_, _, n, found, at| {
         most(found.as_f64(), n, at, "")
     }),
-    ("exclusiveMinimum", Form::Number, |_, _, n, found, at| {
+    ("exclusiveMinimum", Shape::Number, |_, _, n, found, at| {
         let is_more = found.as_f64().zip(n.as_f64()).is_none_or(|(it, n)| it > n);
         unless(is_more, at, || format!("has to be more than {n}"))
     }),
-    ("exclusiveMaximum", Form::Number, |_, _, n, found, at| {
+    ("exclusiveMaximum", Shape::Number, |_, _, n, found, at| {
         let is_less = found.as_f64().zip(n.as_f64()).is_none_or(|(it, n)| it < n);
         unless(is_less, at, || format!("has to be less than {n}"))
     }),
@@ -147,35 +147,35 @@ impl Schema {
         };
         for (name, value) in keywords {
             let known = KEYWORDS.iter().find(|(keyword, ..)| keyword == name);
-            let Some((_, form, _)) = known else {
+            let Some((_, shape, _)) = known else {
                 let name: String = name.chars().take(80).collect();
                 return Err(format!(
                     "has `{name}` at `{at}`, which cannot be checked here"
                 ));
             };
-            let is_right = match (form, value) {
-                (Form::Note | Form::Anything, _) => true,
-                (Form::Types, Value::String(name)) => is_type(name),
-                (Form::Types, Value::Array(names)) => {
+            let is_right = match (shape, value) {
+                (Shape::Note | Shape::Anything, _) => true,
+                (Shape::Types, Value::String(name)) => is_type(name),
+                (Shape::Types, Value::Array(names)) => {
                     names.iter().all(|name| name.as_str().is_some_and(is_type))
                 }
-                (Form::List, Value::Array(_)) | (Form::Number, Value::Number(_)) => true,
-                (Form::Count, Value::Number(count)) => count.is_u64(),
-                (Form::Names, Value::Array(names)) => names.iter().all(Value::is_string),
-                (Form::Pattern, Value::String(pattern)) => self.learn(pattern),
-                (Form::Reference, name) => self.target(name).is_some(),
-                (Form::SchemaOrSwitch, Value::Bool(_)) => true,
-                (Form::Schema | Form::SchemaOrSwitch, Value::Object(_)) => {
+                (Shape::List, Value::Array(_)) | (Shape::Number, Value::Number(_)) => true,
+                (Shape::Count, Value::Number(count)) => count.is_u64(),
+                (Shape::Names, Value::Array(names)) => names.iter().all(Value::is_string),
+                (Shape::Pattern, Value::String(pattern)) => self.learn(pattern),
+                (Shape::Reference, name) => self.target(name).is_some(),
+                (Shape::SchemaOrSwitch, Value::Bool(_)) => true,
+                (Shape::Schema | Shape::SchemaOrSwitch, Value::Object(_)) => {
                     self.check(value, &format!("{at}.{name}"))?;
                     true
                 }
-                (Form::Schemas, Value::Array(list)) => {
+                (Shape::Schemas, Value::Array(list)) => {
                     for (index, schema) in list.iter().enumerate() {
                         self.check(schema, &format!("{at}.{name}[{index}]"))?;
                     }
                     true
                 }
-                (Form::NamedSchemas, Value::Object(list)) => {
+                (Shape::NamedSchemas, Value::Object(list)) => {
                     for (inner, schema) in list {
                         self.check(schema, &format!("{at}.{name}.{inner}"))?;
                     }
@@ -236,8 +236,8 @@ impl Judging<'_> {
         for (name, value) in keywords {
             self.spend(1)?;
             let known = KEYWORDS.iter().find(|(keyword, ..)| keyword == name);
-            if let Some((_, _, rule)) = known {
-                rule(self, keywords, value, found, at)?;
+            if let Some((_, _, compare)) = known {
+                compare(self, keywords, value, found, at)?;
             }
         }
         self.depth.set(self.depth.get() - 1);

@@ -1,3 +1,5 @@
+//! Tests of schemas: what follows them, what cannot be checked, and what never ends.
+
 use super::*;
 use serde_json::json;
 
@@ -15,7 +17,7 @@ fn an_answer_follows_a_schema_or_the_first_place_is_named() {
         "additionalProperties": false,
         "$defs": { "grip": { "type": ["integer", "boolean"], "minimum": 1, "exclusiveMaximum": 4 } },
     });
-    let schema = Schema::read(&action).unwrap();
+    let schema = Schema::read(&action).expect("a schema");
     for (answer, place) in [
         (json!({ "pick": "(1, 2)" }), None),
         (
@@ -63,7 +65,10 @@ fn an_answer_follows_a_schema_or_the_first_place_is_named() {
             _ => panic!("{answer}: {judged:?}"),
         }
     }
-    assert_eq!(schema.judge("Pick = (1, 2)").unwrap_err(), "it is not JSON");
+    assert_eq!(
+        schema.judge("Pick = (1, 2)").expect_err("a reason"),
+        "it is not JSON"
+    );
 }
 
 #[test]
@@ -116,15 +121,20 @@ fn a_schema_that_nothing_here_can_check_is_refused_with_the_keyword_and_its_plac
         ),
         (long, "is longer than 65536 bytes"),
     ] {
-        let why = Schema::read(&schema).unwrap_err();
+        let why = Schema::read(&schema).expect_err("a reason");
         assert!(why.starts_with(part), "{why}");
     }
 }
 
 #[test]
 fn references_that_multiply_or_never_end_are_given_up() {
-    let circle = Schema::read(&json!({ "$ref": "#" })).unwrap();
-    assert!(circle.judge("1").unwrap_err().contains("too deeply"));
+    let circle = Schema::read(&json!({ "$ref": "#" })).expect("a schema");
+    assert!(
+        circle
+            .judge("1")
+            .expect_err("a reason")
+            .contains("too deeply")
+    );
     // Each level asks the next one twice: 2^60 comparisons.
     let levels = (0..60).map(|level| {
         let next = json!({ "$ref": format!("#/$defs/l{}", level + 1) });
@@ -136,5 +146,5 @@ fn references_that_multiply_or_never_end_are_given_up() {
     let mut levels: Map<String, Value> = levels.collect();
     levels.insert("l60".to_owned(), json!({ "type": "string" }));
     let wide = json!({ "$ref": "#/$defs/l0", "$defs": levels });
-    assert!(Schema::read(&wide).unwrap().judge("1").is_err());
+    assert!(Schema::read(&wide).expect("a schema").judge("1").is_err());
 }
