@@ -3,6 +3,7 @@
 use super::server::{Server, stream};
 use super::{CHAT, RESPONSES, changed};
 use crate::suite::support::Scripted;
+use fab_model::{Message, Speaker};
 use fab_standins::{Geometric, Random};
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -83,7 +84,8 @@ fn an_answer_without_the_form_of_a_strict_schema_is_refused_and_never_sent_as_if
         ("3", "`$` is not of the type \"object\""),
     ] {
         for path in [CHAT, RESPONSES] {
-            let server = Server::of(Arc::new(Scripted::new(&[reply; 3])));
+            let model = Arc::new(Scripted::new(&[reply; 4]));
+            let server = Server::of(model.clone());
             let strict = asking(path, action(), json!(true));
             let (status, answer) = server.post(path, &strict);
             let (text, refusal) = content(path, &answer);
@@ -92,6 +94,19 @@ fn an_answer_without_the_form_of_a_strict_schema_is_refused_and_never_sent_as_if
             assert!(
                 refusal.contains(&format!("does not follow the schema: {why}")),
                 "{refusal}"
+            );
+            // Clients send an answer back with their next question.
+            let (field, echoed) = match path {
+                CHAT => ("messages", answer["choices"][0]["message"].clone()),
+                _ => ("input", answer["output"][0].clone()),
+            };
+            let next = json!([{ "role": "user", "content": "fold it" }, echoed]);
+            let (status, _) = server.post(path, &changed(path, field, next));
+            let asked = model.asked.lock().unwrap().pop().unwrap();
+            assert_eq!(status, 200);
+            assert_eq!(
+                asked.messages[1],
+                Message::text(Speaker::Assistant, refusal)
             );
             let mut body = strict.clone();
             body["stream"] = json!(true);

@@ -94,3 +94,32 @@ pub(super) fn pieces(text: String) -> impl Iterator<Item = String> {
         (!piece.is_empty()).then(|| piece.to_owned())
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fab_model::{Message, ModelRole, Speaker};
+
+    #[test]
+    fn tokens_that_the_model_reports_decide_where_an_answer_is_cut() {
+        let messages = vec![Message::text(Speaker::User, "fold")];
+        let mut request = Request::new(ModelRole::Text, messages);
+        request.max_tokens = Some(20);
+        let of = |output_tokens: u64| {
+            let mut reply = Reply::text("ä".repeat(100));
+            reply.usage = Some(Usage {
+                input_tokens: 7,
+                cached_input_tokens: 3,
+                output_tokens,
+            });
+            Answer::new("model", &request, reply, &Format::default())
+        };
+        for (reported, letters, is_cut) in [(20, 100, false), (40, 50, true), (u64::MAX, 0, true)] {
+            let answer = of(reported);
+            let found = answer.content.words().chars().count();
+            assert_eq!((found, answer.is_cut), (letters, is_cut), "{reported}");
+            assert_eq!(answer.usage.output_tokens, 20);
+            assert_eq!(answer.usage.input_tokens, 7);
+        }
+    }
+}

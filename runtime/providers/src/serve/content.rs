@@ -55,7 +55,14 @@ fn turn(mut turn: Fields, names: &Names, pictures: &Pictures) -> Result<Message,
         _ => return Err(turn.wrong("role", "must be system, developer, user or assistant")),
     };
     let path = turn.path("content");
-    let parts = match turn.required("content")? {
+    let refusal = turn.take("refusal");
+    let content = match (turn.take("content"), refusal) {
+        // Clients echo answers, and one that was refused has no other content.
+        (None, Some(refusal)) => refusal,
+        (Some(content), _) => content,
+        (None, None) => turn.required("content")?,
+    };
+    let parts = match content {
         Value::String(text) => vec![Part::Text(text)],
         Value::Array(parts) => {
             let parts = parts.into_iter().enumerate();
@@ -69,14 +76,15 @@ fn turn(mut turn: Fields, names: &Names, pictures: &Pictures) -> Result<Message,
     };
     // Clients echo this field from answers; it carries no information.
     turn.only("tool_calls", Value::Array(Vec::new()))?;
-    turn.finish(&["name", "id", "status", "refusal", "annotations"])?;
+    turn.finish(&["name", "id", "status", "annotations"])?;
     Ok(Message { speaker, parts })
 }
 
 fn part(mut part: Fields, names: &Names, pictures: &Pictures) -> Result<Part, Refusal> {
     let kind = part.text("type")?;
-    if names.text.contains(&kind.as_str()) {
-        let text = part.text("text")?;
+    let is_text = names.text.contains(&kind.as_str());
+    if is_text || kind == "refusal" {
+        let text = part.text(if is_text { "text" } else { "refusal" })?;
         part.finish(&["annotations", "logprobs"])?;
         return Ok(Part::Text(text));
     }
