@@ -1,8 +1,8 @@
 //! The JSON Schema of an answer: read before a model is asked, and held against its answer.
 //!
-//! In: a schema with the keywords of [`KEYWORDS`], about those that OpenAI's strict formats may use. Out: whether a
-//! value follows it, or the first place where it does not. A schema with another keyword is refused, because nothing
-//! here could hold an answer against it. Work, depth and memory are bounded, whatever the schema says.
+//! In: a schema with the keywords of [`KEYWORDS`]. Out: whether a value follows it, or the first place where it does
+//! not. A schema with another keyword is refused, because nothing here could hold an answer against it. Work, depth and
+//! memory are bounded, whatever the schema says.
 
 use regex_lite::{Regex, RegexBuilder};
 use serde_json::{Map, Value};
