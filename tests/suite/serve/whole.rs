@@ -46,7 +46,7 @@ impl Model for Client {
             .collect();
         let mut body = json!({ "model": "geometric", "messages": messages, "temperature": request.temperature, "max_tokens": request.max_tokens });
         if let Some(schema) = &request.schema {
-            body["response_format"] = json!({ "type": "json_schema", "json_schema": { "name": "action", "schema": schema } });
+            body["response_format"] = json!({ "type": "json_schema", "json_schema": { "name": "action", "strict": true, "schema": schema } });
         }
         let (status, answer) = send(self.0, "POST", CHAT, &body.to_string());
         assert_eq!(status, 200, "{answer}");
