@@ -1,7 +1,11 @@
 //! A model behind `fabc serve`: a client's request reaches it complete, and unsupported parts are refused by name.
 
+mod clients;
+mod formats;
+mod pictures;
 mod refusals;
 mod server;
+mod streams;
 mod whole;
 
 use super::support::Scripted;
@@ -63,7 +67,7 @@ fn asked() -> Request {
 
 #[test]
 fn a_chat_completion_carries_every_part_of_the_question_to_the_model() {
-    let model = Arc::new(Scripted::new(&["the answer", "the answer"]));
+    let model = Arc::new(Scripted::new(&[r#"{"a": 1}"#; 2]));
     let server = Server::of(model.clone());
     let body = json!({
         "model": "scripted",
@@ -83,11 +87,11 @@ fn a_chat_completion_carries_every_part_of_the_question_to_the_model() {
     let (status, answer) = server.post(CHAT, &body);
     assert_eq!(status, 200, "{answer}");
     assert_eq!(*model.asked.lock().unwrap(), [asked()]);
-    assert_eq!(answer["choices"][0]["message"]["content"], "the answer");
+    assert_eq!(answer["choices"][0]["message"]["content"], r#"{"a": 1}"#);
     assert_eq!(answer["choices"][0]["finish_reason"], "stop");
     // By the rule of thumb, the text has 2 + 2 + 1 + 2 tokens, and the picture 59.
     assert_eq!(answer["usage"]["prompt_tokens"], 66);
-    assert_eq!(answer["usage"]["completion_tokens"], 3);
+    assert_eq!(answer["usage"]["completion_tokens"], 2);
     assert_eq!(
         server.post(CHAT, &body),
         (200, answer),
@@ -97,7 +101,7 @@ fn a_chat_completion_carries_every_part_of_the_question_to_the_model() {
 
 #[test]
 fn a_response_carries_every_part_of_the_question_to_the_model() {
-    let model = Arc::new(Scripted::new(&["the answer"]));
+    let model = Arc::new(Scripted::new(&[r#"{"a": 1}"#]));
     let server = Server::of(model.clone());
     let body = json!({
         "model": "scripted",
@@ -110,13 +114,13 @@ fn a_response_carries_every_part_of_the_question_to_the_model() {
             { "type": "message", "role": "assistant", "content": [{ "type": "output_text", "text": "no", "annotations": [] }] },
             { "role": "user", "content": "again" },
         ],
-        "temperature": 0.25, "top_p": 0.5, "max_output_tokens": 77, "seed": 3, "store": false, "include": ["a"],
+        "temperature": 0.25, "top_p": 0.5, "max_output_tokens": 77, "seed": 3, "store": false, "include": ["reasoning.encrypted_content"],
         "text": { "format": { "type": "json_schema", "name": "action", "strict": true, "schema": { "type": "object" } } },
     });
     let (status, answer) = server.post(RESPONSES, &body);
     assert_eq!(status, 200, "{answer}");
     assert_eq!(*model.asked.lock().unwrap(), [asked()]);
-    assert_eq!(answer["output"][0]["content"][0]["text"], "the answer");
+    assert_eq!(answer["output"][0]["content"][0]["text"], r#"{"a": 1}"#);
     assert_eq!(answer["usage"]["input_tokens"], 66);
 }
 

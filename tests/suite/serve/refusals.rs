@@ -19,11 +19,51 @@ fn what_cannot_be_honoured_is_refused_by_name_and_no_model_is_asked() {
         STANDARD.encode([0xff, 0xd8, 0xff, 0xe0])
     );
 
+    let strict = |schema: Value| json!({ "type": "json_schema", "json_schema": { "name": "a", "strict": true, "schema": schema } });
     let at = "messages[0].content[0].image_url";
 
     for (path, field, value, status, param) in [
-        (CHAT, "stream", json!(true), 400, "stream"),
+        (CHAT, "stream", json!("yes"), 400, "stream"),
+        (
+            CHAT,
+            "stream_options",
+            json!({ "include_usage": true }),
+            400,
+            "stream_options",
+        ),
         (CHAT, "n", json!(2), 400, "n"),
+        (CHAT, "logprobs", json!(true), 400, "logprobs"),
+        (CHAT, "top_logprobs", json!(2), 400, "top_logprobs"),
+        (CHAT, "audio", json!({ "voice": "any" }), 400, "audio"),
+        (
+            CHAT,
+            "modalities",
+            json!(["text", "audio"]),
+            400,
+            "modalities",
+        ),
+        (
+            CHAT,
+            "functions",
+            json!([{ "name": "fold" }]),
+            400,
+            "functions",
+        ),
+        (CHAT, "tool_choice", json!("required"), 400, "tool_choice"),
+        (
+            CHAT,
+            "web_search_options",
+            json!({}),
+            400,
+            "web_search_options",
+        ),
+        (
+            CHAT,
+            "response_format",
+            strict(json!({ "type": "string", "format": "date" })),
+            400,
+            "response_format.json_schema.schema",
+        ),
         (CHAT, "tools", json!([{ "type": "function" }]), 400, "tools"),
         (
             CHAT,
@@ -101,10 +141,38 @@ fn what_cannot_be_honoured_is_refused_by_name_and_no_model_is_asked() {
             400,
             at,
         ),
+        (
+            CHAT,
+            "messages",
+            shown("data:image/webp;base64,AAAA"),
+            400,
+            at,
+        ),
         (CHAT, "messages", shown("data:image/png;base64,!"), 400, at),
         (CHAT, "messages", shown(&jpeg), 400, at),
         (CHAT, "messages", shown("däta"), 400, at),
-        (RESPONSES, "stream", json!(true), 400, "stream"),
+        (
+            RESPONSES,
+            "stream_options",
+            json!({ "include_obfuscation": true }),
+            400,
+            "stream_options",
+        ),
+        (RESPONSES, "tools", json!([{}]), 400, "tools"),
+        (
+            RESPONSES,
+            "include",
+            json!(["message.output_text.logprobs"]),
+            400,
+            "include",
+        ),
+        (
+            RESPONSES,
+            "reasoning",
+            json!({ "effort": "high" }),
+            400,
+            "reasoning.effort",
+        ),
         (RESPONSES, "background", json!(true), 400, "background"),
         (
             RESPONSES,
@@ -148,6 +216,11 @@ fn what_cannot_be_honoured_is_refused_by_name_and_no_model_is_asked() {
         let message = answer["error"]["message"].as_str().unwrap();
         assert!(!message.is_empty() && !message.ends_with('.'), "{message}");
     }
+    let many_values = format!("{{\"model\": [{}0]}}", "0,".repeat(1 << 20));
+    let (status, answer) = send(server.address, "POST", CHAT, &many_values);
+    assert_eq!(status, 400);
+    let message = answer["error"]["message"].as_str().unwrap();
+    assert_eq!(message, "the body has more than 1048576 values");
     let both = json!({ "model": "scripted", "messages": [{ "role": "user", "content": "" }], "max_tokens": 1, "max_completion_tokens": 2 });
     assert_eq!(server.post(CHAT, &both).1["error"]["param"], "max_tokens");
     for body in ["", "{", "[]", "3", "\"\\ud800\"", &"[".repeat(100_000)] {
@@ -155,6 +228,48 @@ fn what_cannot_be_honoured_is_refused_by_name_and_no_model_is_asked() {
         assert_eq!(status, 400, "{answer}");
     }
     assert!(model.asked.lock().unwrap().is_empty());
+}
+
+#[test]
+fn other_interfaces_are_named_with_those_that_are_served() {
+    let server = Server::of(Arc::new(Scripted::new(&[])));
+    for (method, path, named) in [
+        ("POST", "/v1/messages", "Anthropic's Messages"),
+        ("POST", "/v1/messages/count_tokens", "Anthropic's Messages"),
+        ("POST", "/api/chat", "Ollama's own interface"),
+        ("GET", "/api/tags", "Ollama's own interface"),
+        (
+            "POST",
+            "/v1beta/models/a:generateContent",
+            "Google's Gemini",
+        ),
+        (
+            "POST",
+            "/v1/models/a:streamGenerateContent?alt=sse",
+            "Google's Gemini",
+        ),
+        (
+            "POST",
+            "/v1/completions",
+            "completions without a conversation",
+        ),
+        ("POST", "/v1/embeddings", "embeddings"),
+        ("POST", "/chat/completions", "there is no such path"),
+        ("GET", "/", "there is no such path"),
+    ] {
+        let (status, answer) = send(server.address, method, path, "{}");
+        let error = &answer["error"];
+        assert_eq!(
+            (status, &error["type"]),
+            (404, &json!("invalid_request_error")),
+            "{path}"
+        );
+        let message = error["message"].as_str().unwrap();
+        assert!(message.starts_with(named), "{path}: {message}");
+        for served in [CHAT, RESPONSES, "/v1/models"] {
+            assert!(message.contains(served), "{path}: {message}");
+        }
+    }
 }
 
 #[test]
@@ -185,9 +300,9 @@ fn a_body_that_is_too_long_is_refused_before_it_is_sent() {
     assert_eq!(model.asked.lock().unwrap().len(), 1);
 }
 
-/// Sends a small valid request with the given header lines.
-fn under(server: &Server, method: &str, path: &str, lines: &[&str]) -> (u16, Value) {
-    let body = changed(path, "user", json!("me")).to_string();
+/// Sends a body with the given header lines.
+fn under(server: &Server, method: &str, path: &str, lines: &[&str], body: &Value) -> (u16, Value) {
+    let body = body.to_string();
     let mut head = format!("{method} {path} HTTP/1.1\r\nConnection: close\r\n");
     for line in lines {
         head.push_str(&format!("{line}\r\n"));
@@ -255,7 +370,8 @@ fn what_a_page_in_a_browser_could_send_for_another_site_is_refused_and_no_model_
             ("OPTIONS", CHAT),
             ("GET", "/nothing"),
         ] {
-            let (status, answer) = under(&server, method, path, &lines);
+            let body = changed(path, "stream", json!(true));
+            let (status, answer) = under(&server, method, path, &lines, &body);
             let error = &answer["error"];
             assert_eq!(
                 (status, &error["type"]),
@@ -276,7 +392,8 @@ fn what_a_page_in_a_browser_could_send_for_another_site_is_refused_and_no_model_
         "Content-Type:",
     ] {
         for path in [CHAT, RESPONSES] {
-            let (status, answer) = under(&server, "POST", path, &[near, line]);
+            let body = changed(path, "stream", json!(true));
+            let (status, answer) = under(&server, "POST", path, &[near, line], &body);
             let error = &answer["error"];
             assert_eq!(
                 (status, &error["type"]),
@@ -305,7 +422,8 @@ fn programs_and_pages_of_this_machine_are_answered_under_each_of_its_names() {
     let server = Server::of(Arc::new(Scripted::new(&["yes"; 8])));
     for [host, other] in heads {
         for kind in [JSON, "content-type: Application/JSON; charset=utf-8"] {
-            let (status, answer) = under(&server, "POST", CHAT, &[host, other, kind]);
+            let body = changed(CHAT, "user", json!("me"));
+            let (status, answer) = under(&server, "POST", CHAT, &[host, other, kind], &body);
             assert_eq!(status, 200, "{host}, {other}, {kind}: {answer}");
         }
     }

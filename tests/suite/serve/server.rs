@@ -66,3 +66,22 @@ pub fn exchange(address: SocketAddr, bytes: &[u8]) -> (u16, Value) {
     let status = head.split(' ').nth(1).unwrap().parse().unwrap();
     (status, serde_json::from_str(body).unwrap())
 }
+
+/// Asks for a stream; returns the head of the answer and its lines.
+pub fn stream(address: SocketAddr, path: &str, body: &Value) -> (String, Vec<String>) {
+    let body = body.to_string();
+    let length = body.len();
+    // Under HTTP/1.0 the events come as they are, without the lengths of chunks.
+    let head = format!(
+        "POST {path} HTTP/1.0\r\nHost: {address}\r\nContent-Type: application/json\r\nContent-Length: {length}\r\n\r\n"
+    );
+    let mut stream = TcpStream::connect(address).unwrap();
+    stream.write_all((head + &body).as_bytes()).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+    (
+        head.to_owned(),
+        body.split('\n').map(str::to_owned).collect(),
+    )
+}

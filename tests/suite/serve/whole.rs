@@ -46,7 +46,7 @@ impl Model for Client {
             .collect();
         let mut body = json!({ "model": "geometric", "messages": messages, "temperature": request.temperature, "max_tokens": request.max_tokens });
         if let Some(schema) = &request.schema {
-            body["response_format"] = json!({ "type": "json_schema", "json_schema": { "name": "action", "schema": schema } });
+            body["response_format"] = json!({ "type": "json_schema", "json_schema": { "name": "action", "strict": true, "schema": schema } });
         }
         let (status, answer) = send(self.0, "POST", CHAT, &body.to_string());
         assert_eq!(status, 200, "{answer}");
@@ -210,9 +210,8 @@ fn the_command_lends_no_model_of_a_provider() {
     assert!(!help.stdout.contains("PROVIDER"), "{}", help.stdout);
 }
 
-#[test]
-#[ignore = "needs Python with the openai package"]
-fn peer_the_official_openai_client_gets_answers_about_pictures() {
+/// Runs a script of `tests/peers` with the served stand-in and the pictures of a rendered stage.
+fn peer(script: &str) {
     let python = std::env::var("FABC_PEER_PYTHON").expect("make test-all sets FABC_PEER_PYTHON");
     let folder = tempfile::tempdir().unwrap();
     let task = project("tasks/double_triangle.fab");
@@ -223,7 +222,14 @@ fn peer_the_official_openai_client_gets_answers_about_pictures() {
     let (mut child, _stdout, said) = started(folder.path());
     let output = Command::new(python)
         .current_dir(folder.path())
-        .arg(project("tests/peers/openai_client.py"))
+        // Nothing but the server can be reached.
+        .envs([
+            ("HTTP_PROXY", "http://127.0.0.1:9"),
+            ("HTTPS_PROXY", "http://127.0.0.1:9"),
+            ("NO_PROXY", "127.0.0.1"),
+        ])
+        .env("HOME", folder.path())
+        .arg(project(&format!("tests/peers/{script}")))
         .args([
             said["base_url"].as_str().unwrap(),
             "rendered.json",
@@ -235,7 +241,20 @@ fn peer_the_official_openai_client_gets_answers_about_pictures() {
     let output = output.unwrap();
     assert!(
         output.status.success(),
-        "{}",
+        "{}\n{}",
+        String::from_utf8_lossy(&output.stdout),
         String::from_utf8_lossy(&output.stderr)
     );
+}
+
+#[test]
+#[ignore = "needs Python with the openai package"]
+fn peer_the_official_openai_client_parses_every_answer_stream_and_refusal() {
+    peer("openai_client.py");
+}
+
+#[test]
+#[ignore = "needs Python with the inspect_ai package"]
+fn peer_an_evaluator_of_others_finishes_with_a_log_of_the_answers() {
+    peer("inspect_eval.py");
 }

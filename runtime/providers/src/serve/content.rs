@@ -1,11 +1,9 @@
 //! Reads conversation turns: speaker, text, pictures.
 
 use super::fields::Fields;
+use super::picture::Pictures;
 use super::refusal::Refusal;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use fab_model::{Message, ModelRole, Part, Png, Speaker};
-use fab_picture::png;
+use fab_model::{Message, ModelRole, Part, Speaker};
 use serde_json::Value;
 
 /// The most turns of a conversation.
@@ -39,13 +37,15 @@ pub(super) fn turns(turns: Vec<Value>, path: &str, names: &Names) -> Result<Vec<
         );
         return Err(Refusal::of(path, message));
     }
-    let turns = turns.into_iter().enumerate();
-    turns
-        .map(|(number, turn)| self::turn(Fields::of(format!("{path}[{number}]"), turn)?, names))
-        .collect()
+    let pictures = Pictures::default();
+    let turns = turns.into_iter().enumerate().map(|(number, turn)| {
+        let turn = Fields::of(format!("{path}[{number}]"), turn)?;
+        self::turn(turn, names, &pictures)
+    });
+    turns.collect()
 }
 
-fn turn(mut turn: Fields, names: &Names) -> Result<Message, Refusal> {
+fn turn(mut turn: Fields, names: &Names, pictures: &Pictures) -> Result<Message, Refusal> {
     turn.only("type", "message".into())?;
     let role = turn.text("role")?;
     let speaker = match role.as_str() {
@@ -55,12 +55,20 @@ fn turn(mut turn: Fields, names: &Names) -> Result<Message, Refusal> {
         _ => return Err(turn.wrong("role", "must be system, developer, user or assistant")),
     };
     let path = turn.path("content");
-    let parts = match turn.required("content")? {
+    let refusal = turn.take("refusal");
+    let content = match (turn.take("content"), refusal) {
+        // Clients echo answers, and one that was refused has no other content.
+        (None, Some(refusal)) => refusal,
+        (Some(content), _) => content,
+        (None, None) => turn.required("content")?,
+    };
+    let parts = match content {
         Value::String(text) => vec![Part::Text(text)],
         Value::Array(parts) => {
             let parts = parts.into_iter().enumerate();
             let read = parts.map(|(number, part)| {
-                self::part(Fields::of(format!("{path}[{number}]"), part)?, names)
+                let part = Fields::of(format!("{path}[{number}]"), part)?;
+                self::part(part, names, pictures)
             });
             read.collect::<Result<_, _>>()?
         }
@@ -68,14 +76,15 @@ fn turn(mut turn: Fields, names: &Names) -> Result<Message, Refusal> {
     };
     // Clients echo this field from answers; it carries no information.
     turn.only("tool_calls", Value::Array(Vec::new()))?;
-    turn.finish(&["name", "id", "status", "refusal", "annotations"])?;
+    turn.finish(&["name", "id", "status", "annotations"])?;
     Ok(Message { speaker, parts })
 }
 
-fn part(mut part: Fields, names: &Names) -> Result<Part, Refusal> {
+fn part(mut part: Fields, names: &Names, pictures: &Pictures) -> Result<Part, Refusal> {
     let kind = part.text("type")?;
-    if names.text.contains(&kind.as_str()) {
-        let text = part.text("text")?;
+    let is_text = names.text.contains(&kind.as_str());
+    if is_text || kind == "refusal" {
+        let text = part.text(if is_text { "text" } else { "refusal" })?;
         part.finish(&["annotations", "logprobs"])?;
         return Ok(Part::Text(text));
     }
@@ -97,42 +106,7 @@ fn part(mut part: Fields, names: &Names) -> Result<Part, Refusal> {
         _ => return Err(part.wrong("image_url", "has another form here")),
     };
     part.finish(&["detail"])?;
-    png(&address, &path).map(Part::Image)
-}
-
-/// Decodes a picture from a `data:` address.
-fn png(address: &str, path: &str) -> Result<Png, Refusal> {
-    const START: &str = "data:image/png;base64,";
-    let wrong = |why: &str| Refusal::of(path, format!("`{path}` {why}"));
-    let is_data = address
-        .get(..5)
-        .is_some_and(|start| start.eq_ignore_ascii_case("data:"));
-    if !is_data {
-        return Err(wrong(
-            "leads elsewhere, and nothing is fetched: send the PNG as a data: URL in base64",
-        ));
-    }
-    let encoded = match address.split_at_checked(START.len()) {
-        Some((start, encoded)) if start.eq_ignore_ascii_case(START) => encoded,
-        _ => {
-            return Err(wrong(
-                "is not a PNG in base64; it must begin with `data:image/png;base64,`",
-            ));
-        }
-    };
-    let bytes = STANDARD
-        .decode(encoded)
-        .map_err(|_| wrong("is not base64"))?;
-    match png::size(&bytes) {
-        Some([width, height]) if width.max(height) <= png::MAX_SIDE_PX => Ok(Png::new(bytes)),
-        Some([width, height]) => {
-            let most = png::MAX_SIDE_PX;
-            Err(wrong(&format!(
-                "is {width} by {height} pixels; at most {most} by {most} are taken"
-            )))
-        }
-        None => Err(wrong("is not a PNG picture")),
-    }
+    pictures.decode(&address, &path).map(Part::Image)
 }
 
 /// Returns the role that a conversation asks for: vision if it has a picture.

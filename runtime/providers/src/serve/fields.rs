@@ -3,7 +3,7 @@
 //! In: a JSON object. Out: typed values, or a refusal that names the field. `null` counts as absent.
 
 use super::refusal::Refusal;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 /// The fields not taken yet.
 pub(super) struct Fields {
@@ -83,6 +83,28 @@ impl Fields {
         number.map(Some).ok_or_else(|| self.wrong(name, &rule))
     }
 
+    /// Takes a switch; it is off if it is absent.
+    pub(super) fn switch(&mut self, name: &str) -> Result<bool, Refusal> {
+        match self.take(name) {
+            None => Ok(false),
+            Some(Value::Bool(is_on)) => Ok(is_on),
+            Some(_) => Err(self.wrong(name, "is neither true nor false")),
+        }
+    }
+
+    /// Takes the options of a stream, without those that both formats have.
+    pub(super) fn stream_options(&mut self, is_streamed: bool) -> Result<Option<Fields>, Refusal> {
+        let Some(options) = self.take("stream_options") else {
+            return Ok(None);
+        };
+        if !is_streamed {
+            return Err(self.wrong("stream_options", "is for `\"stream\": true` alone"));
+        }
+        let mut options = Fields::of(self.path("stream_options"), options)?;
+        options.only("include_obfuscation", Value::Bool(false))?;
+        Ok(Some(options))
+    }
+
     /// Refuses a field unless it has the value without effect.
     pub(super) fn only(&mut self, name: &str, allowed: Value) -> Result<(), Refusal> {
         match self.take(name) {
@@ -93,6 +115,26 @@ impl Fields {
                 Err(Refusal::unsupported(&path, message))
             }
             _ => Ok(()),
+        }
+    }
+
+    /// Refuses a list that has an entry other than the ones without effect.
+    pub(super) fn only_of(&mut self, name: &str, allowed: &[&str]) -> Result<(), Refusal> {
+        let entries = match self.take(name) {
+            None => return Ok(()),
+            Some(Value::Array(entries)) => entries,
+            Some(_) => return Err(self.wrong(name, "is no list")),
+        };
+        let is_allowed = |entry: &Value| entry.as_str().is_some_and(|it| allowed.contains(&it));
+        match entries.iter().find(|entry| !is_allowed(entry)) {
+            None => Ok(()),
+            Some(entry) => {
+                let path = self.path(name);
+                let entry: String = entry.to_string().chars().take(80).collect();
+                let message =
+                    format!("`{path}` with {entry} cannot be honoured here; leave it out");
+                Err(Refusal::unsupported(&path, message))
+            }
         }
     }
 
@@ -123,38 +165,4 @@ fn is_same_number(value: &Value, allowed: &Value) -> bool {
         .as_f64()
         .zip(allowed.as_f64())
         .is_some_and(|(one, other)| one == other)
-}
-
-/// Takes the answer's schema out of `{"type": "json_schema", …}`; `inner` is its place in Chat Completions.
-pub(super) fn schema(mut format: Fields, inner: Option<&str>) -> Result<Option<Value>, Refusal> {
-    let kind = format.text("type")?;
-    match kind.as_str() {
-        "text" => format.finish(&[]).map(|()| None),
-        "json_schema" => {
-            let mut described = match inner {
-                Some(name) => {
-                    let value = format.required(name)?;
-                    let described = Fields::of(format.path(name), value)?;
-                    format.finish(&[])?;
-                    described
-                }
-                None => format,
-            };
-            let schema = described.required("schema")?;
-            if !schema.is_object() {
-                return Err(described.wrong("schema", "is not an object"));
-            }
-            // Strictness has no effect: no answer here is constrained by the schema.
-            described.finish(&["name", "description", "strict"])?;
-            Ok(Some(schema))
-        }
-        _ => {
-            let path = format.path("type");
-            let message = format!(
-                "`{path}` is {}; here it is `text` or `json_schema`",
-                json!(kind)
-            );
-            Err(Refusal::unsupported(&path, message))
-        }
-    }
 }

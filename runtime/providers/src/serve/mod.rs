@@ -1,32 +1,42 @@
 //! Serves a model as an OpenAI-compatible endpoint on this machine.
 //!
 //! In: a [`Model`], and HTTP requests from this machine only; requests of foreign web pages in a local browser are
-//! refused. Out: its answers, in the formats of OpenAI's Chat Completions and Responses. A parameter that would change
-//! the answer but is not supported is refused by name, never dropped. Token counts are estimates, unless the model
-//! reports its own. The command chooses the model and prints messages.
+//! refused. Out: its answers, in the formats of OpenAI's Chat Completions and Responses, whole or as a stream of
+//! events. A parameter that would change the answer but is not supported is refused by name, never dropped. Token
+//! counts are estimates, unless the model reports its own. The command chooses the model and prints messages.
 
 mod answer;
+mod body;
 mod chat;
+mod connections;
 mod content;
 mod fields;
+mod format;
+mod paths;
+mod picture;
 mod refusal;
 mod responses;
 mod same_origin;
+mod schema;
 
+use answer::Answer;
 use axum::Router;
-use axum::body::Bytes;
-use axum::extract::{DefaultBodyLimit, FromRequest, Path, State};
-use axum::http::StatusCode;
-use axum::http::header::CONTENT_LENGTH;
+use axum::extract::{Path, State};
+use axum::http::HeaderValue;
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
 use axum::middleware::{Next, from_fn};
 use axum::response::{IntoResponse, Json, Response};
 use axum::routing::{get, post};
+use body::{Body, Places};
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::Unrecorded;
-use fab_model::{Model, Reply, Request};
+use fab_model::{Model, Request};
 use fields::Fields;
+use format::Format;
+use futures_util::stream;
 use refusal::Refusal;
 use serde_json::{Value, json};
+use std::convert::Infallible;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
@@ -35,21 +45,19 @@ use tokio::sync::Semaphore;
 
 /// The longest request body, bytes.
 pub const MAX_BODY_BYTES: usize = 32 << 20;
-/// The most requests held in memory and answered at once; others wait.
-const AT_ONCE: usize = 8;
+/// The most requests decoded and answered at once; others wait in the order in which they came.
+const AT_ONCE: usize = 16;
 /// Fields without effect on the answer, in both formats.
-const HARMLESS: [&str; 6] = [
+const HARMLESS: [&str; 8] = [
     "user",
     "metadata",
     "store",
     "service_tier",
+    "parallel_tool_calls",
     "prompt_cache_key",
+    "prompt_cache_retention",
     "safety_identifier",
 ];
-/// Time limit for a body to arrive, so that a hanging connection does not hold a slot for ever.
-const BODY_TIME: Duration = Duration::from_secs(60);
-/// Time limit for answers in progress at shutdown.
-const LAST_TIME: Duration = Duration::from_secs(5);
 /// How often the server checks for shutdown.
 const LOOK_TIME: Duration = Duration::from_millis(50);
 
@@ -89,52 +97,35 @@ pub fn serve(
             .await
             .map_err(|why| ServeError::NoPort { port, why })?;
         ready(listener.local_addr()?);
-        let raised = interrupt.clone();
-        let ended = async move { until_raised(&raised).await };
-        let server = axum::serve(listener, router(model)).with_graceful_shutdown(ended);
-        let mut server = tokio::spawn(async move { server.await });
-        loop {
-            match tokio::time::timeout(LOOK_TIME, &mut server).await {
-                Ok(ended) => return Ok(ended.map_err(io::Error::other)??),
-                Err(_) if interrupt.is_raised() => break,
-                Err(_) => {}
-            }
-        }
-        // After a while, do not wait any longer for a client to disconnect.
-        let _ = tokio::time::timeout(LAST_TIME, server).await;
+        connections::answer(listener, router(model), interrupt).await;
         Ok(())
     });
     runtime.shutdown_background();
     served
 }
 
-async fn until_raised(interrupt: &Interrupt) {
-    while !interrupt.is_raised() {
-        tokio::time::sleep(LOOK_TIME).await;
-    }
-}
-
 /// Shared by all handlers.
 #[derive(Clone)]
 struct Served {
     model: Arc<dyn Model>,
-    places: Arc<Semaphore>,
+    bodies: Places,
+    at_once: Arc<Semaphore>,
 }
 
 /// Makes the endpoints: `POST /v1/chat/completions`, `POST /v1/responses`, `GET /v1/models` and `/v1/models/NAME`.
 pub fn router(model: Arc<dyn Model>) -> Router {
     let served = Served {
         model,
-        places: Arc::new(Semaphore::new(AT_ONCE)),
+        bodies: Places::new(),
+        at_once: Arc::new(Semaphore::new(AT_ONCE)),
     };
     Router::new()
-        .route("/v1/chat/completions", post(chat_completions))
-        .route("/v1/responses", post(answer_responses))
+        .route("/v1/chat/completions", post(answer::<chat::Chat>))
+        .route("/v1/responses", post(answer::<responses::Responses>))
         .route("/v1/models", get(models))
         .route("/v1/models/{*name}", get(one_model))
-        .fallback(async || Refusal::not_found("there is no such path; there are /v1/chat/completions, /v1/responses and /v1/models"))
-        .method_not_allowed_fallback(async || Refusal::wrong_method())
-        .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
+        .fallback(paths::unknown)
+        .method_not_allowed_fallback(paths::wrong_method)
         .layer(from_fn(from_near))
         .with_state(served)
 }
@@ -146,71 +137,88 @@ async fn from_near(request: axum::extract::Request, next: Next) -> Response {
     }
 }
 
-/// A request in one of the two formats, with the fields that its answer echoes.
+/// A question, and how it is to be answered.
+struct Asked {
+    request: Request,
+    format: Format,
+    is_streamed: bool,
+}
+
+/// The format of requests and answers of one endpoint, with the fields that an answer echoes.
 trait Form: Sized + Send + 'static {
     /// Reads a body without its model field.
-    fn read(fields: Fields) -> Result<(Request, Self), Refusal>;
+    fn read(fields: Fields) -> Result<(Asked, Self), Refusal>;
 
-    /// Writes the answer.
-    fn write(&self, request: &Request, reply: &Reply, model: &str) -> Value;
+    /// Writes an answer as one document.
+    fn whole(&self, answer: &Answer) -> Value;
+
+    /// Writes an answer as events.
+    fn events(self, answer: Answer) -> impl Iterator<Item = Sent> + Send + 'static;
 }
 
-async fn chat_completions(state: State<Served>, request: axum::extract::Request) -> Response {
-    answer::<chat::Chat>(state, request).await
-}
+/// An event as it is sent.
+struct Sent(String);
 
-async fn answer_responses(state: State<Served>, request: axum::extract::Request) -> Response {
-    answer::<responses::Responses>(state, request).await
+impl Sent {
+    /// An event without a name.
+    fn data(data: &Value) -> Sent {
+        // Some clients end a line at these letters, too; inside JSON strings they may be escaped.
+        let data = data.to_string();
+        let data = data.replace('\u{85}', "\\u0085");
+        let data = data.replace('\u{2028}', "\\u2028");
+        Sent(format!("data: {}\n\n", data.replace('\u{2029}', "\\u2029")))
+    }
+
+    /// An event named by its type.
+    fn event(data: &Value) -> Sent {
+        let name = data["type"].as_str().unwrap_or_default();
+        Sent(format!("event: {name}\n{}", Sent::data(data).0))
+    }
+
+    /// The end of a stream of chunks.
+    fn end() -> Sent {
+        Sent("data: [DONE]\n\n".to_owned())
+    }
 }
 
 async fn answer<F: Form>(
     State(served): State<Served>,
     request: axum::extract::Request,
-) -> Response {
-    match try_answer::<F>(served, request).await {
-        Ok(value) => Json(value).into_response(),
-        Err(refusal) => refusal.into_response(),
-    }
-}
-
-async fn try_answer<F: Form>(
-    served: Served,
-    request: axum::extract::Request,
-) -> Result<Value, Refusal> {
+) -> Result<Response, Refusal> {
     same_origin::check_type(request.headers())?;
-    let place = served.places.acquire_owned().await;
+    let body = Body::read(request, &served.bodies).await?;
+    let place = served.at_once.acquire_owned().await;
     let place = place.map_err(|_| Refusal::failed("the server is about to end"))?;
-    // Check the declared length first, so that a body that is too large need not be read.
-    let length = request.headers().get(CONTENT_LENGTH);
-    let length = length.and_then(|value| value.to_str().ok()?.parse::<u64>().ok());
-    if length.is_some_and(|length| length > MAX_BODY_BYTES as u64) {
-        return Err(Refusal::body(StatusCode::PAYLOAD_TOO_LARGE, MAX_BODY_BYTES));
-    }
-    let body = tokio::time::timeout(BODY_TIME, Bytes::from_request(request, &()))
-        .await
-        .map_err(|_| Refusal::timed_out(BODY_TIME))?
-        .map_err(|rejected| Refusal::body(rejected.status(), MAX_BODY_BYTES))?;
     let work = move || {
         let _place = place;
-        let body = match serde_json::from_slice(&body) {
-            Ok(Value::Object(body)) => body,
-            Ok(_) => return Err(Refusal::wrong("the body is not a JSON object")),
-            Err(error) => return Err(Refusal::wrong(format!("the body is not JSON: {error}"))),
-        };
+        let (body, _body_place) = body.parse()?;
         let model = served.model.as_ref();
         let mut fields = Fields::new("", body);
-        let asked = fields.text("model")?;
-        if asked != model.name() {
-            return Err(Refusal::no_model(&asked, model.name()));
+        let name = fields.text("model")?;
+        if name != model.name() {
+            return Err(Refusal::no_model(&name, model.name()));
         }
-        let (request, form) = F::read(fields)?;
-        let reply = model
-            .ask(&request, &mut Unrecorded)
-            .map_err(Refusal::from)?;
-        Ok(form.write(&request, &reply, model.name()))
+        let (asked, form) = F::read(fields)?;
+        // The model answers before the first byte is sent, so its failure has a status of its own in a stream, too.
+        let reply = model.ask(&asked.request, &mut Unrecorded)?;
+        let answer = Answer::new(model.name(), &asked.request, reply, &asked.format);
+        Ok(match asked.is_streamed {
+            false => Json(form.whole(&answer)).into_response(),
+            true => streamed(form.events(answer)),
+        })
     };
     let worked = tokio::task::spawn_blocking(work).await;
     worked.map_err(|_| Refusal::failed("the model failed on this request"))?
+}
+
+/// Sends events one by one, as fast as the client reads them.
+fn streamed(events: impl Iterator<Item = Sent> + Send + 'static) -> Response {
+    let events = stream::iter(events.map(|Sent(text)| Ok::<_, Infallible>(text)));
+    let mut response = Response::new(axum::body::Body::from_stream(events));
+    let headers = response.headers_mut();
+    headers.insert(CONTENT_TYPE, HeaderValue::from_static("text/event-stream"));
+    headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-cache"));
+    response
 }
 
 async fn models(State(served): State<Served>) -> Response {

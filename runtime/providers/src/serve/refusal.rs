@@ -61,8 +61,7 @@ impl Refusal {
         Refusal::new(StatusCode::NOT_FOUND, message)
     }
 
-    pub(super) fn wrong_method() -> Refusal {
-        let message = "wrong method: POST answers, GET lists models";
+    pub(super) fn wrong_method(message: &str) -> Refusal {
         Refusal::new(StatusCode::METHOD_NOT_ALLOWED, message)
     }
 
@@ -76,9 +75,20 @@ impl Refusal {
         Refusal::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, message)
     }
 
-    pub(super) fn timed_out(time: Duration) -> Refusal {
-        let message = format!("the body did not arrive within {} s", time.as_secs());
+    /// The body came too slowly: nothing of it for the time of a `piece`, or not all of it in the `whole` time.
+    pub(super) fn too_slow(piece: Duration, whole: Duration) -> Refusal {
+        let message = format!(
+            "the body came too slowly: its next piece has to arrive within {} s, and all of it within {} s",
+            piece.as_secs(),
+            whole.as_secs()
+        );
         Refusal::new(StatusCode::REQUEST_TIMEOUT, message)
+    }
+
+    /// There is no room for the body.
+    pub(super) fn busy() -> Refusal {
+        let message = "too many long requests at once; send this one again later";
+        Refusal::new(StatusCode::SERVICE_UNAVAILABLE, message)
     }
 
     /// The body could not be read; `status` says whether it is too large.
