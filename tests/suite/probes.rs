@@ -161,7 +161,7 @@ fn what_a_probe_prints_is_used_when_it_is_pasted() {
     let entry = format!("[[model]]{entry}");
     for line in [
         "id = \"peculiar\"",
-        "coordinates = { order = \"yx\", unit = \"per_mille\" }",
+        "coordinates = { unit = \"per_mille\", order = \"yx\" }",
         "vision = true",
         "several_pictures = false",
         "structured_output = false",
@@ -191,7 +191,7 @@ fn what_a_probe_prints_is_used_when_it_is_pasted() {
         json!({ "order": "yx", "unit": "per_mille" })
     );
     assert_eq!(found["toml"].as_str().unwrap(), entry.trim_end());
-    // The task states a temperature that the pasted facts rule out.
+    // The task shows two pictures in one message, which the pasted facts rule out.
     let task = project("tasks/double_straight.fab");
     let run = [
         "run",
@@ -205,7 +205,9 @@ fn what_a_probe_prints_is_used_when_it_is_pasted() {
     let refused = finish(&mut command(folder.path(), &[&run[..], &pasted].concat()));
     assert_eq!(refused.code, 2, "{}", refused.stdout);
     assert!(
-        refused.stderr.contains("it accepts 1 alone"),
+        refused
+            .stderr
+            .contains("holds 2 pictures, and it takes one"),
         "{}",
         refused.stderr
     );

@@ -6,7 +6,8 @@ use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::catalogue::FactsArguments;
 use clap::Args;
 use fab_providers::catalogue::{
-    Catalogue, Date, Facts, FactsSource, ImageTokens, Price, Profile, Provider, Source, Tokens,
+    Catalogue, Date, Facts, FactsSource, Family, ImageTokens, Price, Profile, Provider, Source,
+    Tokens,
 };
 use fab_providers::probe::SIDES_PX;
 use serde_json::{Value, json};
@@ -61,7 +62,7 @@ pub fn run(arguments: &ModelsArguments, io: &Io) -> Result<Exit, Failure> {
     };
     let families: Vec<Family<'_>> = catalogue
         .families()
-        .filter(|(_, at, ..)| is_wanted(*at))
+        .filter(|family| is_wanted(family.provider))
         .collect();
     io.report(
         arguments.json,
@@ -70,9 +71,6 @@ pub fn run(arguments: &ModelsArguments, io: &Io) -> Result<Exit, Failure> {
     );
     Ok(Exit::Done)
 }
-
-/// A family: the text its ids match, its provider, its facts, their sources.
-type Family<'c> = (&'c str, Option<&'c str>, &'c Facts, &'c [Source]);
 
 fn of_provider(catalogue: &Catalogue, provider: &Provider) -> Result<Vec<Profile>, Failure> {
     let owner = provider.owner();
@@ -121,8 +119,14 @@ fn as_json(
             "sources": profile.sources,
         })
     });
-    let families = families.iter().map(|(part, provider, facts, sources)| {
-        json!({ "part": part, "provider": provider, "facts": facts, "sources": sources })
+    let families = families.iter().map(|family| {
+        json!({
+            "part": family.part,
+            "aliases": family.aliases,
+            "provider": family.provider,
+            "facts": family.facts,
+            "sources": family.sources,
+        })
     });
     json!({
         "on": today,
@@ -192,12 +196,34 @@ fn as_text(
         });
         notes.extend(changes.map(|notice| format!("{title}: {notice}")));
     }
-    for (part, provider, facts, from) in families {
-        let title = format!("{}:*{part}*", provider.unwrap_or("*"));
-        let marks = footnotes(from, &mut sources);
-        rows.push(row(title, String::new(), facts, marks));
+    let (vendors, open): (Vec<&Family<'_>>, Vec<&Family<'_>>) = families
+        .iter()
+        .partition(|family| family.provider.is_some());
+    let mut groups = vec![("", rows.len() - 1)];
+    let mut other_names = Vec::new();
+    for (title, families) in [
+        ("Families of vendors:", vendors),
+        ("Families of open weights, wherever they are served:", open),
+    ] {
+        groups.push((title, families.len()));
+        for family in families {
+            let words = format!("*{}*", family.part);
+            let at = family
+                .provider
+                .map_or(String::new(), |name| format!("{name}:"));
+            let marks = footnotes(family.sources, &mut sources);
+            rows.push(row(
+                format!("{at}{words}"),
+                String::new(),
+                family.facts,
+                marks,
+            ));
+            if !family.aliases.is_empty() {
+                other_names.push(format!("{}: {}", family.part, family.aliases.join(", ")));
+            }
+        }
     }
-    let mut text = table(&rows);
+    let mut text = grouped(&table(&rows), &groups);
     text.push_str(
         "\n\n?: unknown. *: every model whose id has these words. tokens: estimates for one square picture. Another \
          server's model has its vendor's facts, but not its price and schema.\nCalls to models on your own machine are \
@@ -207,6 +233,7 @@ fn as_text(
         text.push_str(&format!("\n{note}"));
     }
     for (title, lines) in [
+        ("Other words for the same family:", other_names),
         (
             "Retired, or soon to be:",
             retired_lines(&retired, today, &mut sources),
@@ -329,7 +356,22 @@ fn footnotes(of: &[Source], sources: &mut Vec<Source>) -> String {
     numbers.collect::<Vec<_>>().join("")
 }
 
-fn table(rows: &[[String; 9]]) -> String {
+/// Puts titles before groups of lines, after the line of headings; a group without lines is left out.
+fn grouped(lines: &[String], groups: &[(&str, usize)]) -> String {
+    let mut lines = lines.iter();
+    let mut text = lines.next().cloned().unwrap_or_default();
+    for (title, count) in groups {
+        if *count > 0 && !title.is_empty() {
+            text.push_str(&format!("\n\n{title}"));
+        }
+        for line in lines.by_ref().take(*count) {
+            text.push_str(&format!("\n{line}"));
+        }
+    }
+    text
+}
+
+fn table(rows: &[[String; 9]]) -> Vec<String> {
     let width = |column: usize| {
         rows.iter()
             .map(|row| row[column].chars().count())
@@ -344,5 +386,5 @@ fn table(rows: &[[String; 9]]) -> String {
             .map(|(cell, width)| format!("{cell:<width$}"));
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     });
-    lines.collect::<Vec<_>>().join("\n")
+    lines.collect()
 }

@@ -57,6 +57,21 @@ pub struct Profile {
     pub sources: Vec<Source>,
 }
 
+/// What models have in common whose ids hold the same words.
+#[derive(Clone, Copy, Debug)]
+pub struct Family<'c> {
+    /// The words.
+    pub part: &'c str,
+    /// Other words for the same.
+    pub aliases: &'c [String],
+    /// The vendor; `None`: the weights are open.
+    pub provider: Option<&'c str>,
+    /// The facts.
+    pub facts: &'c Facts,
+    /// Their sources.
+    pub sources: &'c [Source],
+}
+
 /// How the facts of a model were found.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -163,16 +178,16 @@ impl Catalogue {
         listed.collect()
     }
 
-    /// Returns the model families: the common words of their ids, at which provider (`None`: at any), and their common
-    /// facts.
-    pub fn families(&self) -> impl Iterator<Item = (&str, Option<&str>, &Facts, &[Source])> {
+    /// Returns the model families.
+    pub fn families(&self) -> impl Iterator<Item = Family<'_>> {
         self.models.iter().filter_map(|entry| match &entry.subject {
-            Subject::Part(part) => Some((
-                part.as_str(),
-                entry.provider.as_deref(),
-                &entry.facts,
-                entry.sources.as_slice(),
-            )),
+            Subject::Part(part) => Some(Family {
+                part,
+                aliases: &entry.aliases,
+                provider: entry.provider.as_deref(),
+                facts: &entry.facts,
+                sources: &entry.sources,
+            }),
             Subject::Id(_) | Subject::Name(_) => None,
         })
     }

@@ -67,11 +67,15 @@ impl Model for Seeing {
             *sum = [sum[0] + f64::from(x), sum[1] + f64::from(y)];
             *count += 1.0;
         }
-        let lines: Vec<String> = DOTS.iter().zip(seen).map(|((name, _), (sum, count))| {
-            let got = [shown.width(), shown.height()];
-            let part = [0, 1].map(|axis| (sum[axis] / count + 0.5) / f64::from(got[axis]));
-            (self.form)(name, self.numbers(part, got))
-        }).collect();
+        let lines: Vec<String> = DOTS
+            .iter()
+            .zip(seen)
+            .map(|((name, _), (sum, count))| {
+                let got = [shown.width(), shown.height()];
+                let part = [0, 1].map(|axis| (sum[axis] / count + 0.5) / f64::from(got[axis]));
+                (self.form)(name, self.numbers(part, got))
+            })
+            .collect();
         Ok(Reply {
             text: lines.join("\n"),
             usage: Some(Usage {

@@ -57,11 +57,6 @@ struct Provided {
 }
 
 impl Answering {
-    /// Returns the model that is sent pictures.
-    pub fn vision(&self) -> Arc<dyn Model> {
-        Arc::clone(&self.vision.model)
-    }
-
     /// Returns the profile of a role's model; `None` if it has no provider.
     pub fn profile(&self, role: ModelRole) -> Option<&Profile> {
         let answerer = match role {
