@@ -36,7 +36,7 @@ fn estimate(
         messages,
         schema: None,
         max_tokens: longest,
-        typical: Typical::shipped(40.0),
+        typical: Typical::shipped(40.0, 1),
     };
     let questions = [
         question("look", &vision, shown.as_slice()),
@@ -160,6 +160,10 @@ fn a_likely_value_lies_between_the_bounds_and_follows_recorded_calls() {
         today: "2026-11-20".parse().expect("a date"),
     };
     let found = plan.estimate();
+    assert_eq!(
+        Typical::shipped(1.0, 2).calls_per_step,
+        Typical::CALLS_PER_RETRIED_STEP
+    );
     // 40 steps, of which half are taken, with three questions for two of them; a picture's tokens need not be known.
     assert_eq!(found.calls.likely, Some(30));
     assert_eq!(found.input_tokens.likely, Some(9_000));

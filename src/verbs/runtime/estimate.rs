@@ -55,10 +55,13 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
             recorded_calls: habit.calls,
         },
         // Only a stage that reads the action has a schema.
-        None => Typical::shipped(match request.schema.is_some() {
-            true => Typical::ACTION_TOKENS,
-            false => Typical::TEXT_TOKENS,
-        }),
+        None => {
+            let answer_tokens = match request.schema.is_some() {
+                true => Typical::ACTION_TOKENS,
+                false => Typical::TEXT_TOKENS,
+            };
+            Typical::shipped(answer_tokens, program.actions_per_step())
+        }
     };
     let sent = asking
         .questions
@@ -114,9 +117,11 @@ pub fn say(estimate: &Estimate, wants_json: bool, io: &Io) {
         .filter(|stage| stage.typical.recorded_calls > 0)
         .count();
     let typical = format!(
-        "answers of typical length ({} tokens for an action, {} for a text, no hidden reasoning) that are accepted at once",
+        "answers of typical length ({} tokens for an action, {} for a text, no hidden reasoning) that are accepted at \
+         once, and {} attempts at a step that may be tried again",
         Typical::ACTION_TOKENS,
-        Typical::TEXT_TOKENS
+        Typical::TEXT_TOKENS,
+        Typical::CALLS_PER_RETRIED_STEP
     );
     let rests_on = match n_recorded {
         0 => format!("assumes {typical}"),
