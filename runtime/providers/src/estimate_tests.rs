@@ -130,9 +130,11 @@ fn a_likely_value_lies_between_the_bounds_and_follows_recorded_calls() {
         Some(15 * (58 + 59) + 15 * (58 + 40))
     );
     assert_eq!(found.output_tokens.likely, Some(30 * 40));
-    for [least, likely, most] in [[found.cost.at_least, found.cost.likely, found.cost.at_most]] {
-        assert!(least <= likely && likely <= most, "{found}");
-    }
+    let cost = found.cost;
+    assert!(
+        cost.at_least <= cost.likely && cost.likely <= cost.at_most,
+        "{found}"
+    );
     let recorded = Typical {
         calls_per_step: 1.5,
         steps_share: 0.5,
