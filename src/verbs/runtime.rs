@@ -45,7 +45,7 @@ super::verbs! {
     Models(models::ModelsArguments),
     /// Checks the setup: what works, what is missing, and how to install it.
     Doctor(doctor::DoctorArguments),
-    /// Finds out how a model states positions in a picture, with two questions.
+    /// Finds out how a model states positions in a picture, and what its interface takes.
     Probe(probe::ProbeArguments),
     /// Offers an embedded model or a recording as an OpenAI-compatible endpoint on this machine.
     Serve(serve::ServeArguments),

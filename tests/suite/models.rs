@@ -57,9 +57,9 @@ fn models_are_listed_with_prices_tokens_and_sources() {
     );
     assert_eq!(o3["notices"][0]["notice"], "retires_soon");
     assert_eq!(o3["notices"][0]["days"], 21);
-    let argon = entry(&listed["models"], "name", "Gemini 4 Argon");
+    let argon = entry(&listed["models"], "id", "gemini-4-argon");
     assert_eq!(
-        (&argon["id"], &argon["price"]["input"]),
+        (&argon["name"], &argon["price"]["input"]),
         (&Value::Null, &serde_json::json!(2.0))
     );
     let later = json(&finish(alone(folder.path()).args([
@@ -69,7 +69,7 @@ fn models_are_listed_with_prices_tokens_and_sources() {
         "2026-12-01",
     ])));
     assert_eq!(
-        entry(&later["models"], "name", "Gemini 4 Argon")["price"]["input"],
+        entry(&later["models"], "id", "gemini-4-argon")["price"]["input"],
         4.0
     );
 }
@@ -90,11 +90,14 @@ fn the_table_shows_what_is_unknown_as_such_and_every_source_once() {
             .split_whitespace()
             .collect::<Vec<_>>()
             .join(" "),
-        "openai-chat:gpt-6.2-sol 2 / 0.1 / 10 yes yes x y, pixels 59 635 ? [1]"
+        "openai-chat:gpt-6.2-sol 2 / 0.1 / 10 yes yes 1 alone x y, pixels 59 635 [1][2]"
     );
-    assert!(row("openai-chat:o3:").contains("it will be shut down on 2026-12-11, in 21 days"));
-    assert_eq!(said.stdout.matches("\n[").count(), 1, "{}", said.stdout);
-    assert!(!said.stdout.contains("Claude"), "{}", said.stdout);
+    assert!(row("from 2026-12-11  openai-chat: o3").contains("its vendor recommends gpt-5.6-sol"));
+    assert!(row("since 2026-10-23  openai-chat: gpt-4,").contains("gpt-4-*"));
+    for number in 1..=said.stdout.matches("\n[").count() {
+        assert_eq!(said.stdout.matches(&format!("\n[{number}] ")).count(), 1);
+    }
+    assert!(!said.stdout.contains("claude"), "{}", said.stdout);
     let unknown = finish(alone(folder.path()).args(["models", "opnai"]));
     assert_eq!(unknown.code, 64);
     assert!(

@@ -138,6 +138,7 @@ pub mod see;
 pub mod subgoals;
 pub mod task_files;
 
+pub mod habits;
 pub mod journal;
 pub mod record;
 pub mod sheet;

@@ -36,6 +36,7 @@ fn estimate(
         messages,
         schema: None,
         max_tokens: longest,
+        typical: Typical::shipped(40.0, 1),
     };
     let questions = [
         question("look", &vision, shown.as_slice()),
@@ -120,12 +121,69 @@ fn conversations_that_grow_by_corrections_are_counted_as_they_are_played_out() {
 }
 
 #[test]
+fn a_likely_value_lies_between_the_bounds_and_follows_recorded_calls() {
+    let found = estimate(SOL, SOL, &|plan| plan.attempts = 3, Some(500));
+    // One word of 400 letters is 58 pieces; the second stage quotes the first one's 40 tokens.
+    assert_eq!(found.calls.likely, Some(30));
+    assert_eq!(
+        found.input_tokens.likely,
+        Some(15 * (58 + 59) + 15 * (58 + 40))
+    );
+    assert_eq!(found.output_tokens.likely, Some(30 * 40));
+    let cost = found.cost;
+    assert!(
+        cost.at_least <= cost.likely && cost.likely <= cost.at_most,
+        "{found}"
+    );
+    let recorded = Typical {
+        calls_per_step: 1.5,
+        steps_share: 0.5,
+        input_tokens: Some(300.0),
+        output_tokens: 700.0,
+        recorded_calls: 9,
+    };
+    let profile = find("ollama:x");
+    let messages = [shown()];
+    let question = Question {
+        stage: "look",
+        profile: &profile,
+        messages: &messages,
+        schema: None,
+        max_tokens: None,
+        typical: recorded,
+    };
+    let plan = Plan {
+        questions: &[question],
+        horizon: 4,
+        actions_per_step: 1,
+        attempts: 2,
+        correction: Correction::Words,
+        rollouts: 10,
+        today: "2026-11-20".parse().expect("a date"),
+    };
+    let found = plan.estimate();
+    assert_eq!(
+        Typical::shipped(1.0, 2).calls_per_step,
+        Typical::CALLS_PER_RETRIED_STEP
+    );
+    // 40 steps, of which half are taken, with three questions for two of them; a picture's tokens need not be known.
+    assert_eq!(found.calls.likely, Some(30));
+    assert_eq!(found.input_tokens.likely, Some(9_000));
+    assert_eq!(found.output_tokens.likely, Some(21_000));
+    assert!(
+        found.to_string().contains("calls: 40 to 80, likely 30"),
+        "{found}"
+    );
+}
+
+#[test]
 fn what_is_not_known_is_named_and_leaves_the_bound_open() {
     let found = estimate("google:gemini-4-argon", "openai:o3", &|_| {}, None);
     assert_eq!(
         found.cost,
         Bounds {
             at_least: None,
+            likely: None,
             at_most: None
         }
     );
@@ -133,6 +191,7 @@ fn what_is_not_known_is_named_and_leaves_the_bound_open() {
         found.input_tokens,
         Bounds {
             at_least: None,
+            likely: None,
             at_most: None
         }
     );
@@ -160,6 +219,7 @@ fn models_on_the_users_own_machine_cost_nothing_whatever_is_unknown() {
         found.cost,
         Bounds {
             at_least: Some(Usd::ZERO),
+            likely: Some(Usd::ZERO),
             at_most: Some(Usd::ZERO)
         }
     );

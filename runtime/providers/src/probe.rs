@@ -1,8 +1,9 @@
-//! Probes how a model states positions, before money is spent on rollouts.
+//! Probes how a model states positions and what its interface takes, before money is spent on rollouts.
 //!
 //! In: a model, which gets points as its [`Lowering`] says. Out: a [`Probe`]: the pixel distances between dots at known
 //! positions and the positions in the answers, interpreted in the stated convention and in every other one. Pictures
-//! are drawn here, and sent as in rollouts. The conclusion is left to the user.
+//! are drawn here, and sent as in rollouts. [`abilities`] asks about parameters, schema and pictures; [`entry`] writes
+//! the facts that both show.
 
 use fab_base::chance::Chance;
 use fab_model::calls::{Calls, Usage, Usd};
@@ -14,9 +15,14 @@ use image::{Rgb, RgbImage};
 use serde::Serialize;
 use std::num::NonZeroU32;
 
+pub mod abilities;
+pub mod entry;
+
 mod reading;
 #[cfg(test)]
 mod tests;
+
+pub use abilities::{Abilities, MOST_QUESTIONS, Subject, abilities};
 
 /// Names and colours of the dots.
 const DOTS: [(&str, [u8; 3]); 6] = [
@@ -31,8 +37,8 @@ const DOTS: [(&str, [u8; 3]); 6] = [
 const GROUND: [u8; 3] = [225, 225, 225];
 /// Sides of the square pictures before they are resized, pixels: those of the shipped tasks' cameras.
 pub const SIDES_PX: [u32; 2] = [224, 720];
-/// The longest answer, tokens; six lines have about 60, and models that think aloud need more.
-const MAX_TOKENS: u32 = 1000;
+/// The longest answer, tokens; six lines have about 60, and models that think first need far more.
+const MAX_TOKENS: u32 = 4000;
 /// Qwen2.5-VL resizes pictures to multiples of this many pixels, and answers in pixels of the result.
 const MULTIPLES_OF_PX: NonZeroU32 = NonZeroU32::new(28).expect("28 is not 0");
 
@@ -57,6 +63,8 @@ pub struct Probe {
     pub usage: Option<Usage>,
     /// Total cost, if known.
     pub cost: Option<Usd>,
+    /// Whether it thinks before it answers; `None`: its answers do not tell.
+    pub reasons: Option<bool>,
 }
 
 /// The errors of answers interpreted in one convention.
@@ -127,11 +135,13 @@ pub fn probe(model: &dyn Model, seed: u64, calls: &mut dyn Calls) -> Result<Prob
     let mut chance = Chance::seeded(seed);
     let mut pictures = Vec::with_capacity(SIDES_PX.len());
     let (mut usage, mut cost) = (Some(Usage::default()), Some(Usd::ZERO));
+    let mut reasons: Option<bool> = None;
     for side_px in SIDES_PX {
         let places = places(side_px, &mut chance);
         let reply = model.ask(&question(side_px, &places, asked), calls)?;
         usage = usage.zip(reply.usage).map(|(sum, more)| sum + more);
         cost = cost.zip(reply.cost).map(|(sum, more)| sum + more);
+        reasons = abilities::reasons(&reply).max(reasons);
         let said = reading::pairs(&reply.text, &DOTS.map(|(colour, _)| colour));
         let dots = DOTS.iter().zip(&places).zip(said);
         pictures.push(ProbeAnswer {
@@ -169,6 +179,7 @@ pub fn probe(model: &dyn Model, seed: u64, calls: &mut dyn Calls) -> Result<Prob
         pictures,
         usage,
         cost,
+        reasons,
     })
 }
 
@@ -250,14 +261,18 @@ fn places(side_px: u32, chance: &mut Chance) -> Vec<[u32; 2]> {
 fn question(side_px: u32, places: &[[u32; 2]], asked: Lowering) -> Request {
     let mut drawn = RgbImage::from_pixel(side_px, side_px, Rgb(GROUND));
     let radius = i64::from(side_px / 45).max(4);
+    let around = |middle: u32| {
+        let least = i64::from(middle) - radius;
+        (least.max(0)..=least + 2 * radius).filter_map(|at| u32::try_from(at).ok())
+    };
     for ((_, colour), [column, row]) in DOTS.iter().zip(places) {
-        for (x, y, pixel) in drawn.enumerate_pixels_mut() {
+        for (x, y) in around(*row).flat_map(|y| around(*column).map(move |x| (x, y))) {
             let (dx, dy) = (
                 i64::from(x) - i64::from(*column),
                 i64::from(y) - i64::from(*row),
             );
-            if dx * dx + dy * dy <= radius * radius {
-                *pixel = Rgb(*colour);
+            if dx * dx + dy * dy <= radius * radius && x < side_px && y < side_px {
+                drawn.put_pixel(x, y, Rgb(*colour));
             }
         }
     }

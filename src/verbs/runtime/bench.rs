@@ -23,6 +23,7 @@ use crate::verbs::runtime::setting::policies::Deciding;
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use clap::Args;
 use clap::ValueHint;
+use fab_agent::habits::Recorded;
 use fab_agent::outcome::Outcome;
 use fab_agent::rollout::FirstQuestion;
 use fab_base::cache::Cache;
@@ -227,7 +228,15 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         }
     }
     if arguments.spend.estimate {
-        return Ok(foresee(&bench, &questions, &deciding, arguments.json, io));
+        let recorded = estimate::recorded(arguments.out.as_deref());
+        return Ok(foresee(
+            &bench,
+            &questions,
+            &deciding,
+            &recorded,
+            arguments.json,
+            io,
+        ));
     }
     io.talk(&report::plan(&found.name, &bench, arguments.shard));
     let results = play::play(&bench, &|phase, done, of| {
@@ -275,6 +284,7 @@ fn foresee(
     bench: &Bench<'_>,
     questions: &[Vec<FirstQuestion>],
     deciding: &DecidingBy,
+    recorded: &Recorded,
     json: bool,
     io: &Io,
 ) -> Exit {
@@ -294,6 +304,7 @@ fn foresee(
                     .copied()
                     .unwrap_or(program.horizon),
                 rollouts: starts * u64::from(entry.repeats),
+                recorded,
             },
             io,
         ))

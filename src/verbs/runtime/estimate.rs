@@ -3,9 +3,12 @@
 use crate::io::Io;
 use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::models::Answering;
+use fab_agent::habits::{Recorded, Setting};
 use fab_agent::rollout::FirstQuestion;
+use fab_model::Request;
 use fab_program::Program;
-use fab_providers::estimate::{Correction, Estimate, Plan, Question};
+use fab_providers::estimate::{Correction, Estimate, Plan, Question, Typical};
+use std::path::Path;
 
 /// Rollouts that ask the same questions.
 pub struct Asking<'a> {
@@ -19,11 +22,47 @@ pub struct Asking<'a> {
     pub horizon: u32,
     /// The number of rollouts.
     pub rollouts: u64,
+    /// Earlier rollouts, which say what is likely.
+    pub recorded: &'a Recorded,
 }
 
-/// Computes upper bounds for calls and cost; questions to an embedded model are not calls.
+/// The folder in which runs are kept if none is named.
+const RUNS: &str = "runs";
+
+/// Reads earlier runs, of the named folder or else of the usual one.
+pub fn recorded(out: Option<&Path>) -> Recorded {
+    Recorded::below(out.unwrap_or(Path::new(RUNS)))
+}
+
+/// Computes bounds and likely values of calls and cost; questions to an embedded model are not calls.
 pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
     let program = asking.program;
+    let models = asking.answering.models();
+    let setting = Setting {
+        task: program.task.clone(),
+        variant: program.variant.clone(),
+        models: [
+            models.vision.name().to_owned(),
+            models.text.name().to_owned(),
+        ],
+    };
+    let typical = |stage: &str, request: &Request| match asking.recorded.stage(&setting, stage) {
+        Some(habit) => Typical {
+            calls_per_step: habit.calls_per_step,
+            steps_share: habit.steps_share,
+            input_tokens: Some(habit.input_tokens),
+            output_tokens: habit.output_tokens,
+            recorded_calls: habit.calls,
+        },
+        // Only a stage that reads the action has a schema.
+        None => {
+            let answer_tokens = match request.schema.is_some() {
+                true => Typical::ACTION_TOKENS,
+                false => Typical::TEXT_TOKENS,
+            };
+            Typical::shipped(answer_tokens, program.actions_per_step())
+        }
+    };
     let sent = asking
         .questions
         .iter()
@@ -34,6 +73,7 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
                 messages: &request.messages,
                 schema: request.schema.as_ref(),
                 max_tokens: asking.answering.longest_answer(request),
+                typical: typical(stage, request),
             })
         });
     let questions: Vec<Question<'_>> = sent.collect();
@@ -65,8 +105,34 @@ pub fn say(estimate: &Estimate, wants_json: bool, io: &Io) {
         return;
     }
     io.data(&estimate.to_string());
-    io.talk(
-        "an estimate from the first step; nothing was sent. The lower bound assumes that every first answer is \
-         accepted; the upper bound assumes every correction and retry, and three times the estimated text tokens",
+    let calls: u64 = estimate
+        .stages
+        .iter()
+        .map(|stage| stage.typical.recorded_calls)
+        .sum();
+    let n_stages = estimate.stages.len();
+    let n_recorded = estimate
+        .stages
+        .iter()
+        .filter(|stage| stage.typical.recorded_calls > 0)
+        .count();
+    let typical = format!(
+        "answers of typical length ({} tokens for an action, {} for a text, no hidden reasoning) that are accepted at \
+         once, and {} attempts at a step that may be tried again",
+        Typical::ACTION_TOKENS,
+        Typical::TEXT_TOKENS,
+        Typical::CALLS_PER_RETRIED_STEP
     );
+    let rests_on = match n_recorded {
+        0 => format!("assumes {typical}"),
+        n if n == n_stages => format!("is the average of {calls} recorded calls"),
+        n => format!(
+            "is the average of {calls} recorded calls for {n} of {n_stages} stages; for the others it assumes {typical}"
+        ),
+    };
+    io.talk(&format!(
+        "an estimate from the first step; nothing was sent. The lower bound assumes that every first answer is \
+         accepted; the upper bound assumes every correction and retry, and three times the estimated text tokens; the \
+         likely value {rests_on}"
+    ));
 }

@@ -6,7 +6,8 @@ use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::catalogue::FactsArguments;
 use clap::Args;
 use fab_providers::catalogue::{
-    Catalogue, Date, Facts, FactsSource, ImageTokens, Price, Profile, Provider, Source, Tokens,
+    Catalogue, Date, Facts, FactsSource, Family, ImageTokens, Price, Profile, Provider, Source,
+    Tokens,
 };
 use fab_providers::probe::SIDES_PX;
 use serde_json::{Value, json};
@@ -17,7 +18,7 @@ A file of facts has the form of the embedded one. The fields that an entry gives
 
   [[model]]
   provider = \"vllm\"            # as in PROVIDER:NAME
-  id = \"my-model\"              # or: part = \"qwen3\", for all models with these words in their id
+  id = \"my-model\"              # or: part = \"qwen3-vl\", for all models with these words in their id
   coordinates = { unit = \"per_mille\", order = \"xy\" }   # pixels, fraction, percent, per_mille; xy, yx
   price = [{ input = 2, cached_input = 0.1, output = 10 }]  # USD per million tokens
   as_of = \"2026-11-20\"         # both are required
@@ -61,18 +62,15 @@ pub fn run(arguments: &ModelsArguments, io: &Io) -> Result<Exit, Failure> {
     };
     let families: Vec<Family<'_>> = catalogue
         .families()
-        .filter(|(_, at, ..)| is_wanted(*at))
+        .filter(|family| is_wanted(family.provider))
         .collect();
     io.report(
         arguments.json,
         || as_json(&catalogue, &profiles, &families, today),
-        || as_text(&profiles, &families, today),
+        || as_text(&catalogue, &profiles, &families, today),
     );
     Ok(Exit::Done)
 }
-
-/// A family: the text its ids match, its provider, its facts, their sources.
-type Family<'c> = (&'c str, Option<&'c str>, &'c Facts, &'c [Source]);
 
 fn of_provider(catalogue: &Catalogue, provider: &Provider) -> Result<Vec<Profile>, Failure> {
     let owner = provider.owner();
@@ -121,14 +119,24 @@ fn as_json(
             "sources": profile.sources,
         })
     });
-    let families = families.iter().map(|(part, provider, facts, sources)| {
-        json!({ "part": part, "provider": provider, "facts": facts, "sources": sources })
+    let families = families.iter().map(|family| {
+        json!({
+            "part": family.part,
+            "aliases": family.aliases,
+            "provider": family.provider,
+            "facts": family.facts,
+            "sources": family.sources,
+        })
     });
     json!({
         "on": today,
         "providers": catalogue.providers(),
         "models": models.collect::<Vec<_>>(),
         "families": families.collect::<Vec<_>>(),
+        "gateways": catalogue
+            .gateways()
+            .map(|(prefixes, source)| json!({ "prefixes": prefixes, "source": source }))
+            .collect::<Vec<_>>(),
     })
 }
 
@@ -153,18 +161,26 @@ const HEADINGS: [&str; 9] = [
     "USD/M in/cached/out",
     "vision",
     "schema",
+    "temperature",
     "points",
     "tokens 224",
     "tokens 720",
-    "shutdown",
     "source",
 ];
 
-fn as_text(profiles: &[Profile], families: &[Family<'_>], today: Date) -> String {
+fn as_text(
+    catalogue: &Catalogue,
+    profiles: &[Profile],
+    families: &[Family<'_>],
+    today: Date,
+) -> String {
     let mut sources: Vec<Source> = Vec::new();
     let mut rows: Vec<[String; 9]> = vec![HEADINGS.map(str::to_owned)];
     let mut notes = Vec::new();
-    for profile in profiles {
+    let (retired, current): (Vec<&Profile>, Vec<&Profile>) = profiles
+        .iter()
+        .partition(|profile| profile.facts.shutdown.is_some());
+    for profile in current {
         let title = match &profile.listed {
             FactsSource::ByName(name) => format!("{}:? ({name})", profile.provider.name),
             _ => profile.title(),
@@ -172,27 +188,66 @@ fn as_text(profiles: &[Profile], families: &[Family<'_>], today: Date) -> String
         let price = price(profile.price_on(today));
         let marks = footnotes(&profile.sources, &mut sources);
         rows.push(row(title.clone(), price, &profile.facts, marks));
-        let notices = shown_notices(profile, today).filter(|notice| {
-            use fab_providers::catalogue::Notice::{PriceChanges, Retired, RetiresSoon};
+        let changes = shown_notices(profile, today).filter(|notice| {
             matches!(
                 notice,
-                PriceChanges { .. } | Retired { .. } | RetiresSoon { .. }
+                fab_providers::catalogue::Notice::PriceChanges { .. }
             )
         });
-        notes.extend(notices.map(|notice| format!("{title}: {notice}")));
+        notes.extend(changes.map(|notice| format!("{title}: {notice}")));
     }
-    for (part, provider, facts, from) in families {
-        let title = format!("{}:*{part}*", provider.unwrap_or("*"));
-        let marks = footnotes(from, &mut sources);
-        rows.push(row(title, price(None), facts, marks));
+    let (vendors, open): (Vec<&Family<'_>>, Vec<&Family<'_>>) = families
+        .iter()
+        .partition(|family| family.provider.is_some());
+    let mut groups = vec![("", rows.len() - 1)];
+    let mut other_names = Vec::new();
+    for (title, families) in [
+        ("Families of vendors:", vendors),
+        ("Families of open weights, wherever they are served:", open),
+    ] {
+        groups.push((title, families.len()));
+        for family in families {
+            let words = format!("*{}*", family.part);
+            let at = family
+                .provider
+                .map_or(String::new(), |name| format!("{name}:"));
+            let marks = footnotes(family.sources, &mut sources);
+            rows.push(row(
+                format!("{at}{words}"),
+                String::new(),
+                family.facts,
+                marks,
+            ));
+            if !family.aliases.is_empty() {
+                other_names.push(format!("{}: {}", family.part, family.aliases.join(", ")));
+            }
+        }
     }
-    let mut text = table(&rows);
-    text.push_str("\n\n?: unknown. *: every model whose id contains this text. tokens: estimates for one square \
-        picture.");
-    text.push_str("\nCalls to models on your own machine are never billed.");
+    let mut text = grouped(&table(&rows), &groups);
+    text.push_str(
+        "\n\n?: unknown. *: every model whose id has these words. tokens: estimates for one square picture. Another \
+         server's model has its vendor's facts, but not its price and schema.\nCalls to models on your own machine are \
+         never billed.",
+    );
     for note in notes {
         text.push_str(&format!("\n{note}"));
     }
+    for (title, lines) in [
+        ("Other words for the same family:", other_names),
+        (
+            "Retired, or soon to be:",
+            retired_lines(&retired, today, &mut sources),
+        ),
+        (
+            "Seen through at the beginning of an id:",
+            prefix_lines(catalogue, &mut sources),
+        ),
+    ] {
+        if !lines.is_empty() {
+            text.push_str(&format!("\n\n{title}\n{}", lines.join("\n")));
+        }
+    }
+    text.push_str("\n\nSources:");
     for (number, source) in sources.iter().enumerate() {
         text.push_str(&format!(
             "\n[{}] {}: {}",
@@ -202,6 +257,53 @@ fn as_text(profiles: &[Profile], families: &[Family<'_>], today: Date) -> String
         ));
     }
     text
+}
+
+/// Returns a line for each day and replacement, with its models.
+fn retired_lines(retired: &[&Profile], today: Date, sources: &mut Vec<Source>) -> Vec<String> {
+    let mut groups: Vec<(Date, &Profile, Vec<&Profile>)> = Vec::new();
+    for profile in retired {
+        let Some(on) = profile.facts.shutdown else {
+            continue;
+        };
+        let is_same = |first: &Profile| {
+            first.facts.replaced_by == profile.facts.replaced_by
+                && first.provider.name == profile.provider.name
+        };
+        match groups
+            .iter_mut()
+            .find(|(day, first, _)| *day == on && is_same(first))
+        {
+            Some((.., group)) => group.push(profile),
+            None => groups.push((on, profile, vec![profile])),
+        }
+    }
+    groups.sort_by_key(|(on, first, _)| (*on, first.provider.name.clone()));
+    let line = |(on, first, group): (Date, &Profile, Vec<&Profile>)| {
+        let ids: Vec<&str> = group.iter().map(|profile| profile.id.as_str()).collect();
+        let instead = first.facts.replaced_by.as_ref();
+        let instead = instead.map_or(String::new(), |id| format!("; its vendor recommends {id}"));
+        let verb = if today.days_until(on) > 0 {
+            "from"
+        } else {
+            "since"
+        };
+        let marks = footnotes(&first.sources, sources);
+        format!(
+            "{verb} {on}  {}: {}{instead} {marks}",
+            first.provider.name,
+            ids.join(", ")
+        )
+    };
+    groups.into_iter().map(line).collect()
+}
+
+fn prefix_lines(catalogue: &Catalogue, sources: &mut Vec<Source>) -> Vec<String> {
+    let line = |(prefixes, source): (&[String], &Source)| {
+        let marks = footnotes(std::slice::from_ref(source), sources);
+        format!("{} {marks}", prefixes.join(" "))
+    };
+    catalogue.gateways().map(line).collect()
 }
 
 fn row(title: String, price: String, facts: &Facts, marks: String) -> [String; 9] {
@@ -220,13 +322,14 @@ fn row(title: String, price: String, facts: &Facts, marks: String) -> [String; 9
         answer(facts.vision),
         answer(facts.structured_output),
         facts
+            .temperature
+            .as_ref()
+            .map_or("?".to_owned(), |accepted| accepted.to_string()),
+        facts
             .coordinates
             .map_or("?".to_owned(), |_| facts.lowering().to_string()),
         tokens(SIDES_PX[0]),
         tokens(SIDES_PX[1]),
-        facts
-            .shutdown
-            .map_or("?".to_owned(), |date| date.to_string()),
         marks,
     ]
 }
@@ -253,7 +356,22 @@ fn footnotes(of: &[Source], sources: &mut Vec<Source>) -> String {
     numbers.collect::<Vec<_>>().join("")
 }
 
-fn table(rows: &[[String; 9]]) -> String {
+/// Puts titles before groups of lines, after the line of headings; a group without lines is left out.
+fn grouped(lines: &[String], groups: &[(&str, usize)]) -> String {
+    let mut lines = lines.iter();
+    let mut text = lines.next().cloned().unwrap_or_default();
+    for (title, count) in groups {
+        if *count > 0 && !title.is_empty() {
+            text.push_str(&format!("\n\n{title}"));
+        }
+        for line in lines.by_ref().take(*count) {
+            text.push_str(&format!("\n{line}"));
+        }
+    }
+    text
+}
+
+fn table(rows: &[[String; 9]]) -> Vec<String> {
     let width = |column: usize| {
         rows.iter()
             .map(|row| row[column].chars().count())
@@ -268,5 +386,5 @@ fn table(rows: &[[String; 9]]) -> String {
             .map(|(cell, width)| format!("{cell:<width$}"));
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     });
-    lines.collect::<Vec<_>>().join("\n")
+    lines.collect()
 }

@@ -243,6 +243,7 @@ pub fn play(
                 answering,
                 horizon: job.horizon(),
                 rollouts: 1,
+                recorded: &estimate::recorded(arguments.out.as_deref()),
             };
             estimate::say(&estimate::estimate(&asking, io), arguments.json, io);
             return Ok(Exit::Done);

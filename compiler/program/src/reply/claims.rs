@@ -3,11 +3,12 @@
 //! In: an answer. Out: claims, in order. Objects and tables are read as data, everything else as sentences. Thoughts,
 //! quotations, examples and negations claim nothing.
 
-use super::aside::{self, Cleared};
+use super::aside::{self, Aside, Cleared};
 use super::data;
 use super::lexer::{self, Token};
 use super::remarks;
 use super::sentences::{Claim, Claimed, Reader};
+use std::ops::Range;
 
 /// What an answer claims.
 pub(super) struct Claims {
@@ -15,6 +16,29 @@ pub(super) struct Claims {
     /// Where the answer takes something back: `no wait`, `final answer`.
     pub turns: Vec<usize>,
     pub cleared: Cleared,
+}
+
+/// An answer without what states nothing, for readers of other forms than an action's.
+pub struct Standing {
+    /// The answer, of the same length; thoughts, quotations and their like are blanks.
+    pub text: String,
+    /// What was set aside, in order.
+    pub asides: Vec<(Range<usize>, Aside)>,
+    /// Where the answer takes something back: if a value follows, none before it counts.
+    pub turns: Vec<usize>,
+    /// Whether a thought never ends, so that the answer is missing.
+    pub is_cut_off: bool,
+}
+
+/// Sets aside what an answer does not state.
+pub fn standing(reply: &str) -> Standing {
+    let cleared = aside::clear(reply);
+    Standing {
+        turns: turns(&lexer::tokens(&cleared.text)),
+        text: cleared.text,
+        asides: cleared.asides,
+        is_cut_off: cleared.is_cut_off,
+    }
 }
 
 /// Phrases that take back what stands before them.

@@ -26,6 +26,7 @@ mod words;
 
 pub use action::{read_action, read_action_in, read_fields};
 pub use aside::Aside;
+pub use claims::{Standing, standing};
 pub use reading::{MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed, Reading, Stated};
 pub use schema::{schema, schema_in, static_schema};
 pub use text::read_text;

@@ -16,6 +16,9 @@ use std::num::NonZeroU32;
 pub struct Facts {
     /// Whether it takes pictures.
     pub vision: Option<bool>,
+    /// Whether a message may hold several pictures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub several_pictures: Option<bool>,
     /// Whether it supports a JSON Schema for its answer.
     pub structured_output: Option<bool>,
     /// The sampling temperatures that it accepts.
@@ -36,6 +39,9 @@ pub struct Facts {
     pub price: Option<Vec<Price>>,
     /// When it stops answering, or stopped.
     pub shutdown: Option<Date>,
+    /// The model that its vendor recommends in its place.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replaced_by: Option<String>,
     /// Whether the vendor may put another model behind its id; `None`: inferred from the id.
     pub moving: Option<bool>,
 }
@@ -62,6 +68,8 @@ pub enum Accepted {
     Only(Vec<f64>),
     /// All from the first to the second.
     Range([f64; 2]),
+    /// None: the model refuses the parameter itself.
+    Refused,
 }
 
 impl Accepted {
@@ -70,6 +78,7 @@ impl Accepted {
         match self {
             Accepted::Only(values) => values.contains(&value),
             Accepted::Range([least, most]) => (*least..=*most).contains(&value),
+            Accepted::Refused => false,
         }
     }
 }
@@ -82,6 +91,7 @@ impl std::fmt::Display for Accepted {
                 write!(f, "{} alone", values.join(", "))
             }
             Accepted::Range([least, most]) => write!(f, "{least} to {most}"),
+            Accepted::Refused => f.write_str("no value of it"),
         }
     }
 }
@@ -117,10 +127,22 @@ impl Facts {
         }
     }
 
+    /// Returns what also holds where another server stands before the vendor: not its prices, nor what its interface
+    /// takes.
+    pub fn behind_a_server(&self) -> Facts {
+        Facts {
+            structured_output: None,
+            max_tokens_field: None,
+            price: None,
+            ..self.clone()
+        }
+    }
+
     /// Returns these facts, with unknown ones filled in from `other`.
     pub fn or(self, other: &Facts) -> Facts {
         Facts {
             vision: self.vision.or(other.vision),
+            several_pictures: self.several_pictures.or(other.several_pictures),
             structured_output: self.structured_output.or(other.structured_output),
             temperature: self.temperature.or_else(|| other.temperature.clone()),
             top_p: self.top_p.or_else(|| other.top_p.clone()),
@@ -131,6 +153,11 @@ impl Facts {
             coordinates: self.coordinates.or(other.coordinates),
             price: self.price.or_else(|| other.price.clone()),
             shutdown: self.shutdown.or(other.shutdown),
+            // The replacement belongs to the day.
+            replaced_by: match self.shutdown {
+                Some(_) => self.replaced_by,
+                None => self.replaced_by.or_else(|| other.replaced_by.clone()),
+            },
             moving: self.moving.or(other.moving),
         }
     }

@@ -28,6 +28,10 @@ struct Form {
     provider: Vec<Spanned<ProviderForm>>,
     #[serde(default)]
     model: Vec<Spanned<ModelForm>>,
+    #[serde(default)]
+    retired: Vec<Spanned<RetiredForm>>,
+    #[serde(default)]
+    gateway: Vec<Spanned<GatewayForm>>,
 }
 
 /// One provider of a file, with its given fields.
@@ -56,6 +60,7 @@ struct ModelForm {
     #[serde(default)]
     aliases: Vec<String>,
     vision: Option<bool>,
+    several_pictures: Option<bool>,
     structured_output: Option<bool>,
     temperature: Option<Accepted>,
     top_p: Option<Accepted>,
@@ -66,7 +71,32 @@ struct ModelForm {
     coordinates: Option<PositionFormat>,
     price: Option<Vec<Price>>,
     shutdown: Option<Date>,
+    replaced_by: Option<String>,
     moving: Option<bool>,
+    /// Further facts, each with its own source.
+    #[serde(default)]
+    more: Vec<ModelForm>,
+    as_of: Date,
+    source: String,
+}
+
+/// Models that a vendor shuts down on one day.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RetiredForm {
+    provider: String,
+    on: Date,
+    ids: Vec<String>,
+    instead: Option<String>,
+    as_of: Date,
+    source: String,
+}
+
+/// Beginnings of ids that only say on which way a model is reached.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GatewayForm {
+    prefixes: Vec<String>,
     as_of: Date,
     source: String,
 }
@@ -92,6 +122,13 @@ pub(super) struct ModelEntry {
     pub sources: Vec<Source>,
 }
 
+/// Prefixes of ids, with their source.
+#[derive(Clone, Debug)]
+pub(super) struct Gateway {
+    pub prefixes: Vec<String>,
+    pub source: Source,
+}
+
 /// An entry with its first line's number, from 1.
 pub(super) struct AtLine<T> {
     pub line: usize,
@@ -102,6 +139,7 @@ pub(super) struct AtLine<T> {
 pub(super) struct Read {
     pub providers: Vec<AtLine<ProviderForm>>,
     pub models: Vec<AtLine<ModelEntry>>,
+    pub gateways: Vec<Gateway>,
 }
 
 impl ProviderForm {
@@ -134,6 +172,7 @@ pub(super) fn read(text: &str, name: &str) -> Result<Read, CatalogueError> {
     let mut read = Read {
         providers: Vec::new(),
         models: Vec::new(),
+        gateways: Vec::new(),
     };
     for spanned in form.provider {
         let line = line_of(text, spanned.span().start);
@@ -165,6 +204,17 @@ pub(super) fn read(text: &str, name: &str) -> Result<Read, CatalogueError> {
         }
         read.models.push(AtLine { line, entry });
     }
+    for spanned in form.retired {
+        let line = line_of(text, spanned.span().start);
+        let entries = retired(spanned.into_inner()).map_err(|why| wrong(line, why))?;
+        let entries = entries.into_iter().map(|entry| AtLine { line, entry });
+        read.models.extend(entries);
+    }
+    for spanned in form.gateway {
+        let line = line_of(text, spanned.span().start);
+        let entry = gateway(spanned.into_inner()).map_err(|why| wrong(line, why))?;
+        read.gateways.push(entry);
+    }
     Ok(read)
 }
 
@@ -178,14 +228,15 @@ impl Subject {
     }
 }
 
-fn model(form: ModelForm) -> Result<ModelEntry, String> {
-    let subject = match (form.id, form.name, form.part) {
+fn model(mut form: ModelForm) -> Result<ModelEntry, String> {
+    let subject = match (form.id.take(), form.name.take(), form.part.take()) {
         (Some(id), None, None) => Subject::Id(id),
         (None, Some(name), None) => Subject::Name(name),
         (None, None, Some(part)) => Subject::Part(part),
         _ => return Err("a model needs one of `id`, `name` and `part`".to_owned()),
     };
-    if form.provider.is_none() && !matches!(subject, Subject::Part(_)) {
+    let provider = form.provider.take();
+    if provider.is_none() && !matches!(subject, Subject::Part(_)) {
         return Err(
             "a model without `provider` needs `part`: it holds wherever the model is served"
                 .to_owned(),
@@ -193,15 +244,47 @@ fn model(form: ModelForm) -> Result<ModelEntry, String> {
     }
     let (Subject::Id(named) | Subject::Name(named) | Subject::Part(named)) = &subject;
     plain("id", named)?;
-    form.provider
+    provider
         .iter()
         .try_for_each(|name| plain("provider", name))?;
-    form.aliases
+    let aliases = std::mem::take(&mut form.aliases);
+    aliases
         .iter()
         .try_for_each(|alias| plain("aliases", alias))?;
-    sourced(&form.source)?;
+    let more = std::mem::take(&mut form.more);
+    let (mut facts, source) = sourced_facts(form)?;
+    let mut sources = vec![source];
+    for form in more {
+        let names_a_model = form.id.is_some() || form.name.is_some() || form.part.is_some();
+        if names_a_model
+            || form.provider.is_some()
+            || !(form.aliases.is_empty() && form.more.is_empty())
+        {
+            return Err(
+                "`more` holds facts with their source; the model is named above it".to_owned(),
+            );
+        }
+        let (others, source) = sourced_facts(form)?;
+        facts = facts.or(&others);
+        sources.push(source);
+    }
+    Ok(ModelEntry {
+        provider,
+        subject,
+        aliases,
+        facts,
+        sources,
+    })
+}
+
+fn sourced_facts(form: ModelForm) -> Result<(Facts, Source), String> {
+    form.replaced_by
+        .iter()
+        .try_for_each(|id| plain("replaced_by", id))?;
+    let source = sourced(form.as_of, form.source)?;
     let mut facts = Facts {
         vision: form.vision,
+        several_pictures: form.several_pictures,
         structured_output: form.structured_output,
         temperature: form.temperature,
         top_p: form.top_p,
@@ -212,21 +295,52 @@ fn model(form: ModelForm) -> Result<ModelEntry, String> {
         coordinates: form.coordinates,
         price: form.price,
         shutdown: form.shutdown,
+        replaced_by: form.replaced_by,
         moving: form.moving,
     };
     check_facts(&facts)?;
     if let Some(prices) = &mut facts.price {
         prices.sort_by_key(|price| price.from);
     }
-    Ok(ModelEntry {
-        provider: form.provider,
-        subject,
-        aliases: form.aliases,
-        facts,
-        sources: vec![Source {
-            as_of: form.as_of,
-            source: form.source,
-        }],
+    Ok((facts, source))
+}
+
+/// Makes an entry of each id; one that ends in `*` stands for all ids that begin so.
+fn retired(form: RetiredForm) -> Result<Vec<ModelEntry>, String> {
+    plain("provider", &form.provider)?;
+    form.instead
+        .iter()
+        .try_for_each(|id| plain("instead", id))?;
+    form.ids.iter().try_for_each(|id| plain("ids", id))?;
+    let source = sourced(form.as_of, form.source)?;
+    let entry = |id: String| ModelEntry {
+        provider: Some(form.provider.clone()),
+        aliases: id.ends_with('*').then(|| id.clone()).into_iter().collect(),
+        subject: Subject::Id(id),
+        facts: Facts {
+            shutdown: Some(form.on),
+            replaced_by: form.instead.clone(),
+            ..Facts::default()
+        },
+        sources: vec![source.clone()],
+    };
+    Ok(form.ids.into_iter().map(entry).collect())
+}
+
+fn gateway(form: GatewayForm) -> Result<Gateway, String> {
+    for prefix in &form.prefixes {
+        plain("prefixes", prefix)?;
+        // Without a separator `open` would also be seen in `openai-community/…`.
+        if !prefix.ends_with(['/', '.', ':']) {
+            return Err(format!(
+                "the prefix `{prefix}` ends in neither `/`, `.` nor `:`"
+            ));
+        }
+    }
+    let source = sourced(form.as_of, form.source)?;
+    Ok(Gateway {
+        prefixes: form.prefixes,
+        source,
     })
 }
 
@@ -267,13 +381,13 @@ fn check_provider(entry: &ProviderForm) -> Result<(), String> {
         .start
         .iter()
         .try_for_each(|command| plain("start", command))?;
-    sourced(&entry.source)
+    sourced(entry.as_of, entry.source.clone()).map(drop)
 }
 
 fn check_facts(facts: &Facts) -> Result<(), String> {
     for (key, accepted) in [("temperature", &facts.temperature), ("top_p", &facts.top_p)] {
         let is_right = match accepted {
-            None => true,
+            None | Some(Accepted::Refused) => true,
             Some(Accepted::Only(values)) => {
                 !values.is_empty() && values.iter().all(|value| value.is_finite())
             }
@@ -283,7 +397,7 @@ fn check_facts(facts: &Facts) -> Result<(), String> {
         };
         if !is_right {
             return Err(format!(
-                "`{key}` needs finite numbers: `{{ only = [1] }}` or `{{ range = [0, 2] }}`"
+                "`{key}` needs finite numbers: `{{ only = [1] }}`, `{{ range = [0, 2] }}` or `\"refused\"`"
             ));
         }
     }
@@ -343,11 +457,11 @@ fn check_prices(prices: &[Price]) -> Result<(), String> {
     Ok(())
 }
 
-fn sourced(source: &str) -> Result<(), String> {
+fn sourced(as_of: Date, source: String) -> Result<Source, String> {
     if source.trim().is_empty() {
         return Err("`source` is empty; say where the facts are from".to_owned());
     }
-    Ok(())
+    Ok(Source { as_of, source })
 }
 
 /// Restricts sent or printed text to one short line.

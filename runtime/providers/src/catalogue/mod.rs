@@ -28,7 +28,7 @@ pub use tokens::{Flat, ImageTokens, Patches, Tiles, Tokens};
 use fab_base::files;
 use fab_compiler::diag::{among, nearest};
 use fab_model::Lowering;
-use file::{AtLine, ModelEntry, ProviderForm, Subject};
+use file::{AtLine, Gateway, ModelEntry, ProviderForm, Subject};
 use serde::Serialize;
 use std::path::Path;
 
@@ -39,6 +39,7 @@ const BUILTIN: &str = include_str!("models.toml");
 pub struct Catalogue {
     providers: Vec<Provider>,
     models: Vec<ModelEntry>,
+    gateways: Vec<Gateway>,
 }
 
 /// Everything known about one model at one provider.
@@ -54,6 +55,21 @@ pub struct Profile {
     pub facts: Facts,
     /// Sources of the facts, highest precedence first.
     pub sources: Vec<Source>,
+}
+
+/// What models have in common whose ids hold the same words.
+#[derive(Clone, Copy, Debug)]
+pub struct Family<'c> {
+    /// The words.
+    pub part: &'c str,
+    /// Other words for the same.
+    pub aliases: &'c [String],
+    /// The vendor; `None`: the weights are open.
+    pub provider: Option<&'c str>,
+    /// The facts.
+    pub facts: &'c Facts,
+    /// Their sources.
+    pub sources: &'c [Source],
 }
 
 /// How the facts of a model were found.
@@ -79,6 +95,7 @@ impl Catalogue {
         let empty = Catalogue {
             providers: Vec::new(),
             models: Vec::new(),
+            gateways: Vec::new(),
         };
         empty
             .overlaid(BUILTIN, "models.toml")
@@ -116,6 +133,7 @@ impl Catalogue {
             }
             self.lay_model(entry);
         }
+        self.gateways.extend(read.gateways);
         Ok(self)
     }
 
@@ -160,18 +178,24 @@ impl Catalogue {
         listed.collect()
     }
 
-    /// Returns the model families: the common words of their ids, at which provider (`None`: at any), and their common
-    /// facts.
-    pub fn families(&self) -> impl Iterator<Item = (&str, Option<&str>, &Facts, &[Source])> {
+    /// Returns the model families.
+    pub fn families(&self) -> impl Iterator<Item = Family<'_>> {
         self.models.iter().filter_map(|entry| match &entry.subject {
-            Subject::Part(part) => Some((
-                part.as_str(),
-                entry.provider.as_deref(),
-                &entry.facts,
-                entry.sources.as_slice(),
-            )),
+            Subject::Part(part) => Some(Family {
+                part,
+                aliases: &entry.aliases,
+                provider: entry.provider.as_deref(),
+                facts: &entry.facts,
+                sources: &entry.sources,
+            }),
             Subject::Id(_) | Subject::Name(_) => None,
         })
+    }
+
+    /// Returns the prefixes of ids that are seen through, with their sources.
+    pub fn gateways(&self) -> impl Iterator<Item = (&[String], &Source)> {
+        let gateways = self.gateways.iter();
+        gateways.map(|gateway| (gateway.prefixes.as_slice(), &gateway.source))
     }
 
     /// Finds a model by `PROVIDER:NAME`; for a name without a matching entry nothing is known.
@@ -185,14 +209,26 @@ impl Catalogue {
         Ok(self.profile(provider, id))
     }
 
+    /// Collects what is known about an id at a provider.
+    ///
+    /// A vendor's entries also hold where another server stands before it, but for its interface: a gateway's prefix is
+    /// seen through, and so is a server that passes the vendor's id on.
     fn profile(&self, provider: &Provider, id: &str) -> Profile {
-        let owner = provider.owner();
-        let here = |entry: &&ModelEntry| entry.provider.as_deref().is_none_or(|name| name == owner);
-        let entries: Vec<&ModelEntry> = self.models.iter().filter(here).collect();
-        let own = own_entry(&entries, id);
-        let mut families: Vec<(&ModelEntry, usize)> = entries
+        let prefixes: Vec<&str> = self
+            .gateways
             .iter()
-            .filter_map(|entry| {
+            .flat_map(|gateway| gateway.prefixes.iter().map(String::as_str))
+            .collect();
+        let bare = names::without_prefixes(id, &prefixes);
+        let entries: Vec<(&ModelEntry, Reach)> = self
+            .models
+            .iter()
+            .filter_map(|entry| Some((entry, self.reach(entry, provider)?)))
+            .collect();
+        let own = own_entries(&entries, id, bare);
+        let mut families: Vec<(&ModelEntry, Reach, usize)> = entries
+            .iter()
+            .filter_map(|(entry, reach)| {
                 let Subject::Part(part) = &entry.subject else {
                     return None;
                 };
@@ -201,17 +237,26 @@ impl Catalogue {
                     .filter(|part| names::holds(id, part))
                     .map(String::len)
                     .max()?;
-                Some((*entry, longest))
+                Some((*entry, *reach, longest))
             })
             .collect();
         // More specific families take precedence.
-        families.sort_by_key(|(_, length)| std::cmp::Reverse(*length));
-        let listed = match own.map(|entry| &entry.subject) {
+        families.sort_by_key(|(.., length)| std::cmp::Reverse(*length));
+        let listed = match own.first().map(|(entry, _)| &entry.subject) {
             Some(Subject::Name(name)) => FactsSource::ByName(name.clone()),
             Some(_) => FactsSource::ById,
             None if !families.is_empty() => FactsSource::ByFamily,
             None => FactsSource::Not {
-                near: nearest(id, entries.iter().filter_map(|entry| entry.id())).map(str::to_owned),
+                near: nearest(
+                    id,
+                    entries
+                        .iter()
+                        .filter(|(entry, reach)| {
+                            *reach == Reach::Whole && entry.facts.shutdown.is_none()
+                        })
+                        .filter_map(|(entry, _)| entry.id()),
+                )
+                .map(str::to_owned),
             },
         };
         let mut profile = Profile {
@@ -221,11 +266,12 @@ impl Catalogue {
             facts: Facts::default(),
             sources: Vec::new(),
         };
-        for entry in own
-            .into_iter()
-            .chain(families.into_iter().map(|(entry, _)| entry))
-        {
-            profile.facts = profile.facts.or(&entry.facts);
+        let families = families.into_iter().map(|(entry, reach, _)| (entry, reach));
+        for (entry, reach) in own.into_iter().chain(families) {
+            profile.facts = match reach {
+                Reach::Whole => profile.facts.or(&entry.facts),
+                Reach::BehindAServer => profile.facts.or(&entry.facts.behind_a_server()),
+            };
             let new = entry
                 .sources
                 .iter()
@@ -234,6 +280,21 @@ impl Catalogue {
             profile.sources.extend(new);
         }
         profile
+    }
+
+    /// Returns how much of an entry holds at a provider; `None`: nothing.
+    fn reach(&self, entry: &ModelEntry, provider: &Provider) -> Option<Reach> {
+        let Some(owner) = entry.provider.as_deref() else {
+            return Some(Reach::Whole);
+        };
+        if owner == provider.owner() {
+            return Some(Reach::Whole);
+        }
+        let is_vendors = |name: &str| {
+            let provider = self.provider(name).ok();
+            provider.is_some_and(|provider| provider.runs_on == Some(RunsOn::Vendor))
+        };
+        (is_vendors(owner) && !is_vendors(&provider.name)).then_some(Reach::BehindAServer)
     }
 
     fn lay_provider(&mut self, form: ProviderForm) -> Result<(), String> {
@@ -299,28 +360,46 @@ impl ModelEntry {
     }
 }
 
-/// Returns the entry of one model: by its id, else by an alias, the longest first, else by its name.
-fn own_entry<'e>(entries: &[&'e ModelEntry], id: &str) -> Option<&'e ModelEntry> {
-    let by_id = || entries.iter().find(|entry| entry.id() == Some(id));
-    let by_alias = || {
-        let fits = |entry: &&&'e ModelEntry| {
-            let longest = entry
-                .aliases
-                .iter()
-                .filter(|alias| names::is_alias(id, alias));
-            longest.map(String::len).max()
-        };
-        let named = entries
+/// How much of an entry holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reach {
+    /// All of it.
+    Whole,
+    /// What does not belong to the vendor's interface.
+    BehindAServer,
+}
+
+/// Returns the entries of one model, most precise first: by its id, by an alias, the longest, or else by its name.
+fn own_entries<'e>(
+    entries: &[(&'e ModelEntry, Reach)],
+    id: &str,
+    bare: &str,
+) -> Vec<(&'e ModelEntry, Reach)> {
+    let fits = |(entry, _): &&(&'e ModelEntry, Reach)| {
+        let aliases = entry.aliases.iter();
+        let longest = aliases.filter(|alias| names::is_alias(bare, alias));
+        longest.map(String::len).max()
+    };
+    let by_id = |id: &str| {
+        entries
             .iter()
-            .filter(|entry| !matches!(entry.subject, Subject::Part(_)));
-        named.filter(|entry| fits(entry).is_some()).max_by_key(fits)
+            .find(move |(entry, _)| entry.id() == Some(id))
     };
-    let by_name = || {
-        entries.iter().find(|entry| {
-            matches!(&entry.subject, Subject::Name(name) if name == id || names::spells(id, name))
-        })
-    };
-    by_id().or_else(by_alias).or_else(by_name).copied()
+    let by_alias = entries
+        .iter()
+        .filter(|(entry, _)| !matches!(entry.subject, Subject::Part(_)))
+        .filter(|entry| fits(entry).is_some())
+        .max_by_key(fits);
+    let found = [by_id(id), by_id(bare), by_alias];
+    let mut own: Vec<_> = found.into_iter().flatten().copied().collect();
+    own.dedup_by(|one, other| std::ptr::eq(one.0, other.0));
+    if own.is_empty() {
+        let by_name = entries.iter().find(|(entry, _)| {
+            matches!(&entry.subject, Subject::Name(name) if name == bare || names::spells(bare, name))
+        });
+        own.extend(by_name);
+    }
+    own
 }
 
 impl Profile {

@@ -39,6 +39,25 @@ fn is_number(word: &str) -> bool {
     word.bytes().all(|byte| byte.is_ascii_digit())
 }
 
+/// Returns an id without the prefixes of gateways, nested ones too; case does not count.
+pub(super) fn without_prefixes<'i>(id: &'i str, prefixes: &[&str]) -> &'i str {
+    let mut left = id;
+    // Each turn shortens the id, so this ends.
+    while let Some(shorter) = prefixes
+        .iter()
+        .filter_map(|prefix| {
+            let start = left.get(..prefix.len())?;
+            (start.eq_ignore_ascii_case(prefix) && !prefix.is_empty())
+                .then(|| &left[prefix.len()..])
+        })
+        .min_by_key(|rest| rest.len())
+        .filter(|rest| !rest.is_empty())
+    {
+        left = shorter;
+    }
+    left
+}
+
 /// Returns whether an id matches an alias, which may end in `*` as a wildcard.
 pub(super) fn is_alias(id: &str, alias: &str) -> bool {
     match alias.strip_suffix('*') {
@@ -88,6 +107,32 @@ mod tests {
             "opus-5-5",
         ] {
             assert!(!spells(id, "Claude Opus 5.5"), "{id}");
+        }
+    }
+
+    #[test]
+    fn prefixes_of_gateways_are_left_out_however_they_nest() {
+        let prefixes = [
+            "openrouter/",
+            "openai/",
+            "bedrock/",
+            "bedrock/converse/",
+            "us.",
+            "anthropic.",
+        ];
+        for (id, expected) in [
+            ("openrouter/openai/gpt-6.2-sol", "gpt-6.2-sol"),
+            ("OpenRouter/qwen/qwen3-vl-8b", "qwen/qwen3-vl-8b"),
+            (
+                "bedrock/converse/us.anthropic.claude-opus-5-5",
+                "claude-opus-5-5",
+            ),
+            ("openai-community/gpt2", "openai-community/gpt2"),
+            ("openai/", "openai/"),
+            ("é", "é"),
+            ("", ""),
+        ] {
+            assert_eq!(without_prefixes(id, &prefixes), expected, "{id}");
         }
     }
 

@@ -18,6 +18,9 @@ pub enum Notice {
     Retired {
         /// Since when.
         on: Date,
+        /// What its vendor recommends in its place.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        instead: Option<String>,
     },
     /// It will soon stop answering.
     RetiresSoon {
@@ -25,6 +28,9 @@ pub enum Notice {
         on: Date,
         /// In how many days.
         days: i64,
+        /// What its vendor recommends in its place.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        instead: Option<String>,
     },
     /// The vendor may put another model behind its id.
     Undated,
@@ -64,9 +70,10 @@ impl Profile {
     pub fn notices(&self, today: Date) -> Vec<Notice> {
         let mut notices = Vec::new();
         if let Some(on) = self.facts.shutdown {
+            let instead = self.facts.replaced_by.clone();
             match today.days_until(on) {
-                ..=0 => notices.push(Notice::Retired { on }),
-                days @ ..=SOON_DAYS => notices.push(Notice::RetiresSoon { on, days }),
+                ..=0 => notices.push(Notice::Retired { on, instead }),
+                days @ ..=SOON_DAYS => notices.push(Notice::RetiresSoon { on, days, instead }),
                 _ => {}
             }
         }
@@ -108,10 +115,22 @@ impl Profile {
 
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let recommended = |instead: &Option<String>| {
+            instead.as_ref().map_or(String::new(), |id| {
+                format!("; its vendor recommends `{id}`")
+            })
+        };
         match self {
-            Notice::Retired { on } => write!(f, "it has been shut down since {on}"),
-            Notice::RetiresSoon { on, days: 1 } => write!(f, "it will be shut down on {on}, tomorrow"),
-            Notice::RetiresSoon { on, days } => write!(f, "it will be shut down on {on}, in {days} days"),
+            Notice::Retired { on, instead } => {
+                write!(f, "it has been shut down since {on}{}", recommended(instead))
+            }
+            Notice::RetiresSoon { on, days, instead } => {
+                let when = match days {
+                    1 => "tomorrow".to_owned(),
+                    days => format!("in {days} days"),
+                };
+                write!(f, "it will be shut down on {on}, {when}{}", recommended(instead))
+            }
             Notice::Undated => f.write_str(
                 "its id has no date: the vendor may replace the model behind it, and results may change",
             ),

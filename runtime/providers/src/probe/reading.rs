@@ -1,7 +1,11 @@
 //! Extracts pairs of numbers and their names from an answer.
 //!
-//! In: any text. Out: the first two numbers after each name; or before it, if the answer puts numbers first, as in
-//! `[{"point": [y, x], "label": "red"}]`. Nothing is guessed: a name with one number has no pair.
+//! In: any text. Out: the two numbers after each name; or before it, if the answer puts numbers first, as in
+//! `[{"point": [y, x], "label": "red"}]`. The rules of `docs/answers.md` hold: thoughts and quotations state nothing, a
+//! value that is taken back does not count, and of two different values neither is read. The frame of the numbers is
+//! unknown here, so the reader of actions cannot be used.
+
+use fab_program::reply::standing;
 
 /// A relevant token of an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,30 +19,74 @@ const MOST: usize = 100_000;
 
 /// Returns the pair of each name, in their order.
 pub(super) fn pairs<const N: usize>(text: &str, names: &[&str; N]) -> [Option<[f64; 2]>; N] {
-    let mut found = found(text, names);
+    let end = (0..=MOST.min(text.len()))
+        .rev()
+        .find(|end| text.is_char_boundary(*end));
+    let answer = standing(&text[..end.unwrap_or(0)]);
+    let mut pairs = [None; N];
+    if answer.is_cut_off {
+        return pairs;
+    }
+    let mut found = found(&answer.text, names);
     // Numbers first, then names: read backwards, each name is followed by its numbers.
-    let backwards = matches!(found.first(), Some(Token::Number(_)))
-        && matches!(found.last(), Some(Token::Name(_)));
+    let backwards = matches!(found.first(), Some((_, Token::Number(_))))
+        && matches!(found.last(), Some((_, Token::Name(_))));
     if backwards {
         found.reverse();
     }
-    let mut pairs = [None; N];
-    for (index, thing) in found.iter().enumerate() {
-        let Token::Name(name) = *thing else { continue };
-        if let [Token::Number(one), Token::Number(other), ..] = found[index + 1..] {
+    let mut stated: [Vec<(usize, [f64; 2])>; N] = std::array::from_fn(|_| Vec::new());
+    for (index, (at, token)) in found.iter().enumerate() {
+        let Token::Name(name) = *token else { continue };
+        if let [(_, Token::Number(one)), (_, Token::Number(other)), ..] = found[index + 1..] {
             let pair = if backwards {
                 [other, one]
             } else {
                 [one, other]
             };
-            pairs[name].get_or_insert(pair);
+            stated[name].push((*at, pair));
         }
+    }
+    for (pair, mut stated) in pairs.iter_mut().zip(stated) {
+        stated.sort_by_key(|(at, _)| *at);
+        if let [(first, _), .., (last, _)] = stated[..]
+            && let Some(turn) = answer
+                .turns
+                .iter()
+                .rev()
+                .find(|turn| (first..last).contains(turn))
+        {
+            stated.retain(|(at, _)| at > turn);
+        }
+        *pair = match &stated[..] {
+            [(_, only), rest @ ..] if rest.iter().all(|(_, other)| other == only) => Some(*only),
+            _ => None,
+        };
     }
     pairs
 }
 
-fn found(text: &str, names: &[&str]) -> Vec<Token> {
-    let text: String = text.chars().take(MOST).collect::<String>().to_lowercase();
+/// Returns the colours, red or blue, that an answer gives to the first and the second picture.
+pub(super) fn colours(text: &str) -> Option<[&'static str; 2]> {
+    let answer = standing(text);
+    if answer.is_cut_off {
+        return None;
+    }
+    let text = answer.text.to_ascii_lowercase();
+    let words: Vec<&str> = text
+        .split(|c: char| !c.is_ascii_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .collect();
+    let after = |name: &str| {
+        let mut named = words.iter().skip_while(|word| **word != name).skip(1);
+        let next = named.find(|word| ["red", "blue", "first", "second"].contains(*word))?;
+        ["red", "blue"].into_iter().find(|colour| colour == next)
+    };
+    Some([after("first")?, after("second")?])
+}
+
+/// Returns the tokens with where they begin.
+fn found(text: &str, names: &[&str]) -> Vec<(usize, Token)> {
+    let text = text.to_ascii_lowercase();
     let bytes = text.as_bytes();
     let is_word = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_alphanumeric);
     let mut found = Vec::new();
@@ -50,7 +98,8 @@ fn found(text: &str, names: &[&str]) -> Vec<Token> {
                 at += 1;
             }
             let word = &text[begun..at];
-            found.extend(names.iter().position(|name| *name == word).map(Token::Name));
+            let name = names.iter().position(|name| *name == word);
+            found.extend(name.map(|name| (begun, Token::Name(name))));
         } else if bytes[at].is_ascii_digit() {
             while bytes.get(at).is_some_and(|byte| byte.is_ascii_digit())
                 || (bytes.get(at) == Some(&b'.')
@@ -67,7 +116,7 @@ fn found(text: &str, names: &[&str]) -> Vec<Token> {
                 .parse::<f64>()
                 .ok()
                 .filter(|number| number.is_finite());
-            found.extend(number.map(|number| Token::Number(sign * number)));
+            found.extend(number.map(|number| (begun, Token::Number(sign * number))));
         } else {
             at += 1;
         }
@@ -107,11 +156,50 @@ mod tests {
         ] {
             assert_eq!(pairs(text, &["red", "blue"]), [None, None], "{text}");
         }
+        assert_eq!(pairs("red: (1, 2)\nred: (3, 4)", &["red"]), [None]);
         assert_eq!(
-            pairs("red: (1, 2) red: (3, 4)", &["red"]),
+            pairs("red: (1, 2)\nred: (1, 2)", &["red"]),
             [Some([1.0, 2.0])]
         );
         assert_eq!(pairs("red: (-1, 2)", &["red"]), [Some([-1.0, 2.0])]);
+    }
+
+    #[test]
+    fn thoughts_quotations_and_what_is_taken_back_are_not_read() {
+        for (text, expected) in [
+            (
+                "<think>red: (9, 9), or rather (8, 8)</think>\nred: (1, 2)",
+                Some([1.0, 2.0]),
+            ),
+            ("> red: (9, 9)\nred: (1, 2)", Some([1.0, 2.0])),
+            (
+                "red: (9, 9)\nNo wait, correction:\nred: (1, 2)",
+                Some([1.0, 2.0]),
+            ),
+            ("<think>red: (1, 2)", None),
+        ] {
+            assert_eq!(pairs(text, &["red"]), [expected], "{text}");
+        }
+    }
+
+    #[test]
+    fn colours_of_two_pictures_are_read_by_their_names() {
+        for (text, expected) in [
+            ("first: red\nsecond: blue", Some(["red", "blue"])),
+            (
+                "The **first** picture is Blue, the second is red.",
+                Some(["blue", "red"]),
+            ),
+            (
+                "<think>first: blue</think>\nfirst: red\nsecond: red",
+                Some(["red", "red"]),
+            ),
+            ("first: green\nsecond: blue", None),
+            ("I see one picture.", None),
+            ("", None),
+        ] {
+            assert_eq!(colours(text), expected, "{text}");
+        }
     }
 
     proptest! {

@@ -1,8 +1,11 @@
 //! Tests with scripted models that see the dots well and answer in their own convention.
 
 use super::*;
-use fab_model::calls::Unrecorded;
+use crate::catalogue::{Accepted, Catalogue, Facts, MaxTokensField, PositionFormat, Wire};
+use fab_model::calls::{Fault, Unrecorded};
 use fab_model::{ModelKind, Reply};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Finds the dots in the picture by their colours and names them in a fixed convention, whatever it is asked for.
 struct Seeing {
@@ -55,19 +58,24 @@ impl Model for Seeing {
             panic!("the question shows a picture");
         };
         let shown = png::decode(png.bytes(), std::path::Path::new("shown")).expect("a picture");
-        let lines = DOTS.map(|(name, colour)| {
-            let (mut sum, mut count) = ([0.0, 0.0], 0.0);
-            for (x, y, _) in shown
-                .enumerate_pixels()
-                .filter(|(_, _, pixel)| pixel.0 == colour)
-            {
-                sum = [sum[0] + f64::from(x), sum[1] + f64::from(y)];
-                count += 1.0;
-            }
-            let got = [shown.width(), shown.height()];
-            let part = [0, 1].map(|axis| (sum[axis] / count + 0.5) / f64::from(got[axis]));
-            (self.form)(name, self.numbers(part, got))
-        });
+        let mut seen = [([0.0, 0.0], 0.0); DOTS.len()];
+        for (x, y, pixel) in shown.enumerate_pixels() {
+            let Some(dot) = DOTS.iter().position(|(_, colour)| pixel.0 == *colour) else {
+                continue;
+            };
+            let (sum, count) = &mut seen[dot];
+            *sum = [sum[0] + f64::from(x), sum[1] + f64::from(y)];
+            *count += 1.0;
+        }
+        let lines: Vec<String> = DOTS
+            .iter()
+            .zip(seen)
+            .map(|((name, _), (sum, count))| {
+                let got = [shown.width(), shown.height()];
+                let part = [0, 1].map(|axis| (sum[axis] / count + 0.5) / f64::from(got[axis]));
+                (self.form)(name, self.numbers(part, got))
+            })
+            .collect();
         Ok(Reply {
             text: lines.join("\n"),
             usage: Some(Usage {
@@ -272,4 +280,400 @@ fn the_same_seed_asks_the_same_and_another_asks_otherwise() {
     };
     assert_eq!(places(3), places(3));
     assert_ne!(places(3), places(4));
+}
+
+/// How a character takes a JSON Schema.
+#[derive(Clone, Copy, PartialEq)]
+enum Schema {
+    Follows,
+    Ignores,
+    Refuses,
+}
+
+/// A model of a certain character, with the interface before it.
+#[derive(Clone)]
+struct Character {
+    says: Lowering,
+    thought: &'static str,
+    hidden_tokens: u64,
+    temperature: Option<Accepted>,
+    schema: Schema,
+    pictures: usize,
+    limit: MaxTokensField,
+    known: Facts,
+}
+
+/// A character under assumed facts.
+struct Assumed {
+    character: Character,
+    facts: Facts,
+}
+
+impl Subject for Character {
+    fn known(&self) -> &Facts {
+        &self.known
+    }
+
+    fn wire(&self) -> Wire {
+        Wire::OpenaiChat
+    }
+
+    fn under(&self, facts: &Facts) -> Result<Arc<dyn Model>, ModelError> {
+        Ok(Arc::new(Assumed {
+            character: self.clone(),
+            facts: facts.clone(),
+        }))
+    }
+}
+
+impl Model for Assumed {
+    fn name(&self) -> &str {
+        "character"
+    }
+
+    fn nature(&self) -> ModelKind {
+        ModelKind::Model
+    }
+
+    fn lowering(&self) -> Lowering {
+        self.facts.lowering()
+    }
+
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let character = &self.character;
+        let pictures = request.messages[0].parts.iter();
+        let pictures = pictures
+            .filter(|part| matches!(part, Part::Image(_)))
+            .count();
+        let sends_schema = self.facts.structured_output == Some(true) && request.schema.is_some();
+        let field = self
+            .facts
+            .max_tokens_field
+            .unwrap_or(MaxTokensField::MaxTokens);
+        let takes = |value: f64| {
+            character
+                .temperature
+                .as_ref()
+                .is_none_or(|it| it.takes(value))
+        };
+        let is_refused = field != character.limit
+            || pictures > character.pictures
+            || !request.temperature.is_none_or(takes)
+            || sends_schema && character.schema == Schema::Refuses;
+        if is_refused {
+            return Err(ModelError::Failed {
+                model: "character".to_owned(),
+                fault: Fault::BadRequest,
+                why: "HTTP 400\nno".to_owned(),
+            });
+        }
+        let Part::Text(words) = &request.messages[0].parts[0] else {
+            panic!("a question begins with words");
+        };
+        let text = match (words, pictures) {
+            (words, _) if words.contains("the word yes") => "yes".to_owned(),
+            (words, _) if words.contains("tree") => match sends_schema {
+                true if character.schema == Schema::Follows => "{\"colour\": \"green\"}".to_owned(),
+                _ => "Oak".to_owned(),
+            },
+            (_, 2) => "first: red\nsecond: blue".to_owned(),
+            (words, _) if words.contains("two pictures") => "first: red\nsecond: red".to_owned(),
+            _ => {
+                let told = self.lowering();
+                let seeing = Seeing {
+                    told,
+                    says: character.says,
+                    form: plain,
+                };
+                seeing.ask(request, calls)?.text
+            }
+        };
+        let text = format!("{}{text}", character.thought);
+        let output_tokens = crate::catalogue::tokens::of_text(&text) + character.hidden_tokens;
+        Ok(Reply {
+            usage: Some(Usage {
+                input_tokens: 10,
+                cached_input_tokens: 0,
+                output_tokens,
+            }),
+            cost: Some(Usd::from_nano(1)),
+            text,
+        })
+    }
+}
+
+/// A model of 2026 that takes everything, and answers in pixels.
+fn easy() -> Character {
+    Character {
+        says: Lowering::PIXELS,
+        thought: "",
+        hidden_tokens: 0,
+        temperature: None,
+        schema: Schema::Follows,
+        pictures: 2,
+        limit: MaxTokensField::MaxTokens,
+        known: Facts::default(),
+    }
+}
+
+fn habit(unit: CoordinateUnit, order: Order, multiples_of_px: Option<u32>) -> PositionFormat {
+    PositionFormat {
+        unit,
+        order,
+        multiples_of_px,
+    }
+}
+
+#[test]
+#[ignore = "long"]
+fn every_character_is_found_out_and_its_entry_is_used_when_pasted() {
+    use CoordinateUnit::{Fraction, PerMille, Percent, Pixels};
+    let easy_facts = Facts {
+        vision: Some(true),
+        several_pictures: Some(true),
+        structured_output: Some(true),
+        max_tokens_field: Some(MaxTokensField::MaxTokens),
+        coordinates: Some(habit(Pixels, Order::Xy, None)),
+        ..Facts::default()
+    };
+    let saying = |unit, order, resize| Character {
+        says: lowering(unit, order, resize),
+        ..easy()
+    };
+    let in_frame = |unit, order, multiples| Facts {
+        coordinates: Some(habit(unit, order, multiples)),
+        ..easy_facts.clone()
+    };
+    let thought = "<think>red: (5, 5)\ngreen: (6, 6). Hm, red: (7, 7)?</think>\n";
+    let cases = [
+        ("easy", easy(), easy_facts.clone(), Some(false)),
+        (
+            "pixels of the resized picture",
+            saying(Pixels, Order::Xy, multiples()),
+            in_frame(Pixels, Order::Xy, Some(28)),
+            Some(false),
+        ),
+        (
+            "thousandths",
+            saying(PerMille, Order::Xy, Resize::Never),
+            in_frame(PerMille, Order::Xy, None),
+            Some(false),
+        ),
+        (
+            "y first",
+            saying(PerMille, Order::Yx, Resize::Never),
+            in_frame(PerMille, Order::Yx, None),
+            Some(false),
+        ),
+        (
+            "percent",
+            saying(Percent, Order::Xy, Resize::Never),
+            in_frame(Percent, Order::Xy, None),
+            Some(false),
+        ),
+        (
+            "fraction",
+            saying(Fraction, Order::Xy, Resize::Never),
+            in_frame(Fraction, Order::Xy, None),
+            Some(false),
+        ),
+        (
+            "thinks in the content",
+            Character { thought, ..easy() },
+            easy_facts.clone(),
+            Some(true),
+        ),
+        (
+            "thinks unseen",
+            Character {
+                hidden_tokens: 300,
+                ..easy()
+            },
+            easy_facts.clone(),
+            Some(true),
+        ),
+        (
+            "fixed sampling",
+            Character {
+                temperature: Some(Accepted::Only(vec![1.0])),
+                ..easy()
+            },
+            Facts {
+                temperature: Some(Accepted::Only(vec![1.0])),
+                ..easy_facts.clone()
+            },
+            Some(false),
+        ),
+        (
+            "no temperature",
+            Character {
+                temperature: Some(Accepted::Refused),
+                ..easy()
+            },
+            Facts {
+                temperature: Some(Accepted::Refused),
+                ..easy_facts.clone()
+            },
+            Some(false),
+        ),
+        (
+            "ignores schemas",
+            Character {
+                schema: Schema::Ignores,
+                ..easy()
+            },
+            Facts {
+                structured_output: Some(false),
+                ..easy_facts.clone()
+            },
+            Some(false),
+        ),
+        (
+            "refuses schemas",
+            Character {
+                schema: Schema::Refuses,
+                ..easy()
+            },
+            Facts {
+                structured_output: Some(false),
+                ..easy_facts.clone()
+            },
+            Some(false),
+        ),
+        (
+            "one picture",
+            Character {
+                pictures: 1,
+                ..easy()
+            },
+            Facts {
+                several_pictures: Some(false),
+                ..easy_facts.clone()
+            },
+            Some(false),
+        ),
+        (
+            "the other limit",
+            Character {
+                limit: MaxTokensField::MaxCompletionTokens,
+                ..easy()
+            },
+            Facts {
+                max_tokens_field: Some(MaxTokensField::MaxCompletionTokens),
+                ..easy_facts.clone()
+            },
+            Some(false),
+        ),
+        (
+            "no pictures",
+            Character {
+                pictures: 0,
+                ..easy()
+            },
+            Facts {
+                vision: Some(false),
+                several_pictures: None,
+                coordinates: None,
+                ..easy_facts.clone()
+            },
+            Some(false),
+        ),
+    ];
+    for (name, character, expected, reasons) in cases {
+        let calls = &mut Unrecorded;
+        let able = abilities(&character, calls).expect(name);
+        let sees = able.facts.vision != Some(false);
+        let known = Facts {
+            max_tokens_field: able.facts.max_tokens_field,
+            ..Facts::default()
+        };
+        let model = character.under(&known).expect(name);
+        let dots = sees.then(|| probe(model.as_ref(), 7, calls).expect(name));
+        let facts = entry::facts(dots.as_ref(), &able);
+        assert_eq!(facts, expected, "{name}: {:?}", able.notes);
+        assert_eq!(able.reasons, reasons, "{name}");
+        let today = "2026-11-24".parse().expect("a date");
+        let id = "my \"model\"";
+        let toml = entry::toml(
+            "vllm",
+            id,
+            &facts,
+            &["a remark\nvision = false".to_owned()],
+            today,
+        );
+        let catalogue = Catalogue::builtin().overlaid(&toml, "pasted.toml");
+        let catalogue = catalogue.unwrap_or_else(|error| panic!("{name}: {error}\n{toml}"));
+        let found = catalogue.find(&format!("vllm:{id}")).expect("pasted");
+        assert_eq!(found.facts, expected, "{name}:\n{toml}");
+        assert_eq!(found.sources[0].source, "fabc probe");
+        assert_eq!(found.sources[0].as_of, today);
+    }
+}
+
+/// Counts the questions that are put to a character.
+struct Counted {
+    character: Character,
+    asked: Arc<AtomicU64>,
+}
+
+impl Subject for Counted {
+    fn known(&self) -> &Facts {
+        &self.character.known
+    }
+
+    fn wire(&self) -> Wire {
+        Wire::OpenaiChat
+    }
+
+    fn under(&self, facts: &Facts) -> Result<Arc<dyn Model>, ModelError> {
+        Ok(Arc::new(Counting {
+            model: self.character.under(facts)?,
+            asked: Arc::clone(&self.asked),
+        }))
+    }
+}
+
+struct Counting {
+    model: Arc<dyn Model>,
+    asked: Arc<AtomicU64>,
+}
+
+impl Model for Counting {
+    fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    fn nature(&self) -> ModelKind {
+        self.model.nature()
+    }
+
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
+        self.asked.fetch_add(1, Ordering::SeqCst);
+        self.model.ask(request, calls)
+    }
+}
+
+#[test]
+fn a_probe_asks_no_more_than_it_says() {
+    let stubborn = Character {
+        limit: MaxTokensField::MaxCompletionTokens,
+        temperature: Some(Accepted::Refused),
+        pictures: 0,
+        schema: Schema::Refuses,
+        ..easy()
+    };
+    // Two for the limit, two for the temperature, one each for `top_p` and the schema, two for pictures.
+    for (character, expected) in [(stubborn, 8), (easy(), 5)] {
+        let asked = Arc::new(AtomicU64::new(0));
+        let subject = Counted {
+            character,
+            asked: Arc::clone(&asked),
+        };
+        abilities(&subject, &mut Unrecorded).expect("it answers");
+        assert_eq!(asked.load(Ordering::SeqCst), expected);
+        assert!(
+            expected < MOST_QUESTIONS,
+            "a refused `top_p` asks once more"
+        );
+    }
 }

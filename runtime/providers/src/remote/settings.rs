@@ -27,6 +27,8 @@ pub struct Settings {
     pub key: Option<Key>,
     /// Whether it accepts pictures; `None`: unknown.
     pub pictures: Option<bool>,
+    /// Whether it accepts several pictures in one message; `None`: unknown.
+    pub several_pictures: Option<bool>,
     /// Whether it accepts a JSON Schema of its answer; the schema is sent only if it is known to.
     pub structured_output: Option<bool>,
     /// How points are written for it, and how pictures are resized.
@@ -59,6 +61,7 @@ impl Settings {
             base_url,
             key: None,
             pictures: None,
+            several_pictures: None,
             structured_output: None,
             lowering: Lowering::PIXELS,
             temperature: None,
@@ -77,6 +80,7 @@ impl Settings {
         let (provider, facts) = (&profile.provider, &profile.facts);
         Settings {
             pictures: facts.vision,
+            several_pictures: facts.several_pictures,
             structured_output: facts.structured_output,
             lowering: profile.lowering(),
             temperature: facts.temperature.clone(),

@@ -7,6 +7,7 @@ use crate::io::Io;
 use crate::verbs::render::camera::TargetModelArguments;
 use crate::verbs::runtime::setting::model_arguments::ModelArguments;
 use crate::verbs::runtime::setting::model_arguments::Purpose;
+use crate::verbs::runtime::setting::model_arguments::ReachArguments;
 use crate::verbs::runtime::setting::model_arguments::SpendArguments;
 use fab_agent::rollout::FirstQuestion;
 use fab_base::interrupt::Interrupt;
@@ -14,10 +15,12 @@ use fab_model::Models;
 use fab_model::calls::{Budget, Caps, Spent};
 use fab_model::lowering::{Lowering, Points};
 use fab_model::recording::{Recorder, Replay};
-use fab_model::{Model, ModelRole, Request};
-use fab_providers::catalogue::Profile;
+use fab_model::{Model, ModelError, ModelRole, Request};
+use fab_providers::catalogue::{Facts, Profile, Wire};
+use fab_providers::probe::Subject;
 use fab_providers::remote::Remote;
 use fab_standins::{Geometric, Imperfect, Random};
+use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -54,11 +57,6 @@ struct Provided {
 }
 
 impl Answering {
-    /// Returns the model that is sent pictures.
-    pub fn vision(&self) -> Arc<dyn Model> {
-        Arc::clone(&self.vision.model)
-    }
-
     /// Returns the profile of a role's model; `None` if it has no provider.
     pub fn profile(&self, role: ModelRole) -> Option<&Profile> {
         let answerer = match role {
@@ -148,6 +146,77 @@ pub fn models(
                 text: finder.model(&text, text_url.as_deref(), ModelRole::Text, io)?,
             })
         }
+    }
+}
+
+/// A model that is looked into.
+pub enum Examined {
+    /// It is embedded, and its interface has no facts.
+    Embedded(Arc<dyn Model>),
+    /// It has a provider.
+    Provided(Varied),
+}
+
+/// A provider's model that can be asked under other facts than the known ones.
+pub struct Varied {
+    profile: Profile,
+    base_url: Option<String>,
+    providers: RefCell<Providers>,
+}
+
+/// Finds the model that the command line names, for questions about itself.
+pub fn examined(
+    name: &str,
+    reach: &ReachArguments,
+    interrupt: &Interrupt,
+    io: &Io,
+) -> Result<Examined, Failure> {
+    if let Some(model) = embedded(name, ModelRole::Vision)? {
+        return Ok(Examined::Embedded(Arc::from(model)));
+    }
+    let base_url = match reach.base_url.is_empty() {
+        true => None,
+        false => Some(by_role("--base-url", &reach.base_url)?.each()[0].clone()),
+    };
+    let mut providers = Providers::new(reach, interrupt, io)?;
+    let profile = providers.profile(name)?;
+    // Fails here rather than between questions if there is no key or no address.
+    providers.model(&profile, base_url.as_deref(), Purpose::Asking)?;
+    Ok(Examined::Provided(Varied {
+        profile,
+        base_url,
+        providers: RefCell::new(providers),
+    }))
+}
+
+impl Varied {
+    /// Returns what is known of the model.
+    pub fn profile(&self) -> &Profile {
+        &self.profile
+    }
+}
+
+impl Subject for Varied {
+    fn known(&self) -> &Facts {
+        &self.profile.facts
+    }
+
+    fn wire(&self) -> Wire {
+        self.profile.provider.wire
+    }
+
+    fn under(&self, facts: &Facts) -> Result<Arc<dyn Model>, ModelError> {
+        let profile = Profile {
+            facts: facts.clone(),
+            ..self.profile.clone()
+        };
+        let mut providers = self.providers.borrow_mut();
+        let made = providers.model(&profile, self.base_url.as_deref(), Purpose::Asking);
+        let remote = made.map_err(|failure| ModelError::Unsupported {
+            model: self.profile.title(),
+            why: failure.to_string(),
+        })?;
+        Ok(Arc::new(remote))
     }
 }
 

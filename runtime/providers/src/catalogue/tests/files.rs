@@ -158,6 +158,22 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
         ),
         (&entry("").replace("\"s\"", "\" \""), "`source` is empty"),
         (
+            &(entry("") + "[[model.more]]\nid = \"y\"\nas_of = \"2027-01-05\"\nsource = \"s\""),
+            "line 3: `more` holds facts with their source",
+        ),
+        (
+            &(entry("") + "[[model.more]]\nvision = true\nas_of = \"2027-01-05\"\nsource = \"\""),
+            "line 3: `source` is empty",
+        ),
+        (
+            "[[retired]]\nprovider = \"opnai\"\non = \"2027-01-05\"\nids = [\"x\"]\nas_of = \"2027-01-05\"\nsource = \"s\"",
+            "line 1: there is no provider `opnai`",
+        ),
+        (
+            "[[gateway]]\nprefixes = [\"open\"]\nas_of = \"2027-01-05\"\nsource = \"s\"",
+            "line 1: the prefix `open` ends in neither",
+        ),
+        (
             &provider(""),
             "line 2: the new provider `p` needs `wire` and `key`",
         ),
@@ -189,6 +205,49 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
     }
     assert!(with(&"#".repeat((1 << 20) + 1)).is_err());
     assert!(with("").is_ok());
+}
+
+#[test]
+fn a_users_file_retires_models_names_gateways_and_keeps_prices_for_the_ids_it_names() {
+    let mine = r#"
+        [[retired]]
+        provider = "vllm"
+        on = "2027-01-01"
+        ids = ["old-*"]
+        instead = "new"
+        as_of = "2027-01-05"
+        source = "our lab"
+
+        [[gateway]]
+        prefixes = ["house/"]
+        as_of = "2027-01-05"
+        source = "our lab"
+
+        [[model]]
+        provider = "litellm"
+        id = "house/openai/gpt-6.2-sol"
+        price = [{ input = 3, output = 4 }]
+        structured_output = true
+        as_of = "2027-01-05"
+        source = "our contract"
+    "#;
+    let catalogue = with(mine).expect("right");
+    let old = catalogue.find("vllm:old-1").expect("known").facts;
+    assert_eq!(old.replaced_by.as_deref(), Some("new"));
+    let named = catalogue
+        .find("litellm:house/openai/gpt-6.2-sol")
+        .expect("known")
+        .facts;
+    assert!(named.price.is_some() && named.structured_output == Some(true));
+    assert!(
+        named.temperature.is_some(),
+        "the vendor's own row is seen through the prefix"
+    );
+    let other = catalogue
+        .find("compatible:house/openai/gpt-6.2-sol")
+        .expect("known")
+        .facts;
+    assert!(other.price.is_none() && other.temperature.is_some());
 }
 
 proptest! {

@@ -11,24 +11,35 @@ fn notices_tell_what_a_day_makes_of_a_model() {
     assert_eq!(
         told("openai:gpt-4-0613", "2026-11-20")[0],
         Notice::Retired {
-            on: date("2026-10-23")
+            on: date("2026-10-23"),
+            instead: Some("gpt-5.6-sol".to_owned())
         }
     );
     assert_eq!(
         told("openai:o3", "2026-12-11")[0],
         Notice::Retired {
-            on: date("2026-12-11")
+            on: date("2026-12-11"),
+            instead: Some("gpt-5.6-sol".to_owned())
         }
     );
     let soon = Notice::RetiresSoon {
         on: date("2026-12-11"),
         days: 21,
+        instead: Some("gpt-5.6-sol".to_owned()),
     };
     assert_eq!(told("openai:o3", "2026-11-20")[0], soon);
+    assert_eq!(
+        soon.to_string(),
+        "it will be shut down on 2026-12-11, in 21 days; its vendor recommends `gpt-5.6-sol`"
+    );
     let on = date("2027-01-14");
     assert_eq!(
         told("openai:gpt-4o", "2026-10-16")[0],
-        Notice::RetiresSoon { on, days: 90 }
+        Notice::RetiresSoon {
+            on,
+            days: 90,
+            instead: Some("gpt-6-luna".to_owned())
+        }
     );
     assert!(
         !told("openai:gpt-4o", "2026-10-15")
@@ -37,13 +48,9 @@ fn notices_tell_what_a_day_makes_of_a_model() {
     );
     assert_eq!(told("openai:gpt-6.2-sol", "2026-11-20"), [Notice::Undated]);
     let argon = told("google:gemini-4-argon", "2026-11-30");
-    let by_name = Notice::ByName {
-        name: "Gemini 4 Argon".to_owned(),
-    };
     assert_eq!(
         argon,
         [
-            by_name,
             Notice::PriceChanges {
                 on: date("2026-12-01")
             },
@@ -57,7 +64,7 @@ fn notices_tell_what_a_day_makes_of_a_model() {
     );
     let unlisted = Notice::Unlisted { near: None };
     assert_eq!(
-        told("ollama:llava", "2026-11-20"),
+        told("ollama:fabric", "2026-11-20"),
         [unlisted.clone(), Notice::CoordinatesUnknown]
     );
     assert_eq!(

@@ -8,10 +8,13 @@ use fab_model::{Message, Part, Png, Speaker};
 /// Separates texts that are joined into one string.
 const BETWEEN: &str = "\n\n";
 
-/// Returns whether any message has a picture.
-pub(super) fn has_picture(messages: &[Message]) -> bool {
-    let mut parts = messages.iter().flat_map(|message| &message.parts);
-    parts.any(|part| matches!(part, Part::Image(_)))
+/// Returns the most pictures of any message.
+pub(super) fn most_pictures(messages: &[Message]) -> usize {
+    let is_picture = |part: &&Part| matches!(part, Part::Image(_));
+    let counts = messages
+        .iter()
+        .map(|message| message.parts.iter().filter(is_picture).count());
+    counts.max().unwrap_or(0)
 }
 
 /// Returns the bytes of a picture in base64.

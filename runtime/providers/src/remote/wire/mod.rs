@@ -148,10 +148,16 @@ impl<'a> SentSettings<'a> {
                 "the stage states `{name}` {value}, and it accepts {accepts}; state that, or leave it out with `--omit {name}`"
             )))
         };
-        if settings.pictures == Some(false) && content::has_picture(&request.messages) {
+        let most = content::most_pictures(&request.messages);
+        if settings.pictures == Some(false) && most > 0 {
             return Err(Unfit(
                 "the request holds a picture, and it takes text alone".to_owned(),
             ));
+        }
+        if settings.several_pictures == Some(false) && most > 1 {
+            return Err(Unfit(format!(
+                "a message of the request holds {most} pictures, and it takes one in a message"
+            )));
         }
         let structured = settings.structured_output == Some(true);
         Ok(SentSettings {

@@ -1,0 +1,292 @@
+//! The likely value of `--estimate`, held against a scripted server that bills with its own tokenizer and has answers of
+//! its own length.
+
+use super::provider_commands::command;
+use super::support::{finish, project};
+use axum::body::{Body, Bytes, to_bytes};
+use axum::extract::{Request, State};
+use axum::middleware::{self, Next};
+use axum::response::Response;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use fab_providers::serve;
+use fab_standins::Geometric;
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+use tokio::net::TcpListener;
+use tokio::runtime::Runtime;
+
+const MAX_BYTES: usize = 32 << 20;
+
+/// The price of the facts below, USD per token.
+const PRICE: [f64; 2] = [2e-6, 10e-6];
+
+const FACTS: &str = "\
+[[model]]
+provider = \"compatible\"
+id = \"geometric\"
+vision = true
+price = [{ input = 2, output = 10 }]
+image_tokens = { patches = { side_px = 28 } }
+as_of = \"2026-11-24\"
+source = \"a test\"
+";
+
+/// How a model answers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Manner {
+    Short,
+    WithReasons,
+    HiddenReasoning,
+}
+
+/// What the server has billed so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bill {
+    calls: u64,
+    input: u64,
+    output: u64,
+}
+
+impl Bill {
+    fn cost(self) -> f64 {
+        self.input as f64 * PRICE[0] + self.output as f64 * PRICE[1]
+    }
+}
+
+struct Biller {
+    address: String,
+    bill: Arc<Mutex<Bill>>,
+    _runtime: Runtime,
+}
+
+impl Biller {
+    fn start(manner: Manner) -> Biller {
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(2)
+            .enable_all()
+            .build()
+            .unwrap();
+        let listener = runtime.block_on(TcpListener::bind("127.0.0.1:0")).unwrap();
+        let address = format!("http://{}/v1", listener.local_addr().unwrap());
+        let bill = Arc::new(Mutex::new(Bill::default()));
+        let layer = middleware::from_fn_with_state((manner, Arc::clone(&bill)), billed);
+        let router = serve::router(Arc::new(Geometric)).layer(layer);
+        runtime.spawn(async move { axum::serve(listener, router).await });
+        Biller {
+            address,
+            bill,
+            _runtime: runtime,
+        }
+    }
+
+    fn bill(&self) -> Bill {
+        *self.bill.lock().unwrap()
+    }
+}
+
+/// Counts as byte-pair tokenizers roughly do, but by its own rules: spaces join the word after them, long words fall
+/// apart after five letters, digits come in pairs, and runs of one sign are one token.
+fn tokens(text: &str) -> u64 {
+    let (mut count, mut last, mut run) = (0, ' ', 0_u64);
+    for c in text.chars() {
+        let same = match c {
+            c if c.is_alphabetic() => last.is_alphabetic(),
+            c if c.is_ascii_digit() => last.is_ascii_digit(),
+            c => c == last,
+        };
+        run = if same { run + 1 } else { 0 };
+        count += match c {
+            ' ' => 0,
+            c if c.is_alphabetic() => u64::from(run == 0 || run > 4 && run % 4 == 0),
+            c if c.is_ascii_digit() => u64::from(run % 2 == 0),
+            _ => u64::from(run == 0),
+        };
+        last = c;
+    }
+    count
+}
+
+/// Bills a picture by squares of 32 pixels, a fifth more than their number.
+fn picture_tokens(url: &str) -> u64 {
+    let png = STANDARD.decode(url.split_once(',').unwrap().1).unwrap();
+    let [width, height] = fab_picture::png::size(&png).unwrap();
+    let squares = u64::from(width.div_ceil(32)) * u64::from(height.div_ceil(32));
+    (squares * 6).div_ceil(5)
+}
+
+/// Bills all texts and pictures of a request.
+fn input_tokens(value: &Value) -> u64 {
+    match value {
+        Value::String(text) if text.starts_with("data:") => picture_tokens(text),
+        Value::String(text) => tokens(text),
+        Value::Array(values) => values.iter().map(input_tokens).sum(),
+        Value::Object(fields) => fields
+            .iter()
+            .filter(|(name, _)| {
+                ["messages", "content", "text", "image_url", "url"].contains(&name.as_str())
+            })
+            .map(|(_, value)| input_tokens(value))
+            .sum(),
+        _ => 0,
+    }
+}
+
+const REASONS: &str = "The picture shows the cloth from above, and its corners can be told apart. The fold has to bring \
+    one of them over the middle. A short way keeps the rest of the cloth where it lies. With this in mind, and after a \
+    look at every one of the offered choices, the answer is as follows.";
+
+async fn billed(
+    State((manner, bill)): State<(Manner, Arc<Mutex<Bill>>)>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let (parts, body) = request.into_parts();
+    let bytes = to_bytes(body, MAX_BYTES).await.unwrap();
+    let asked: Value = serde_json::from_slice(&bytes).unwrap();
+    let response = next
+        .run(Request::from_parts(parts, Body::from(bytes)))
+        .await;
+    let (mut parts, body) = response.into_parts();
+    let bytes: Bytes = to_bytes(body, MAX_BYTES).await.unwrap();
+    let mut reply: Value = serde_json::from_slice(&bytes).unwrap();
+    let content = &mut reply["choices"][0]["message"]["content"];
+    if let Some(text) = content.as_str()
+        && manner == Manner::WithReasons
+    {
+        *content = json!(format!("{REASONS}\n\n{text}"));
+    }
+    let visible = tokens(content.as_str().unwrap_or_default());
+    let input = input_tokens(&asked) + 8;
+    let mut bill = bill.lock().unwrap();
+    bill.calls += 1;
+    // Thoughts differ from call to call: 300 to 900 tokens.
+    let hidden = match manner {
+        Manner::HiddenReasoning => 300 + bill.calls * 137 % 600,
+        Manner::Short | Manner::WithReasons => 0,
+    };
+    bill.input += input;
+    bill.output += visible + hidden;
+    reply["usage"] = json!({ "prompt_tokens": input, "completion_tokens": visible + hidden });
+    parts.headers.remove(axum::http::header::CONTENT_LENGTH);
+    Response::from_parts(parts, Body::from(reply.to_string()))
+}
+
+/// Plays or estimates a suite; returns what it prints.
+fn bench(folder: &Path, suite: &str, biller: &Biller, more: &[&str]) -> String {
+    let arguments = [
+        "bench",
+        suite,
+        "--model",
+        "compatible:geometric",
+        "--models",
+        "facts.toml",
+        "--base-url",
+        &biller.address,
+        "--no-cache",
+        "--json",
+    ];
+    let said = finish(&mut command(folder, &[&arguments, more].concat()));
+    assert_eq!(said.code, 0, "{suite}: {}{}", said.stdout, said.stderr);
+    said.stdout
+}
+
+fn likely(folder: &Path, suite: &str, biller: &Biller, more: &[&str]) -> [f64; 4] {
+    let estimate = bench(folder, suite, biller, &[more, &["--estimate"]].concat());
+    let estimate: Value = serde_json::from_str(&estimate).unwrap();
+    let of = |part: &str| estimate[part]["likely"].as_f64().unwrap();
+    [
+        of("calls"),
+        of("input_tokens"),
+        of("output_tokens"),
+        of("cost") / 1e9,
+    ]
+}
+
+#[test]
+#[ignore = "long"]
+fn the_likely_value_is_within_a_factor_of_two_of_what_a_server_billed() {
+    let suites = [
+        (
+            "double_straight",
+            None,
+            "lie = \"flat\"\nsides = [28, 30]\nturns_deg = [0]",
+        ),
+        (
+            "double_straight",
+            Some("in_context"),
+            "lie = \"flat\"\nsides = [28, 30]\nturns_deg = [0]",
+        ),
+        (
+            "double_triangle",
+            None,
+            "lie = \"flat\"\nsides = [28, 30]\nturns_deg = [0]",
+        ),
+        (
+            "double_triangle",
+            Some("in_context"),
+            "lie = \"flat\"\nsides = [28, 30]\nturns_deg = [0]",
+        ),
+        (
+            "smoothing",
+            None,
+            "lie = \"crumpled\"\nsides = [25]\ncount = 2\nfirst_seed = 1",
+        ),
+        (
+            "smoothing",
+            Some("paper_text"),
+            "lie = \"crumpled\"\nsides = [25]\ncount = 2\nfirst_seed = 1",
+        ),
+    ];
+    for manner in [Manner::Short, Manner::WithReasons, Manner::HiddenReasoning] {
+        for (number, (task, variant, starts)) in suites.iter().enumerate() {
+            let folder = tempfile::tempdir().unwrap();
+            let folder = folder.path();
+            fs::write(folder.join("facts.toml"), FACTS).unwrap();
+            let variant = variant.map_or(String::new(), |name| format!("variant = \"{name}\"\n"));
+            let horizons = if *task == "smoothing" {
+                "horizons = [3]\n"
+            } else {
+                ""
+            };
+            let text = format!(
+                "about = \"Billed.\"\nstatistic = \"mean\"\nmetrics = [\"picks_refused\"]\n{horizons}repeats = 1\n\
+                 tasks = [{:?}]\n[starts]\n{starts}\n[[method]]\nname = \"asked\"\n{variant}",
+                project(&format!("tasks/{task}.fab"))
+            );
+            let suite = folder.join("suite.toml");
+            fs::write(&suite, text).unwrap();
+            let suite = suite.display().to_string();
+            let biller = Biller::start(manner);
+            let before = likely(folder, &suite, &biller, &[]);
+            assert_eq!(biller.bill().calls, 0, "an estimate sends nothing");
+            // One start, and what it took is the record for the others.
+            bench(folder, &suite, &biller, &["--limit", "1", "--out", "out"]);
+            let recorded = likely(folder, &suite, &biller, &["--out", "out"]);
+            bench(folder, &suite, &biller, &["--out", "out"]);
+            let bill = biller.bill();
+            let billed = [
+                bill.calls as f64,
+                bill.input as f64,
+                bill.output as f64,
+                bill.cost(),
+            ];
+            let is_near = |likely: f64, billed: f64| (0.5..=2.0).contains(&(likely / billed));
+            let about =
+                format!("{manner:?} {number} {task} {variant}: {before:?} {recorded:?} {billed:?}");
+            for part in 0..4 {
+                assert!(
+                    is_near(recorded[part], billed[part]),
+                    "recorded, {part}: {about}"
+                );
+            }
+            // Thoughts that nobody sees cannot be foreseen without a record.
+            if manner != Manner::HiddenReasoning {
+                assert!(is_near(before[3], billed[3]), "shipped: {about}");
+            }
+            println!("{about}");
+        }
+    }
+}
