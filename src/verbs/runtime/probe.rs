@@ -65,13 +65,17 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
         calls: arguments.max_calls,
     };
     let budget = Budget::new(caps, Spent::default());
-    let found = probe(model.as_ref(), arguments.seed, &mut Capped::by(&budget)).map_err(
-        |error| match error {
-            ModelError::Interrupted => Failure::interrupted(),
-            ModelError::NotSent(CallRefused::Budget(why)) => Failure::capped(why),
-            error => Failure::environment(error),
-        },
-    )?;
+    let found = probe(
+        model.as_ref(),
+        arguments.seed,
+        arguments.reach.reasoning,
+        &mut Capped::by(&budget),
+    )
+    .map_err(|error| match error {
+        ModelError::Interrupted => Failure::interrupted(),
+        ModelError::NotSent(CallRefused::Budget(why)) => Failure::capped(why),
+        error => Failure::environment(error),
+    })?;
     if arguments.json {
         let mut value =
             serde_json::to_value(&found).expect("a probe has string keys and finite numbers");
@@ -125,8 +129,9 @@ fn text(found: &Probe) -> String {
             .cost
             .map_or("cost unknown".to_owned(), |cost| cost.to_string());
         lines.push(format!(
-            "used {} tokens in, {} out; {cost}",
-            usage.input_tokens, usage.output_tokens
+            "used {} tokens in, {}; {cost}",
+            usage.input_tokens,
+            usage.output_in_words()
         ));
     }
     lines.join("\n")

@@ -15,8 +15,8 @@ pub(super) fn usage(request: &Request, reply: &Reply) -> Usage {
     reply.usage.unwrap_or_else(|| Usage {
         input_tokens: tokens::of_messages(&request.messages, Some(&PICTURE))
             .map_or(0, |tokens| tokens.at_most),
-        cached_input_tokens: 0,
         output_tokens: tokens::of_text(&reply.text),
+        ..Usage::default()
     })
 }
 

@@ -37,6 +37,7 @@ impl Form for Chat {
             ));
         }
         request.max_tokens = new.or(old);
+        request.reasoning = fields.level("reasoning_effort")?;
         if let Some(format) = fields.take("response_format") {
             request.schema = schema(Fields::of("response_format", format)?, Some("json_schema"))?;
         }
@@ -74,7 +75,7 @@ impl Form for Chat {
                 "completion_tokens": usage.output_tokens,
                 "total_tokens": usage.input_tokens.saturating_add(usage.output_tokens),
                 "prompt_tokens_details": { "cached_tokens": usage.cached_input_tokens },
-                "completion_tokens_details": { "reasoning_tokens": 0 },
+                "completion_tokens_details": { "reasoning_tokens": usage.reasoning_tokens.unwrap_or(0) },
             },
         })
     }
