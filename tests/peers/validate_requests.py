@@ -45,13 +45,20 @@ def walk(value):
             walk(item)
 
 
+USUAL_NAMES = {
+    "mime_type": "mimeType",
+    "thinking_level": "thinkingLevel",
+    "thinking_budget": "thinkingBudget",
+}
+
+
 def usual_form(value):
     """Google's JSON takes either case of a field and either alphabet of base64; the client mixes them."""
     if isinstance(value, list):
         return [usual_form(item) for item in value]
     if not isinstance(value, dict):
         return value
-    value = {("mimeType" if name == "mime_type" else name): usual_form(item) for name, item in value.items()}
+    value = {USUAL_NAMES.get(name, name): usual_form(item) for name, item in value.items()}
     if "mimeType" in value:
         value["data"] = value["data"].replace("-", "+").replace("_", "/")
     return value

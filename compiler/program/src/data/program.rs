@@ -104,7 +104,7 @@ impl Program {
     }
 
     /// Returns the program with this `reasoning` in every stage; `None` leaves what they state.
-    pub fn reasoning(mut self, reasoning: Option<Reasoning>) -> Program {
+    pub fn with_reasoning(mut self, reasoning: Option<Reasoning>) -> Program {
         for stage in &mut self.stages {
             stage.reasoning = reasoning.or(stage.reasoning);
         }

@@ -4,10 +4,9 @@
 //! allow when the question is asked once more. The same request would be cut off again, so it is never repeated as it
 //! was.
 
+use super::settings::Settings;
 use super::wire::Failure;
 use fab_model::{Reasoning, Request};
-
-use super::settings::Settings;
 
 /// The lengths that a question is sent with, tokens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

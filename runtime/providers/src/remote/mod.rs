@@ -312,8 +312,8 @@ impl Remote {
     ) -> Result<Answer, FailedCall> {
         if !(200..300).contains(&incoming.status) {
             let refusal = status::judge(incoming.status, &incoming.body);
-            let named = match refusal.fault {
-                Fault::BadRequest => omit::refused(&incoming.body, &sent.body),
+            let named = match (refusal.fault, incoming.status) {
+                (Fault::BadRequest, 400 | 422) => omit::refused(&incoming.body, &sent.body),
                 _ => None,
             };
             let remedy = named.map_or(String::new(), |parameter| {

@@ -63,7 +63,8 @@ pub(super) fn refused(refusal: &[u8], request: &[u8]) -> Option<Parameter> {
     let request = String::from_utf8_lossy(request);
     // In a text, which is escaped, no name stands before a bare `":`.
     let is_sent = |name: &&str| request.contains(&format!("\"{name}\":"));
-    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    // Ids of models hold such words too: `qwen3-vl-thinking`.
+    let is_part = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
     let mut words = refusal.split(|c| !is_part(c));
     words.find_map(|word| {
         let named = NAMES.iter().find(|(_, names, _)| names.contains(&word));
@@ -97,6 +98,7 @@ mod tests {
                 "Invalid parameter: response_format of type json_schema",
                 Some(Parameter::Schema),
             ),
+            ("the model `m-reasoning-1` takes no pictures", None),
             ("top_p is deprecated", None),
             ("the temperatures are high", None),
             ("model not found", None),

@@ -204,7 +204,7 @@ pub fn entries<'a>(
             let reasoning = arguments.model.reach.reasoning.or(method.reasoning);
             let programs = prepared.by_grid.iter().filter_map(|(grid, programs)| {
                 let program = variant_of(programs, method)?.clone();
-                Some((*grid, program.reasoning(reasoning)))
+                Some((*grid, program.with_reasoning(reasoning)))
             });
             let Some(deciding) = deciding.get(&named_by(method)) else {
                 continue;
