@@ -175,7 +175,7 @@ kinds! {
     Path path, "Names joined by dots.";
     Literal literal, "A literal text in a placeholder.";
     LoneBraces lone_braces, "`{{` that begins no placeholder.";
-    Name name, "A name.";
+    Name name | setting_word, "A name.";
     CurlyText curly_text, "A long text in typographic quotes.";
     CurlyString curly_string, "A text in typographic quotes.";
     SingleString single_string, "A text in single quotes.";

@@ -45,13 +45,20 @@ def walk(value):
             walk(item)
 
 
+USUAL_NAMES = {
+    "mime_type": "mimeType",
+    "thinking_level": "thinkingLevel",
+    "thinking_budget": "thinkingBudget",
+}
+
+
 def usual_form(value):
     """Google's JSON takes either case of a field and either alphabet of base64; the client mixes them."""
     if isinstance(value, list):
         return [usual_form(item) for item in value]
     if not isinstance(value, dict):
         return value
-    value = {("mimeType" if name == "mime_type" else name): usual_form(item) for name, item in value.items()}
+    value = {USUAL_NAMES.get(name, name): usual_form(item) for name, item in value.items()}
     if "mimeType" in value:
         value["data"] = value["data"].replace("-", "+").replace("_", "/")
     return value
@@ -125,8 +132,14 @@ def check_requests(folder):
     print(count)
 
 
-def answer(text, input_tokens, cached, output_tokens):
-    return {"text": text, "input_tokens": input_tokens, "cached_input_tokens": cached, "output_tokens": output_tokens}
+def answer(text, input_tokens, cached, output_tokens, reasoning_tokens):
+    return {
+        "text": text,
+        "input_tokens": input_tokens,
+        "cached_input_tokens": cached,
+        "output_tokens": output_tokens,
+        "reasoning_tokens": reasoning_tokens,
+    }
 
 
 def fault(name):
@@ -157,12 +170,12 @@ def chat_replies():
         )
 
     call = {"id": "1", "type": "function", "function": {"name": "f", "arguments": "{}"}}
-    yield "answer", reply("stop", content="fold it"), answer("fold it", 30, 10, 12)
+    yield "answer", reply("stop", content="fold it"), answer("fold it", 30, 10, 12, 5)
     yield "refusal", reply("stop", refusal="no"), fault("refused")
     yield "truncated", reply("length", content="fol"), fault("truncated")
     yield "filtered", reply("content_filter", content=""), fault("content_filtered")
     yield "tool", reply("tool_calls", tool_calls=[call]), fault("invalid_reply")
-    yield "empty", reply("stop", content=""), fault("invalid_reply")
+    yield "hidden_alone", reply("stop", content=""), fault("truncated")
 
 
 def responses_replies():
@@ -201,14 +214,14 @@ def responses_replies():
     filtered = {"incomplete_details": {"reason": "content_filter"}}
     failed = {"error": {"code": "server_error", "message": "oops"}}
     limited = {"error": {"code": "rate_limit_exceeded", "message": "slow"}}
-    yield "answer", reply("completed", [thought, message(text)]), answer("fold it", 30, 10, 12)
+    yield "answer", reply("completed", [thought, message(text)]), answer("fold it", 30, 10, 12, 5)
     yield "refusal", reply("completed", [message({"type": "refusal", "refusal": "no"})]), fault("refused")
     yield "truncated", reply("incomplete", [thought], **cut), fault("truncated")
     yield "filtered", reply("incomplete", [], **filtered), fault("content_filtered")
     yield "tool", reply("completed", [call]), fault("invalid_reply")
     yield "failed", reply("failed", [], **failed), fault("server_failed")
     yield "limited", reply("failed", [], **limited), fault("rate_limited")
-    yield "empty", reply("completed", []), fault("invalid_reply")
+    yield "hidden_alone", reply("completed", []), fault("truncated")
 
 
 def anthropic_replies():
@@ -228,6 +241,7 @@ def anthropic_replies():
                     "cache_creation_input_tokens": 5,
                     "cache_read_input_tokens": 10,
                     "output_tokens": 12,
+                    "output_tokens_details": {"thinking_tokens": 5},
                 },
                 **more,
             }
@@ -237,13 +251,13 @@ def anthropic_replies():
     thought = {"type": "thinking", "thinking": "hm", "signature": "s"}
     call = {"type": "tool_use", "id": "1", "name": "f", "input": {}, "caller": {"type": "direct"}}
     refused = {"stop_details": {"type": "refusal", "explanation": "no"}}
-    yield "answer", reply("end_turn", thought, text), answer("fold it", 30, 10, 12)
+    yield "answer", reply("end_turn", thought, text), answer("fold it", 30, 10, 12, 5)
     yield "refusal", reply("refusal", **refused), fault("refused")
     yield "truncated", reply("max_tokens", text), fault("truncated")
     yield "full", reply("model_context_window_exceeded", text), fault("truncated")
     yield "tool", reply("tool_use", call), fault("invalid_reply")
     yield "paused", reply("pause_turn", text), fault("invalid_reply")
-    yield "empty", reply("end_turn"), fault("invalid_reply")
+    yield "hidden_alone", reply("end_turn"), fault("truncated")
 
 
 def gemini_replies():
@@ -265,12 +279,12 @@ def gemini_replies():
     thought = {"text": "hm", "thought": True}
     call = {"functionCall": {"name": "f", "args": {}}}
     blocked = {"promptFeedback": {"blockReason": "SAFETY"}}
-    yield "answer", reply(**candidate("STOP", thought, {"text": "fold it"})), answer("fold it", 30, 10, 12)
+    yield "answer", reply(**candidate("STOP", thought, {"text": "fold it"})), answer("fold it", 30, 10, 12, 5)
     yield "truncated", reply(**candidate("MAX_TOKENS", {"text": "fol"})), fault("truncated")
     yield "filtered", reply(**candidate("SAFETY")), fault("content_filtered")
     yield "blocked", reply(**blocked), fault("content_filtered")
     yield "tool", reply(**candidate("STOP", call)), fault("invalid_reply")
-    yield "empty", reply(**candidate("STOP")), fault("invalid_reply")
+    yield "hidden_alone", reply(**candidate("STOP")), fault("truncated")
 
 
 def write_replies(folder):

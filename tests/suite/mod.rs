@@ -50,6 +50,7 @@ mod provider;
 mod provider_commands;
 mod provider_faults;
 mod reach;
+mod reasoning;
 mod recorded_starts;
 mod resume;
 mod resume_after_kill;

@@ -254,7 +254,7 @@ fn a_suite_ends_at_a_provider_that_refuses_and_goes_on_when_it_does_not() {
 }
 
 /// A suite of one small task with two starts and two rollouts each.
-fn suite(folder: &Path) {
+pub fn suite(folder: &Path) {
     let tasks = folder.join("tasks");
     fs::create_dir_all(tasks.join("suites")).unwrap();
     bring_library(&tasks);

@@ -45,8 +45,8 @@ impl Model for Bought {
         let reply = Reply {
             usage: Some(Usage {
                 input_tokens: 1000,
-                cached_input_tokens: 0,
                 output_tokens: 10,
+                ..Usage::default()
             }),
             cost: Some(PRICE),
             ..Geometric.ask(request, calls)?

@@ -13,7 +13,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use fab_model::calls::Calls;
 use fab_model::{Message, Model, ModelError, ModelKind, Part, Png, Reply, Request, Speaker};
-use fab_program::ModelRole;
+use fab_program::{ModelRole, Reasoning, ReasoningLevel};
 use fab_standins::Geometric;
 use serde_json::{Value, json};
 use server::{Server, send};
@@ -60,6 +60,7 @@ fn asked() -> Request {
     request.temperature = Some(0.25);
     request.top_p = Some(0.5);
     request.max_tokens = Some(77);
+    request.reasoning = Some(Reasoning::Level(ReasoningLevel::Low));
     request.repetition = 3;
     request.schema = Some(json!({ "type": "object" }));
     request
@@ -80,7 +81,7 @@ fn a_chat_completion_carries_every_part_of_the_question_to_the_model() {
             { "role": "assistant", "content": "no" },
             { "role": "user", "content": "again" },
         ],
-        "temperature": 0.25, "top_p": 0.5, "max_completion_tokens": 77, "seed": 3,
+        "temperature": 0.25, "top_p": 0.5, "max_completion_tokens": 77, "seed": 3, "reasoning_effort": "low",
         "response_format": { "type": "json_schema", "json_schema": { "name": "action", "strict": true, "schema": { "type": "object" } } },
         "stream": false, "n": 1, "frequency_penalty": 0.0, "user": "me", "stop": null,
     });
@@ -114,7 +115,7 @@ fn a_response_carries_every_part_of_the_question_to_the_model() {
             { "type": "message", "role": "assistant", "content": [{ "type": "output_text", "text": "no", "annotations": [] }] },
             { "role": "user", "content": "again" },
         ],
-        "temperature": 0.25, "top_p": 0.5, "max_output_tokens": 77, "seed": 3, "store": false, "include": ["reasoning.encrypted_content"],
+        "temperature": 0.25, "top_p": 0.5, "max_output_tokens": 77, "seed": 3, "reasoning": { "effort": "low" }, "store": false, "include": ["reasoning.encrypted_content"],
         "text": { "format": { "type": "json_schema", "name": "action", "strict": true, "schema": { "type": "object" } } },
     });
     let (status, answer) = server.post(RESPONSES, &body);

@@ -9,7 +9,7 @@ use fab_base::cache::Cache;
 use fab_compiler::{LoadError, Loader};
 use fab_model::Models;
 use fab_model::{Part, Request, Speaker};
-use fab_program::Program;
+use fab_program::{Program, Reasoning};
 use fab_world::{Look, Motion};
 use serde_json::Value;
 
@@ -131,7 +131,10 @@ fn both_pictures_and_the_example_reach_the_model() {
         .map(|message| message.speaker)
         .collect();
     assert_eq!(speakers, [Speaker::User, Speaker::Assistant, Speaker::User]);
-    assert_eq!((first.temperature, first.top_p), (Some(0.1), Some(0.9)));
+    assert_eq!(
+        (first.temperature, first.top_p, first.reasoning),
+        (Some(0.1), Some(0.9), Some(Reasoning::Tokens(2048)))
+    );
     let pictures: Vec<&[u8]> = images(first);
     assert_eq!(pictures.len(), 2);
     assert_ne!(pictures[0], pictures[1], "the second is annotated");

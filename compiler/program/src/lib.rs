@@ -107,8 +107,8 @@ pub use data::points::{End, Heading, Point};
 pub use data::program::{PROGRAM_FORMAT, Program, hex};
 pub use data::shape::KeypointShape;
 pub use data::stage::{
-    Arrow, Example, Layers, LiteralText, ModelRole, Picture, Read, Stage, SubgoalStep, Template,
-    Variable,
+    Arrow, Example, Layers, LiteralText, ModelRole, Picture, Read, Reasoning, ReasoningLevel,
+    Stage, SubgoalStep, Template, Variable,
 };
 pub use data::subgoals::{SubgoalImage, Subgoals};
 pub use data::test::{Expect, Given, Test};

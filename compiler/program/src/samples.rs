@@ -31,9 +31,10 @@ fn value(kind: &Kind) -> ArgValue {
             ArgValue::Number(units::base(range.to))
         }
         Kind::Between(range) => ArgValue::Between([range.from, range.to].map(units::base)),
-        Kind::Word(words) | Kind::NameOf { words, .. } | Kind::WordOrFile { words, .. } => {
-            ArgValue::Word(words[0].name)
-        }
+        Kind::Word(words)
+        | Kind::NameOf { words, .. }
+        | Kind::WordOrFile { words, .. }
+        | Kind::WordOrCount { words, .. } => ArgValue::Word(words[0].name),
         Kind::Keypoint(_) | Kind::DirectionField => ArgValue::Name("name".to_owned()),
         Kind::Pixel => ArgValue::Pixel(PixelPoint::new(40, 52)),
         Kind::Point => ArgValue::Point(point()),

@@ -138,6 +138,17 @@ pub enum Kind {
         /// The ending of the path.
         ending: &'static str,
     },
+    /// A word of a closed set, or a whole number of what its unit counts.
+    WordOrCount {
+        /// The noun for both, such as `level`.
+        noun: &'static str,
+        /// The set.
+        words: &'static [Word],
+        /// The numbers.
+        range: Range,
+        /// The word after the number.
+        unit: &'static str,
+    },
 }
 
 impl Kind {

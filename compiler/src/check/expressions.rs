@@ -8,7 +8,8 @@ use super::context::Context;
 use super::files::Wanted;
 use super::names::Meaning;
 use super::quantity::{
-    measured, no_conversion, no_unit, out_of_range, quantity_of, read, read_whole, units_of,
+    measured, no_conversion, no_unit, not_whole, out_of_range, quantity_of, read, read_whole,
+    units_of,
 };
 use super::{files, missing_action};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
@@ -135,6 +136,12 @@ fn argument<'a>(
         Kind::DirectionField => ArgValue::Name(direction_field(expr, context)?),
         Kind::ClothPoint => ArgValue::ClothPoint(cloth_point(expr, context)?),
         Kind::WordOrFile { words, ending } => word_or_file(expr, words, ending, context)?,
+        Kind::WordOrCount {
+            noun,
+            words,
+            range,
+            unit,
+        } => word_or_count(expr, (noun, words), (&range, unit), context)?,
     })
 }
 
@@ -191,6 +198,43 @@ pub(super) fn name_of(
         return Err(context.error(diagnostic));
     };
     context.word(noun, name, words)
+}
+
+/// Reads a word of a closed set, or a whole number with its unit: `low`, `2048 tokens`.
+pub(super) fn word_or_count<'a>(
+    expr: Expr<'a>,
+    (noun, words): (&str, &'static [Word]),
+    (range, unit): (&Range, &'static str),
+    context: &mut Context<'a, '_>,
+) -> Result<ArgValue, Reported> {
+    let listed = among(names(words));
+    let quantity = match expr {
+        Expr::Name(name) => return Ok(ArgValue::Word(context.word(noun, name, words)?)),
+        Expr::Quantity(quantity) => quantity,
+        _ => {
+            let expected = format!("{listed}, or a number of {unit}");
+            let diagnostic = context.unexpected(Code::WrongForm, expr, &expected);
+            return Err(context.error(diagnostic));
+        }
+    };
+    let number = quantity.value();
+    match quantity.unit() {
+        Some(written) if written.text() == unit => {}
+        Some(written) => return Err(context.unknown("unit", written, [unit])),
+        None => {
+            let diagnostic = no_unit(expr, &format!("a number of {unit}"), context);
+            let help = format!("write `{number} {unit}`, or {listed}");
+            return Err(context.error(diagnostic.help(help)));
+        }
+    }
+    let expected = format!("expected {}", range.words());
+    if number.fract() != 0.0 {
+        return Err(not_whole(expr, &expected, context));
+    }
+    if !range.contains(number) {
+        return Err(out_of_range(expr, &expected, context));
+    }
+    Ok(ArgValue::Number(number))
 }
 
 fn names(words: &'static [Word]) -> impl Iterator<Item = &'static str> {

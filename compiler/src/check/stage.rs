@@ -6,6 +6,7 @@
 use super::conditions;
 use super::context::{Context, Declared};
 use super::examples;
+use super::expressions::word_or_count;
 use super::missing_action::{needs_action, needs_last};
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read as read_number, read_whole};
@@ -15,8 +16,11 @@ use crate::merge::{Merged, once, unique};
 use fab_grammar::Span;
 use fab_grammar::ast::{self, ComponentOrText, Expr, Name, Sayings, Text};
 use fab_program::Depends;
-use fab_program::vocabulary::Kind;
-use fab_program::{self as program, Condition, Layers, ModelRole, Picture, Read, Template};
+use fab_program::vocabulary::{ArgValue, Kind};
+use fab_program::{
+    self as program, Condition, Layers, ModelRole, Picture, Read, Reasoning, ReasoningLevel,
+    Template,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most bytes of all texts of one stage.
@@ -235,12 +239,21 @@ impl<'a> Builder<'_, 'a> {
         lines.into_iter().collect::<Result<(), _>>()?;
         beyond.map_or(Ok(()), Err)?;
         let settings = settings?;
+        let number = |name: &str| match settings.get(name)? {
+            ArgValue::Number(number) => Some(*number),
+            _ => None,
+        };
         Ok(program::Stage {
             name: stage.name().text().to_owned(),
             model: role?,
-            temperature: settings.get("temperature").copied(),
-            top_p: settings.get("top_p").copied(),
-            max_tokens: settings.get("tokens").map(|tokens| *tokens as u32),
+            temperature: number("temperature"),
+            top_p: number("top_p"),
+            max_tokens: number("tokens").map(|tokens| tokens as u32),
+            reasoning: match settings.get("reasoning") {
+                Some(ArgValue::Number(tokens)) => Some(Reasoning::Tokens(*tokens as u32)),
+                Some(ArgValue::Word(word)) => ReasoningLevel::from_word(word).map(Reasoning::Level),
+                _ => None,
+            },
             system: system?,
             examples: examples.into_iter().collect::<Result<_, _>>()?,
             say: say?,
@@ -549,7 +562,7 @@ fn required<T>(
 // ---- model ---------------------------------------------------------------------------------------
 
 /// The values of a model's settings, by their names.
-type Settings = BTreeMap<&'static str, f64>;
+type Settings = BTreeMap<&'static str, ArgValue>;
 
 /// Reads `model text, temperature 0, tokens 769`: the model that is asked, and its settings.
 fn model<'a>(
@@ -577,8 +590,8 @@ fn model<'a>(
     }
     for setting in list {
         match (self::setting(setting, context), &mut settings) {
-            (Ok((name, number)), Ok(settings)) => {
-                settings.insert(name, number);
+            (Ok((name, value)), Ok(settings)) => {
+                settings.insert(name, value);
             }
             (Err(reported), _) => settings = Err(reported),
             (Ok(_), Err(_)) => {}
@@ -590,25 +603,34 @@ fn model<'a>(
 fn setting<'a>(
     setting: ast::Setting<'a>,
     context: &mut Context<'a, '_>,
-) -> Result<(&'static str, f64), Reported> {
+) -> Result<(&'static str, ArgValue), Reported> {
     let name = setting.name();
     let Some(row) = SETTINGS.iter().find(|row| row.name == name.text()) else {
         return Err(context.unknown("setting", name, SETTINGS.iter().map(|row| row.name)));
     };
-    let (Kind::Quantity(range) | Kind::Whole(range)) = row.kind else {
-        unreachable!("every row of the settings is a number");
+    let (needs, example) = match row.kind {
+        Kind::Quantity(range) | Kind::Whole(range) => ("number", range.from.0.to_string()),
+        Kind::WordOrCount { noun, words, .. } => (noun, words[0].name.to_owned()),
+        _ => unreachable!("every row of the settings is a number, or a word or a number"),
     };
     let Some(value) = setting.value() else {
-        let message = format!("`{}` needs a number", row.name);
+        let message = format!("`{}` needs a {needs}", row.name);
         let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
-        let help = format!("write `{} {}`", row.name, range.from.0);
+        let help = format!("write `{} {example}`", row.name);
         return Err(context.error(diagnostic.help(help)));
     };
-    let number = match row.kind {
-        Kind::Whole(_) => read_whole(value, &range, context)?,
-        _ => read_number(value, &range, context)?,
+    let value = match row.kind {
+        Kind::WordOrCount {
+            noun,
+            words,
+            range,
+            unit,
+        } => word_or_count(value, (noun, words), (&range, unit), context)?,
+        Kind::Whole(range) => ArgValue::Number(read_whole(value, &range, context)?),
+        Kind::Quantity(range) => ArgValue::Number(read_number(value, &range, context)?),
+        _ => ArgValue::Nothing,
     };
-    Ok((row.name, number))
+    Ok((row.name, value))
 }
 
 // ---- show ----------------------------------------------------------------------------------------

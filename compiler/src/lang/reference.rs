@@ -7,7 +7,7 @@ use super::sections::Inheritance;
 use super::vocabulary::{CallEntry, Vocabulary, WordEntry, vocabulary};
 use crate::diag::CODES;
 use fab_program::units::Dimension;
-use fab_program::vocabulary::{Arg, Bound, Default, Kind, Place, Range};
+use fab_program::vocabulary::{Arg, Bound, Default, Kind, Place, Range, Word};
 
 const BEGIN: &str = "<!-- table: ";
 const END: &str = "<!-- end -->";
@@ -173,15 +173,26 @@ fn accepted(kind: Kind) -> String {
             Bound::Excluded => format!(", above {from}, at most {to}"),
         };
     }
+    let listed = |words: &[Word]| -> String {
+        let words: Vec<String> = words
+            .iter()
+            .map(|word| format!("`{}`", word.name))
+            .collect();
+        words.join(", ")
+    };
     match kind {
+        Kind::WordOrCount {
+            words, range, unit, ..
+        } => format!(
+            ": {}, or `{} {unit}` to `{} {unit}`",
+            listed(words),
+            range.from.0,
+            range.to.0
+        ),
         Kind::Word(words) | Kind::NameOf { words, .. } | Kind::WordOrFile { words, .. }
             if words.len() <= MOST =>
         {
-            let words: Vec<String> = words
-                .iter()
-                .map(|word| format!("`{}`", word.name))
-                .collect();
-            format!(": {}", words.join(", "))
+            format!(": {}", listed(words))
         }
         _ => String::new(),
     }

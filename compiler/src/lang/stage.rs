@@ -1,7 +1,7 @@
 //! Rows of `stage`: the models, settings and pictures that its lines take.
 
 use fab_program::vocabulary::{Arg, Default, Kind, Range, Word};
-use fab_program::{Arrow, Layers, Picture, SubgoalStep};
+use fab_program::{Arrow, Layers, Picture, Reasoning, ReasoningLevel, SubgoalStep};
 
 /// The kinds of model, the first word of `model`.
 pub(crate) const MODELS: &[Word] = &[
@@ -31,6 +31,16 @@ pub(crate) const SETTINGS: &[Arg] = &[
         "tokens",
         Kind::Whole(Range::plain("a count", 1.0, 100_000.0)),
         "the maximum length of the answer, in tokens",
+    ),
+    setting(
+        "reasoning",
+        Kind::WordOrCount {
+            noun: "level of reasoning",
+            words: ReasoningLevel::WORDS,
+            range: Range::plain("a count", 1.0, Reasoning::MOST_TOKENS as f64),
+            unit: Reasoning::UNIT,
+        },
+        "how much the model thinks before it answers, beside `tokens`",
     ),
 ];
 

@@ -6,6 +6,7 @@
 
 use super::metric::Metric;
 use super::statistics::Statistic;
+use fab_program::Reasoning;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -90,6 +91,8 @@ pub struct Method {
     pub policy: Option<String>,
     /// The only model that it applies to; `None`: that of the command line.
     pub model: Option<String>,
+    /// How much the model thinks, in every stage of the task; the command line overrides it.
+    pub reasoning: Option<Reasoning>,
     /// Rollouts per start, overriding the suite's number.
     pub repeats: Option<u32>,
     /// Whether a task without that variant is skipped instead of being an error.
@@ -178,6 +181,25 @@ impl Suite {
             method
                 .repeats
                 .map_or(Ok(()), |it| within("method.repeats", it))?;
+            if let Some(Reasoning::Tokens(tokens)) = method.reasoning
+                && !(1..=Reasoning::MOST_TOKENS).contains(&tokens)
+            {
+                let most = Reasoning::MOST_TOKENS;
+                return wrong(
+                    "method.reasoning",
+                    format!("{tokens} is not from 1 to {most}"),
+                );
+            }
+            if let (Some(policy), Some(reasoning)) = (&method.policy, method.reasoning)
+                && policy != "prompted"
+            {
+                return wrong(
+                    "method.policy",
+                    format!(
+                        "`{policy}` asks no model, and `reasoning` is `{reasoning}`: state one of them"
+                    ),
+                );
+            }
             if let (Some(policy), Some(model)) = (&method.policy, &method.model)
                 && policy != "prompted"
             {

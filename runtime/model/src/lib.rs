@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
-pub use fab_program::ModelRole;
+pub use fab_program::{ModelRole, Reasoning};
 pub use lowering::Lowering;
 
 /// Answers one request at a time.
@@ -138,8 +138,11 @@ pub struct Request {
     /// Nucleus sampling, if the task states it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub top_p: Option<f64>,
-    /// The longest answer, tokens, if the task states a limit.
+    /// The longest answer, tokens, if the task states a limit; hidden reasoning comes on top.
     pub max_tokens: Option<u32>,
+    /// How much the model thinks before it answers, if that is stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reasoning: Option<Reasoning>,
     /// Distinguishes equal questions that need independent answers.
     pub repetition: u32,
     /// The rollout's action that the question is for, from 1; makes a later, otherwise equal question distinct.
@@ -158,6 +161,7 @@ impl Request {
             temperature: None,
             top_p: None,
             max_tokens: None,
+            reasoning: None,
             repetition: 0,
             step: 1,
             schema: None,

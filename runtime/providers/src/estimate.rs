@@ -71,10 +71,12 @@ pub struct Question<'a> {
     pub messages: &'a [Message],
     /// The JSON Schema of the answer, if one is sent.
     pub schema: Option<&'a serde_json::Value>,
-    /// The longest answer, tokens, if the task states a limit.
+    /// The longest answer that can be seen, tokens, if the task states a limit.
     pub max_tokens: Option<u32>,
     /// What its calls usually take.
     pub typical: Typical,
+    /// The hidden tokens allowed on top; no later question repeats them.
+    pub hidden_tokens: u32,
 }
 
 /// The contents of a correction.
@@ -301,9 +303,10 @@ impl Plan<'_> {
             // An answer has at least one token.
             at_least: calls.at_least,
             likely: Some(whole(typical.output_tokens * likely_calls)),
-            at_most: question
-                .max_tokens
-                .map(|tokens| u64::from(tokens).saturating_mul(most_calls)),
+            at_most: question.max_tokens.map(|visible| {
+                let tokens = u64::from(visible) + u64::from(question.hidden_tokens);
+                tokens.saturating_mul(most_calls)
+            }),
         };
         let cost = |input: Option<u64>, output: Option<u64>| {
             if profile.is_free() {
@@ -311,8 +314,8 @@ impl Plan<'_> {
             }
             let usage = Usage {
                 input_tokens: input?,
-                cached_input_tokens: 0,
                 output_tokens: output?,
+                ..Usage::default()
             };
             Some(price?.cost(usage))
         };

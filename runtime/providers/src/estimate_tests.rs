@@ -37,6 +37,7 @@ fn estimate(
         schema: None,
         max_tokens: longest,
         typical: Typical::shipped(40.0, 1),
+        hidden_tokens: 0,
     };
     let questions = [
         question("look", &vision, shown.as_slice()),
@@ -56,6 +57,42 @@ fn estimate(
 }
 
 const SOL: &str = "openai:gpt-6.2-sol";
+
+#[test]
+fn hidden_tokens_are_bounded_with_the_answers_and_repeated_in_no_question() {
+    let with = |hidden| {
+        let profile = find(SOL);
+        let (words, shown) = ([words()], [shown()]);
+        let question = |messages| Question {
+            stage: "plan",
+            profile: &profile,
+            messages,
+            schema: None,
+            max_tokens: Some(100),
+            hidden_tokens: hidden,
+            typical: Typical::shipped(40.0, 1),
+        };
+        let plan = Plan {
+            questions: &[question(shown.as_slice()), question(words.as_slice())],
+            horizon: 1,
+            actions_per_step: 1,
+            attempts: 2,
+            correction: Correction::Words,
+            rollouts: 1,
+            today: "2026-11-20".parse().expect("a date"),
+        };
+        plan.estimate()
+    };
+    let (plain, thinking) = (with(0), with(1024));
+    assert_eq!(plain.output_tokens.at_most, Some(4 * 100));
+    assert_eq!(thinking.output_tokens.at_most, Some(4 * 1124));
+    assert_eq!(
+        thinking.output_tokens.at_least,
+        plain.output_tokens.at_least
+    );
+    assert_eq!(thinking.input_tokens, plain.input_tokens);
+    assert!(thinking.cost.at_most > plain.cost.at_most);
+}
 
 #[test]
 fn where_each_question_is_asked_once_the_bounds_differ_by_the_answers_and_the_safety() {
@@ -150,6 +187,7 @@ fn a_likely_value_lies_between_the_bounds_and_follows_recorded_calls() {
         messages: &messages,
         schema: None,
         max_tokens: None,
+        hidden_tokens: 0,
         typical: recorded,
     };
     let plan = Plan {

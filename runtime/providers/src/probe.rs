@@ -8,7 +8,7 @@
 use fab_base::chance::Chance;
 use fab_model::calls::{Calls, Usage, Usd};
 use fab_model::lowering::{Lowering, Points, Resize};
-use fab_model::{Message, Model, ModelError, ModelRole, Part, Png, Request, Speaker};
+use fab_model::{Message, Model, ModelError, ModelRole, Part, Png, Reasoning, Request, Speaker};
 use fab_picture::png;
 use fab_program::pointing::{CoordinateUnit, Frame, Order};
 use image::{Rgb, RgbImage};
@@ -127,7 +127,12 @@ impl Probe {
 ///
 /// Asks one question for each of [`SIDES_PX`], always for coordinates, even if rollouts use numbered points. Fails if
 /// the model gives no answer to one.
-pub fn probe(model: &dyn Model, seed: u64, calls: &mut dyn Calls) -> Result<Probe, ModelError> {
+pub fn probe(
+    model: &dyn Model,
+    seed: u64,
+    reasoning: Option<Reasoning>,
+    calls: &mut dyn Calls,
+) -> Result<Probe, ModelError> {
     let asked = Lowering {
         points: Points::Coordinates,
         ..model.lowering()
@@ -138,7 +143,11 @@ pub fn probe(model: &dyn Model, seed: u64, calls: &mut dyn Calls) -> Result<Prob
     let mut reasons: Option<bool> = None;
     for side_px in SIDES_PX {
         let places = places(side_px, &mut chance);
-        let reply = model.ask(&question(side_px, &places, asked), calls)?;
+        let request = Request {
+            reasoning,
+            ..question(side_px, &places, asked)
+        };
+        let reply = model.ask(&request, calls)?;
         usage = usage.zip(reply.usage).map(|(sum, more)| sum + more);
         cost = cost.zip(reply.cost).map(|(sum, more)| sum + more);
         reasons = abilities::reasons(&reply).max(reasons);

@@ -386,8 +386,7 @@ impl Rates for RatesOn {
     fn cost_nano_usd(&self, tokens: u64) -> Option<u64> {
         let usage = Usage {
             input_tokens: tokens,
-            cached_input_tokens: 0,
-            output_tokens: 0,
+            ..Usage::default()
         };
         let price = self.profile.price_on(self.day)?;
         Some(price.cost(usage).nano())

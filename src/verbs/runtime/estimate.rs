@@ -67,12 +67,14 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
         .questions
         .iter()
         .filter_map(|FirstQuestion { stage, request }| {
+            let lengths = asking.answering.lengths(request);
             Some(Question {
                 stage,
                 profile: asking.answering.profile(request.role)?,
                 messages: &request.messages,
                 schema: request.schema.as_ref(),
-                max_tokens: asking.answering.longest_answer(request),
+                max_tokens: lengths.visible,
+                hidden_tokens: lengths.hidden,
                 typical: typical(stage, request),
             })
         });

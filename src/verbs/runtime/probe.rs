@@ -73,7 +73,13 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
                 model.name(),
                 SIDES_PX.len()
             ));
-            let found = probe(model.as_ref(), arguments.seed, &mut calls).map_err(failed)?;
+            let found = probe(
+                model.as_ref(),
+                arguments.seed,
+                arguments.reach.reasoning,
+                &mut calls,
+            )
+            .map_err(failed)?;
             say(&found, None, None, arguments.json, io);
             Ok(exit(&found))
         }
@@ -107,9 +113,15 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
                 .map_err(failed)?
             {
                 None => None,
-                Some(model) => {
-                    Some(probe(model.as_ref(), arguments.seed, &mut calls).map_err(failed)?)
-                }
+                Some(model) => Some(
+                    probe(
+                        model.as_ref(),
+                        arguments.seed,
+                        arguments.reach.reasoning,
+                        &mut calls,
+                    )
+                    .map_err(failed)?,
+                ),
             };
             able.reasons = able
                 .reasons
@@ -257,8 +269,9 @@ fn text(found: &Probe) -> String {
             .cost
             .map_or("cost unknown".to_owned(), |cost| cost.to_string());
         lines.push(format!(
-            "used {} tokens in, {} out for the dots; {cost}",
-            usage.input_tokens, usage.output_tokens
+            "used {} tokens in, {} for the dots; {cost}",
+            usage.input_tokens,
+            usage.output_in_words()
         ));
     }
     lines.join("\n")

@@ -107,7 +107,8 @@ pub fn play(
     destination: Destination<'_>,
     io: &Io,
 ) -> Result<Exit, Failure> {
-    let program = sources::compile_task(&arguments.task, io)?;
+    let reasoning = arguments.model.reach.reasoning;
+    let program = sources::compile_task(&arguments.task, io)?.with_reasoning(reasoning);
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = io.interrupt()?;
@@ -157,7 +158,7 @@ pub fn play(
     }
     // Lengths in `edge` and the flat area follow the actual cloth; subgoals show the task's own.
     let shown = program;
-    let program = setting::fitted(&arguments.task, &shown, &start, io)?;
+    let program = setting::fitted(&arguments.task, &shown, &start, io)?.with_reasoning(reasoning);
     let make_expert_world = || setting::world(&program);
     let subgoals = prepare(&shown, &start, &beside, &make_expert_world, &interrupt)?;
     // The path of the arm's journal; nothing moves before it is known.

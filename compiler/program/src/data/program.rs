@@ -14,7 +14,7 @@ use super::folds::Sequence;
 use super::goal::Goal;
 use super::keypoints::Keypoint;
 use super::picker::Picker;
-use super::stage::{Stage, Template};
+use super::stage::{Reasoning, Stage, Template};
 use super::subgoals::Subgoals;
 use super::uses::Depends;
 use super::verify::Verify;
@@ -101,6 +101,14 @@ impl Program {
             (text.declared_in, text.line) = (String::new(), 0);
         }
         program
+    }
+
+    /// Returns the program with this `reasoning` in every stage; `None` leaves what they state.
+    pub fn with_reasoning(mut self, reasoning: Option<Reasoning>) -> Program {
+        for stage in &mut self.stages {
+            stage.reasoning = reasoning.or(stage.reasoning);
+        }
+        self
     }
 
     /// Returns the template of that name.

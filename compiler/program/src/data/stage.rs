@@ -3,7 +3,10 @@
 use crate::data::files::FileRef;
 use crate::data::placeholders::Placeholder;
 use crate::data::values::Condition;
+use crate::words::words;
 use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
 
 /// One piece of text in the portable Jinja subset.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,6 +48,9 @@ pub struct Stage {
     pub top_p: Option<f64>,
     /// The longest answer, tokens, if the task states one.
     pub max_tokens: Option<u32>,
+    /// How much the model thinks before it answers, if the task states it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reasoning: Option<Reasoning>,
     /// Templates of the system message, joined by a blank line; if empty, there is no system message.
     pub system: Vec<String>,
     /// Questions and answers that come before this question.
@@ -77,6 +83,105 @@ pub struct LiteralText {
     pub declared_in: String,
     /// The line of its first character there, from 1.
     pub line: u32,
+}
+
+/// How much a model thinks before it answers: hidden tokens, apart from the answer's own.
+///
+/// In JSON and TOML a word or a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected `none`, `low`, `medium`, `high` or a number of tokens"
+)]
+pub enum Reasoning {
+    /// As much as the model takes this word to mean.
+    Level(ReasoningLevel),
+    /// At most so many tokens.
+    Tokens(u32),
+}
+
+/// How much a model thinks, in a word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ReasoningLevel {
+    /// Not at all.
+    None,
+    /// Little.
+    Low,
+    /// More.
+    Medium,
+    /// Much.
+    High,
+}
+
+words!(ReasoningLevel {
+    "none" => None, "not at all";
+    "low" => Low, "little";
+    "medium" => Medium, "more";
+    "high" => High, "much";
+});
+
+impl ReasoningLevel {
+    /// Returns the word that a task writes.
+    pub fn word(self) -> &'static str {
+        match self {
+            ReasoningLevel::None => "none",
+            ReasoningLevel::Low => "low",
+            ReasoningLevel::Medium => "medium",
+            ReasoningLevel::High => "high",
+        }
+    }
+}
+
+impl Reasoning {
+    /// The largest number of tokens that can be stated.
+    pub const MOST_TOKENS: u32 = 100_000;
+    /// The word after a number of tokens.
+    pub const UNIT: &'static str = "tokens";
+
+    /// Returns the hidden tokens that are allowed beside the answer's.
+    ///
+    /// No vendor says how many a word may take; these are powers of four above the smallest budget of Anthropic's
+    /// client (1,024). A question whose thinking needs more is asked once more, with twice as many.
+    pub fn allowed_tokens(self) -> u32 {
+        match self {
+            Reasoning::Level(ReasoningLevel::None) => 0,
+            Reasoning::Level(ReasoningLevel::Low) => 1024,
+            Reasoning::Level(ReasoningLevel::Medium) => 4096,
+            Reasoning::Level(ReasoningLevel::High) => 16_384,
+            Reasoning::Tokens(tokens) => tokens,
+        }
+    }
+}
+
+impl fmt::Display for Reasoning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Reasoning::Level(level) => f.write_str(level.word()),
+            Reasoning::Tokens(tokens) => write!(f, "{tokens} {}", Reasoning::UNIT),
+        }
+    }
+}
+
+impl FromStr for Reasoning {
+    type Err = String;
+
+    /// Reads a word, or a number with or without `tokens`.
+    fn from_str(text: &str) -> Result<Reasoning, String> {
+        let text = text.trim();
+        if let Some(level) = ReasoningLevel::from_word(text) {
+            return Ok(Reasoning::Level(level));
+        }
+        let number = text.strip_suffix(Reasoning::UNIT).unwrap_or(text);
+        let tokens = number.trim_end().parse().ok();
+        let tokens = tokens.filter(|tokens| (1..=Reasoning::MOST_TOKENS).contains(tokens));
+        tokens.map(Reasoning::Tokens).ok_or_else(|| {
+            format!(
+                "write `none`, `low`, `medium`, `high`, or a number of tokens from 1 to {}",
+                Reasoning::MOST_TOKENS
+            )
+        })
+    }
 }
 
 /// The kind of model that a stage asks.

@@ -56,6 +56,7 @@ pub fn first_questions(job: &Job<'_>, models: Models<'_>) -> Result<Vec<FirstQue
                 temperature: stage.temperature,
                 top_p: stage.top_p,
                 max_tokens: stage.max_tokens,
+                reasoning: stage.reasoning,
                 schema: matches!(stage.read, Read::Action).then(|| reply::static_schema(program)),
                 ..Request::new(stage.model, asked.messages)
             },

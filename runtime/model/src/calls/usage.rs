@@ -15,6 +15,25 @@ pub struct Usage {
     pub cached_input_tokens: u64,
     /// Tokens of the answer, its hidden reasoning included.
     pub output_tokens: u64,
+    /// The hidden reasoning in it; `None`: not reported.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reasoning_tokens: Option<u64>,
+}
+
+impl Usage {
+    /// Returns the tokens of the answer that can be seen, as far as hidden ones are reported.
+    pub fn visible_tokens(&self) -> u64 {
+        let hidden = self.reasoning_tokens.unwrap_or(0);
+        self.output_tokens.saturating_sub(hidden)
+    }
+
+    /// Describes the tokens of the answer; hidden ones are named if they are reported.
+    pub fn output_in_words(&self) -> String {
+        match self.reasoning_tokens {
+            Some(hidden) => format!("{} out ({hidden} of them hidden)", self.output_tokens),
+            None => format!("{} out", self.output_tokens),
+        }
+    }
 }
 
 impl Add for Usage {
@@ -27,6 +46,10 @@ impl Add for Usage {
                 .cached_input_tokens
                 .saturating_add(other.cached_input_tokens),
             output_tokens: self.output_tokens.saturating_add(other.output_tokens),
+            reasoning_tokens: match (self.reasoning_tokens, other.reasoning_tokens) {
+                (None, None) => None,
+                (one, two) => Some(one.unwrap_or(0).saturating_add(two.unwrap_or(0))),
+            },
         }
     }
 }

@@ -46,6 +46,7 @@ fn bought(text: &str) -> Reply {
             input_tokens: 9,
             cached_input_tokens: 0,
             output_tokens: 4,
+            reasoning_tokens: Some(1),
         }),
         cost: Some(Usd::from_nano(7)),
     }

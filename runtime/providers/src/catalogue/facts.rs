@@ -8,6 +8,7 @@ use super::price::Price;
 use super::tokens::ImageTokens;
 use fab_model::lowering::{Lowering, Resize};
 use fab_program::pointing::{CoordinateUnit, Order};
+use fab_program::{Reasoning, ReasoningLevel};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 
@@ -25,6 +26,9 @@ pub struct Facts {
     pub temperature: Option<Accepted>,
     /// The values of nucleus sampling that it accepts.
     pub top_p: Option<Accepted>,
+    /// How it takes `reasoning`; what is absent holds as its provider says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reasoning: Option<ReasoningFacts>,
     /// The Chat Completions field for the maximum answer length.
     pub max_tokens_field: Option<MaxTokensField>,
     /// The longest side of a picture that is not downscaled, pixels.
@@ -96,6 +100,90 @@ impl std::fmt::Display for Accepted {
     }
 }
 
+/// How a model takes `reasoning`; `None` is unknown, and what is stated is then sent in the usual form of the interface.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReasoningFacts {
+    /// The forms that it refuses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refuses: Option<Vec<ReasoningKind>>,
+    /// The smallest number of tokens that it accepts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_tokens: Option<u32>,
+    /// Whether it takes numbers of tokens alone, so that a level is sent as one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub levels_as_tokens: Option<bool>,
+    /// The Chat Completions field for a number of tokens.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tokens_field: Option<String>,
+}
+
+/// A form in which `reasoning` is stated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ReasoningKind {
+    /// `none`.
+    None,
+    /// `low`.
+    Low,
+    /// `medium`.
+    Medium,
+    /// `high`.
+    High,
+    /// `N tokens`.
+    Tokens,
+}
+
+impl ReasoningKind {
+    /// Every form.
+    pub const ALL: [ReasoningKind; 5] = [
+        ReasoningKind::None,
+        ReasoningKind::Low,
+        ReasoningKind::Medium,
+        ReasoningKind::High,
+        ReasoningKind::Tokens,
+    ];
+
+    /// Returns the form of a statement.
+    pub fn of(stated: Reasoning) -> ReasoningKind {
+        match stated {
+            Reasoning::Level(ReasoningLevel::None) => ReasoningKind::None,
+            Reasoning::Level(ReasoningLevel::Low) => ReasoningKind::Low,
+            Reasoning::Level(ReasoningLevel::Medium) => ReasoningKind::Medium,
+            Reasoning::Level(ReasoningLevel::High) => ReasoningKind::High,
+            Reasoning::Tokens(_) => ReasoningKind::Tokens,
+        }
+    }
+
+    /// Returns the word that a file of facts uses.
+    pub fn word(self) -> &'static str {
+        match self {
+            ReasoningKind::None => "none",
+            ReasoningKind::Low => "low",
+            ReasoningKind::Medium => "medium",
+            ReasoningKind::High => "high",
+            ReasoningKind::Tokens => Reasoning::UNIT,
+        }
+    }
+}
+
+impl ReasoningFacts {
+    /// Returns whether nothing is known.
+    pub fn is_empty(&self) -> bool {
+        *self == ReasoningFacts::default()
+    }
+
+    /// Returns these facts, with unknown ones filled in from `other`.
+    pub fn or(self, other: &ReasoningFacts) -> ReasoningFacts {
+        ReasoningFacts {
+            refuses: self.refuses.or_else(|| other.refuses.clone()),
+            least_tokens: self.least_tokens.or(other.least_tokens),
+            levels_as_tokens: self.levels_as_tokens.or(other.levels_as_tokens),
+            tokens_field: self.tokens_field.or_else(|| other.tokens_field.clone()),
+        }
+    }
+}
+
 /// The Chat Completions field for the maximum answer length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -146,6 +234,10 @@ impl Facts {
             structured_output: self.structured_output.or(other.structured_output),
             temperature: self.temperature.or_else(|| other.temperature.clone()),
             top_p: self.top_p.or_else(|| other.top_p.clone()),
+            reasoning: match (self.reasoning, &other.reasoning) {
+                (Some(known), Some(other)) => Some(known.or(other)),
+                (known, other) => known.or_else(|| other.clone()),
+            },
             max_tokens_field: self.max_tokens_field.or(other.max_tokens_field),
             largest_side_px: self.largest_side_px.or(other.largest_side_px),
             largest_area_px: self.largest_area_px.or(other.largest_area_px),

@@ -4,7 +4,7 @@
 //! [`super::Catalogue::overlaid`] merges files.
 
 use super::date::Date;
-use super::facts::{Accepted, Facts, MaxTokensField, PositionFormat};
+use super::facts::{Accepted, Facts, MaxTokensField, PositionFormat, ReasoningFacts};
 use super::price::Price;
 use super::provider::is_key_name;
 use super::tokens::ImageTokens;
@@ -46,6 +46,7 @@ pub(super) struct ProviderForm {
     pub runs_on: Option<RunsOn>,
     pub models_of: Option<String>,
     pub start: Option<String>,
+    pub reasoning: Option<ReasoningFacts>,
     as_of: Date,
     source: String,
 }
@@ -64,6 +65,7 @@ struct ModelForm {
     structured_output: Option<bool>,
     temperature: Option<Accepted>,
     top_p: Option<Accepted>,
+    reasoning: Option<ReasoningFacts>,
     max_tokens_field: Option<MaxTokensField>,
     largest_side_px: Option<u32>,
     largest_area_px: Option<u64>,
@@ -288,6 +290,7 @@ fn sourced_facts(form: ModelForm) -> Result<(Facts, Source), String> {
         structured_output: form.structured_output,
         temperature: form.temperature,
         top_p: form.top_p,
+        reasoning: form.reasoning,
         max_tokens_field: form.max_tokens_field,
         largest_side_px: form.largest_side_px,
         largest_area_px: form.largest_area_px,
@@ -298,6 +301,7 @@ fn sourced_facts(form: ModelForm) -> Result<(Facts, Source), String> {
         replaced_by: form.replaced_by,
         moving: form.moving,
     };
+    facts.reasoning.as_ref().map_or(Ok(()), check_reasoning)?;
     check_facts(&facts)?;
     if let Some(prices) = &mut facts.price {
         prices.sort_by_key(|price| price.from);
@@ -381,7 +385,28 @@ fn check_provider(entry: &ProviderForm) -> Result<(), String> {
         .start
         .iter()
         .try_for_each(|command| plain("start", command))?;
+    entry.reasoning.as_ref().map_or(Ok(()), check_reasoning)?;
     sourced(entry.as_of, entry.source.clone()).map(drop)
+}
+
+fn check_reasoning(facts: &ReasoningFacts) -> Result<(), String> {
+    if let Some(least) = facts
+        .least_tokens
+        .filter(|least| !(1..=MOST).contains(least))
+    {
+        return Err(format!("`least_tokens = {least}` is not from 1 to {MOST}"));
+    }
+    // No other field of a request has such a name, so it cannot replace one.
+    let is_budget = |name: &&String| {
+        let is_part = |c: char| c.is_ascii_lowercase() || c == '_';
+        name.len() <= 40 && name.contains("budget") && name.chars().all(is_part)
+    };
+    match facts.tokens_field.as_ref().filter(|name| !is_budget(name)) {
+        Some(name) => Err(format!(
+            "`tokens_field = {name:?}` is no name such as `thinking_token_budget`"
+        )),
+        None => Ok(()),
+    }
 }
 
 fn check_facts(facts: &Facts) -> Result<(), String> {

@@ -18,7 +18,7 @@ pub mod tokens;
 
 pub use date::{Date, NoDate};
 pub use error::CatalogueError;
-pub use facts::{Accepted, Facts, MaxTokensField, PositionFormat};
+pub use facts::{Accepted, Facts, MaxTokensField, PositionFormat, ReasoningFacts, ReasoningKind};
 pub use notice::Notice;
 pub use price::{Price, Priced, SAFETY};
 pub(crate) use provider::is_key_name;
@@ -319,6 +319,7 @@ impl Catalogue {
                 runs_on: form.runs_on,
                 models_of: form.models_of,
                 start: form.start,
+                reasoning: form.reasoning.unwrap_or_default(),
                 sources: vec![source],
             });
             return Ok(());
@@ -329,6 +330,9 @@ impl Catalogue {
         provider.runs_on = form.runs_on.or(provider.runs_on);
         provider.models_of = form.models_of.or(provider.models_of.take());
         provider.start = form.start.or(provider.start.take());
+        if let Some(reasoning) = form.reasoning {
+            provider.reasoning = reasoning.or(&provider.reasoning);
+        }
         if let Some(names) = form.key_env {
             provider.key_env = names;
         }
@@ -411,6 +415,12 @@ impl Profile {
     /// Returns how the model gets points of a picture; see [`Facts::lowering`].
     pub fn lowering(&self) -> Lowering {
         self.facts.lowering()
+    }
+
+    /// Returns how the model takes `reasoning` at its provider.
+    pub fn reasoning(&self) -> ReasoningFacts {
+        let own = self.facts.reasoning.clone().unwrap_or_default();
+        own.or(&self.provider.reasoning)
     }
 
     /// Returns whether no call is billed, because the user's own machine answers.

@@ -116,8 +116,8 @@ impl Priced {
         let input_tokens = input?.at_most.saturating_add(schema.unwrap_or(0));
         self.cost(Usage {
             input_tokens: input_tokens.saturating_mul(SAFETY),
-            cached_input_tokens: 0,
             output_tokens: request.max_tokens?.into(),
+            ..Usage::default()
         })
     }
 }

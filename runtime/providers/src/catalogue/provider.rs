@@ -3,6 +3,7 @@
 //! In: an entry of a file. Out: a [`Provider`]. Nothing here sends anything.
 
 use super::date::Date;
+use super::facts::ReasoningFacts;
 use serde::{Deserialize, Serialize};
 use std::net::{Ipv4Addr, SocketAddr};
 
@@ -25,6 +26,9 @@ pub struct Provider {
     pub models_of: Option<String>,
     /// The command that starts its server at the known address.
     pub start: Option<String>,
+    /// How it takes `reasoning`, unless a model's own facts say otherwise.
+    #[serde(skip_serializing_if = "ReasoningFacts::is_empty")]
+    pub reasoning: ReasoningFacts,
     /// Sources of these facts, newest layer first.
     pub sources: Vec<Source>,
 }

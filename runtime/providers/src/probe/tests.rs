@@ -82,6 +82,7 @@ impl Model for Seeing {
                 input_tokens: 100,
                 cached_input_tokens: 0,
                 output_tokens: 10,
+                ..Usage::default()
             }),
             cost: None,
         })
@@ -109,7 +110,7 @@ fn multiples() -> Resize {
 
 fn found(told: Lowering, says: Lowering) -> Probe {
     let form = plain;
-    probe(&Seeing { told, says, form }, 7, &mut Unrecorded).expect("it answers")
+    probe(&Seeing { told, says, form }, 7, None, &mut Unrecorded).expect("it answers")
 }
 
 #[test]
@@ -197,7 +198,7 @@ fn errors_count_pixels_of_the_cameras_picture_whatever_was_sent() {
     );
     let form = |name: &str, [x, y]: [f64; 2]| plain(name, [x + 1.0, y]);
     let says = Lowering::PIXELS;
-    let found = probe(&Seeing { told, says, form }, 7, &mut Unrecorded).expect("it answers");
+    let found = probe(&Seeing { told, says, form }, 7, None, &mut Unrecorded).expect("it answers");
     let error = found.error.expect("it was read");
     // One pixel of the small picture, which is sent unchanged, and of the large one, which is sent at half its size.
     assert!((error.mean - 1.5).abs() < 0.2, "{error:?}");
@@ -226,7 +227,7 @@ fn an_answer_in_another_frame_is_seen_by_its_error() {
 
 fn in_pixels(form: fn(&str, [f64; 2]) -> String, seed: u64) -> Probe {
     let [told, says] = [Lowering::PIXELS; 2];
-    probe(&Seeing { told, says, form }, seed, &mut Unrecorded).expect("it answers")
+    probe(&Seeing { told, says, form }, seed, None, &mut Unrecorded).expect("it answers")
 }
 
 #[test]
@@ -395,6 +396,7 @@ impl Model for Assumed {
                 input_tokens: 10,
                 cached_input_tokens: 0,
                 output_tokens,
+                reasoning_tokens: None,
             }),
             cost: Some(Usd::from_nano(1)),
             text,
@@ -588,7 +590,7 @@ fn every_character_is_found_out_and_its_entry_is_used_when_pasted() {
             ..Facts::default()
         };
         let model = character.under(&known).expect(name);
-        let dots = sees.then(|| probe(model.as_ref(), 7, calls).expect(name));
+        let dots = sees.then(|| probe(model.as_ref(), 7, None, calls).expect(name));
         let facts = entry::facts(dots.as_ref(), &able);
         assert_eq!(facts, expected, "{name}: {:?}", able.notes);
         assert_eq!(able.reasons, reasons, "{name}");

@@ -11,8 +11,10 @@ pub mod wire;
 mod answers;
 mod base_url;
 mod gate;
+mod hidden;
 mod hints;
 mod key;
+mod omit;
 mod redact;
 mod retry;
 mod status;
@@ -22,6 +24,7 @@ pub use super::catalogue::Wire;
 pub use answers::Answers;
 pub use base_url::{BaseUrl, BaseUrlError};
 pub use gate::Gate;
+pub use hidden::Lengths;
 pub use key::{Key, KeyError};
 pub use redact::Redactor;
 pub use retry::{Pause, RealTime, Retry, most_calls};
@@ -108,6 +111,8 @@ struct FailedCall {
     why: String,
     cost: Option<Usd>,
     wait: Option<Duration>,
+    /// The lengths to ask with once more, if hidden reasoning cut the answer off.
+    again: Option<Lengths>,
 }
 
 impl Remote {
@@ -149,32 +154,42 @@ impl Remote {
     ///
     /// Fails if the model is known not to support something in the request.
     pub fn encoded(&self, request: &Request) -> Result<Encoded, ModelError> {
-        let encoded = self.settings.wire.encode(request, &self.settings);
+        self.encoded_within(request, self.lengths(request))
+    }
+
+    fn encoded_within(&self, request: &Request, lengths: Lengths) -> Result<Encoded, ModelError> {
+        let wire = self.settings.wire;
+        let encoded = wire.encode_within(request, &self.settings, lengths);
         encoded.map_err(|unfit| ModelError::Unsupported {
             model: self.name.clone(),
             why: unfit.0,
         })
     }
 
-    /// Returns the maximum answer length finally requested, tokens; `None` if none is sent.
-    pub fn longest_answer(&self, request: &Request) -> Option<u32> {
-        self.settings.sent_max_tokens(request)
+    /// Returns the longest answer that is asked for, visible and hidden.
+    pub fn lengths(&self, request: &Request) -> Lengths {
+        Lengths::of(request, &self.settings)
+    }
+
+    fn at_most(&self, request: &Request, lengths: Lengths) -> Option<Usd> {
+        self.settings.pricing.at_most(&Request {
+            max_tokens: lengths.sent(),
+            ..request.clone()
+        })
     }
 
     /// Asks until there is an answer or no further attempt.
     fn buy(
         &self,
         request: &Request,
-        encoded: &Encoded,
+        mut encoded: Encoded,
         claim: &Claim<'_>,
         calls: &mut dyn Calls,
     ) -> Result<Reply, ModelError> {
-        let headers = self.headers(encoded);
+        let headers = self.headers(&encoded);
         let key = request.key();
-        let at_most = self.settings.pricing.at_most(&Request {
-            max_tokens: self.settings.sent_max_tokens(request),
-            ..request.clone()
-        });
+        let mut lengths = self.lengths(request);
+        let mut at_most = self.at_most(request, lengths);
         let retry = &self.settings.retry;
         let interrupt = &self.shared.interrupt;
         let mut tries = QuestionCalls::new(retry);
@@ -192,7 +207,7 @@ impl Remote {
                 .transport
                 .post(&self.endpoint, &headers, body, interrupt);
             let ended = match came {
-                Ok(incoming) => match self.read(&incoming) {
+                Ok(incoming) => match self.read(&incoming, &encoded, lengths) {
                     Ok(answer) => {
                         pass.tell(Load::Answered);
                         claim.keep(&answer.text, answer.usage);
@@ -216,6 +231,7 @@ impl Remote {
                     why,
                     cost: None,
                     wait: None,
+                    again: None,
                 },
                 Err(TransportError::Interrupted) => {
                     calls.end(&CallEnd::Failed {
@@ -237,8 +253,18 @@ impl Remote {
                 billing: ended.billing,
                 cost: ended.cost,
             })?;
-            match tries.after(ended.fault, ended.wait) {
+            let next = match (ended.fault, ended.again) {
+                // The same request would be cut off again.
+                (Fault::Truncated, None) => tries.give_up(),
+                (fault, _) => tries.after(fault, ended.wait),
+            };
+            match next {
                 Next::After(wait) => {
+                    if let Some(more) = ended.again {
+                        lengths = more;
+                        encoded = self.encoded_within(request, lengths)?;
+                        at_most = self.at_most(request, lengths);
+                    }
                     let seconds = wait.as_secs_f64();
                     (self.shared.tell.0)(&format!(
                         "{}: {}: {}; asked again in {seconds:.1} s",
@@ -258,10 +284,15 @@ impl Remote {
     }
 
     /// Reads a reply; the result holds no key.
-    fn read(&self, incoming: &Incoming) -> Result<Answer, FailedCall> {
+    fn read(
+        &self,
+        incoming: &Incoming,
+        sent: &Encoded,
+        lengths: Lengths,
+    ) -> Result<Answer, FailedCall> {
         // A key that the server split over two pieces of text is whole once they are joined.
         let hide = |text: String| self.transport.redactor().text(&text);
-        match self.decode(incoming) {
+        match self.decode(incoming, sent, lengths) {
             Ok(answer) => Ok(Answer {
                 text: hide(answer.text),
                 ..answer
@@ -273,24 +304,42 @@ impl Remote {
         }
     }
 
-    fn decode(&self, incoming: &Incoming) -> Result<Answer, FailedCall> {
+    fn decode(
+        &self,
+        incoming: &Incoming,
+        sent: &Encoded,
+        lengths: Lengths,
+    ) -> Result<Answer, FailedCall> {
         if !(200..300).contains(&incoming.status) {
             let refusal = status::judge(incoming.status, &incoming.body);
+            let named = match (refusal.fault, incoming.status) {
+                (Fault::BadRequest, 400 | 422) => omit::refused(&incoming.body, &sent.body),
+                _ => None,
+            };
+            let remedy = named.map_or(String::new(), |parameter| {
+                format!("; `--omit {}` leaves it out", parameter.name())
+            });
             return Err(FailedCall {
                 fault: refusal.fault,
                 billing: refusal.billing,
-                why: refusal.why,
+                why: refusal.why + &remedy,
                 cost: None,
                 wait: refusal.wait.max(incoming.wait),
+                again: None,
             });
         }
         let decoded = self.settings.wire.decode(&incoming.body);
-        decoded.map_err(|failure| FailedCall {
-            fault: failure.fault,
-            billing: Billing::Possibly,
-            why: failure.why,
-            cost: self.cost(failure.usage),
-            wait: incoming.wait,
+        decoded.map_err(|failure| {
+            let starved = hidden::starved(&failure, lengths);
+            let again = starved.as_ref().and_then(|starved| starved.again);
+            FailedCall {
+                fault: failure.fault,
+                billing: Billing::Possibly,
+                cost: self.cost(failure.usage),
+                why: starved.map_or(failure.why, |starved| starved.why),
+                wait: incoming.wait,
+                again,
+            }
         })
     }
 
@@ -365,7 +414,7 @@ impl Model for Remote {
                 usage: kept.usage,
                 cost: Some(Usd::ZERO),
             }),
-            Lookup::Nothing(claim) => self.buy(request, &encoded, &claim, calls),
+            Lookup::Nothing(claim) => self.buy(request, encoded, &claim, calls),
             Lookup::Interrupted => Err(ModelError::Interrupted),
         }
     }

@@ -44,6 +44,8 @@ impl Default for Retry {
 }
 
 /// Returns how many calls for one question may end in this fault; one means no retry.
+///
+/// A truncated answer is asked for once more only if that call can allow more hidden reasoning.
 pub fn most_calls(fault: Fault) -> u32 {
     match fault {
         Fault::RateLimited => 8,
@@ -124,21 +126,30 @@ impl<'a> QuestionCalls<'a> {
         self.made
     }
 
+    /// Ends the question.
+    pub(super) fn give_up(&self) -> Next {
+        Next::GiveUp(format!("after {}", self.made_in_words()))
+    }
+
+    fn made_in_words(&self) -> String {
+        let calls = if self.made == 1 { "call" } else { "calls" };
+        format!("{} {calls}", self.made)
+    }
+
     /// Decides the reaction to a failed call; `asked` is the wait that the provider asks for.
     pub(super) fn after(&mut self, fault: Fault, asked: Option<Duration>) -> Next {
         let ended = self.ended.entry(fault).or_default();
         *ended += 1;
-        let made = self.made;
-        let calls = if made == 1 { "call" } else { "calls" };
-        if *ended >= most_calls(fault) || made >= self.retry.calls {
-            return Next::GiveUp(format!("after {made} {calls}"));
+        if *ended >= most_calls(fault) || self.made >= self.retry.calls {
+            return self.give_up();
         }
         let wait = self.waits.next().unwrap_or(self.retry.longest_wait);
         let wait = wait.max(asked.unwrap_or_default());
         let waited = self.waited.saturating_add(wait);
         if waited > self.retry.waits_in_all {
             return Next::GiveUp(format!(
-                "after {made} {calls}; the next one would have to wait {:.1} s, and {:.1} s in all is the limit",
+                "after {}; the next one would have to wait {:.1} s, and {:.1} s in all is the limit",
+                self.made_in_words(),
                 wait.as_secs_f64(),
                 self.retry.waits_in_all.as_secs_f64()
             ));

@@ -5,9 +5,9 @@
 //! unacceptable are refused before they are sent.
 
 use super::{BaseUrl, Key, Retry, Wire};
-use crate::catalogue::{Accepted, Date, MaxTokensField, Priced, Profile};
+use crate::catalogue::{Accepted, Date, MaxTokensField, Priced, Profile, ReasoningFacts};
 use fab_model::calls::{Usage, Usd};
-use fab_model::{Lowering, Request};
+use fab_model::{Lowering, Reasoning, Request};
 use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
@@ -37,6 +37,8 @@ pub struct Settings {
     pub temperature: Option<Accepted>,
     /// The values of `top_p` that it accepts.
     pub top_p: Option<Accepted>,
+    /// How it takes `reasoning`.
+    pub reasoning: ReasoningFacts,
     /// The Chat Completions field for the maximum answer length; `None`: `max_tokens`.
     pub max_tokens_field: Option<MaxTokensField>,
     /// The maximum answer length if the stage states none but the provider requires one, tokens.
@@ -66,6 +68,7 @@ impl Settings {
             lowering: Lowering::PIXELS,
             temperature: None,
             top_p: None,
+            reasoning: ReasoningFacts::default(),
             max_tokens_field: None,
             unstated_max_tokens: 4096,
             omit: Vec::new(),
@@ -85,6 +88,7 @@ impl Settings {
             lowering: profile.lowering(),
             temperature: facts.temperature.clone(),
             top_p: facts.top_p.clone(),
+            reasoning: profile.reasoning(),
             max_tokens_field: facts.max_tokens_field,
             pricing: Arc::new(profile.priced_on(today)),
             ..Settings::new(&provider.name, &profile.id, provider.wire, base_url)
@@ -93,14 +97,21 @@ impl Settings {
 }
 
 impl Settings {
-    /// Returns the maximum answer length finally requested, tokens; `None` if none is sent.
-    pub(super) fn sent_max_tokens(&self, request: &Request) -> Option<u32> {
+    /// Returns the longest visible answer, tokens; `None` if no limit is sent.
+    pub(super) fn visible_tokens(&self, request: &Request) -> Option<u32> {
         let stated = request.max_tokens;
         let sent = stated.filter(|_| !self.omit.contains(&Parameter::MaxTokens));
         match self.wire {
             Wire::Anthropic => Some(sent.unwrap_or(self.unstated_max_tokens)),
             Wire::OpenaiResponses | Wire::OpenaiChat | Wire::Gemini => sent,
         }
+    }
+
+    /// Returns the hidden tokens that are allowed beside the visible answer.
+    pub(super) fn hidden_tokens(&self, request: &Request) -> u32 {
+        let is_sent = !self.omit.contains(&Parameter::Reasoning);
+        let reasoning = request.reasoning.filter(|_| is_sent);
+        reasoning.map_or(0, Reasoning::allowed_tokens)
     }
 }
 
@@ -113,22 +124,30 @@ pub enum Parameter {
     TopP,
     /// `tokens`, the maximum answer length.
     MaxTokens,
+    /// `reasoning`, how much the model thinks.
+    Reasoning,
+    /// The JSON Schema of the answer.
+    Schema,
 }
 
 impl Parameter {
     /// Every parameter.
-    pub const ALL: [Parameter; 3] = [
+    pub const ALL: [Parameter; 5] = [
         Parameter::Temperature,
         Parameter::TopP,
         Parameter::MaxTokens,
+        Parameter::Reasoning,
+        Parameter::Schema,
     ];
 
-    /// Returns the name that a `.fab` file uses.
+    /// Returns the name that a `.fab` file and `--omit` use.
     pub fn name(self) -> &'static str {
         match self {
             Parameter::Temperature => "temperature",
             Parameter::TopP => "top_p",
             Parameter::MaxTokens => "tokens",
+            Parameter::Reasoning => "reasoning",
+            Parameter::Schema => "schema",
         }
     }
 }

@@ -111,6 +111,7 @@ mod tests {
                 input_tokens: 7,
                 cached_input_tokens: 3,
                 output_tokens,
+                reasoning_tokens: None,
             });
             Answer::new("model", &request, reply, &Format::default())
         };

@@ -43,6 +43,7 @@ impl Form for Chat {
             ));
         }
         request.max_tokens = new.or(old);
+        request.reasoning = fields.level("reasoning_effort")?;
         let mut format = Format::default();
         if let Some(stated) = fields.take("response_format") {
             format = Format::read(Fields::of("response_format", stated)?, Some("json_schema"))?;
@@ -153,6 +154,6 @@ fn usage(answer: &Answer) -> Value {
         "completion_tokens": usage.output_tokens,
         "total_tokens": usage.input_tokens.saturating_add(usage.output_tokens),
         "prompt_tokens_details": { "cached_tokens": usage.cached_input_tokens },
-        "completion_tokens_details": { "reasoning_tokens": 0 },
+        "completion_tokens_details": { "reasoning_tokens": usage.reasoning_tokens.unwrap_or(0) },
     })
 }

@@ -3,6 +3,7 @@
 //! In: a JSON object. Out: typed values, or a refusal that names the field. `null` counts as absent.
 
 use super::refusal::Refusal;
+use fab_program::{Reasoning, ReasoningLevel};
 use serde_json::{Map, Value};
 
 /// The fields not taken yet.
@@ -70,6 +71,16 @@ impl Fields {
         number
             .map(Some)
             .ok_or_else(|| self.wrong(name, &format!("is not a number from {least} to {most}")))
+    }
+
+    /// Takes a level of reasoning.
+    pub(super) fn level(&mut self, name: &str) -> Result<Option<Reasoning>, Refusal> {
+        let Some(value) = self.take(name) else {
+            return Ok(None);
+        };
+        let level = value.as_str().and_then(ReasoningLevel::from_word);
+        let level = level.ok_or_else(|| self.wrong(name, "is not none, low, medium or high"))?;
+        Ok(Some(Reasoning::Level(level)))
     }
 
     /// Takes an integer from `least` up.

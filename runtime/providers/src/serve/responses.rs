@@ -53,6 +53,11 @@ impl Form for Responses {
         request.top_p = fields.number("top_p", 0.0, 1.0)?;
         request.max_tokens = fields.whole("max_output_tokens", 1)?;
         request.repetition = fields.whole("seed", 0)?.unwrap_or(0);
+        if let Some(reasoning) = fields.take("reasoning") {
+            let mut reasoning = Fields::of("reasoning", reasoning)?;
+            request.reasoning = reasoning.level("effort")?;
+            reasoning.finish(&[])?;
+        }
         let mut echoed = json!({ "type": "text" });
         let mut format = Format::default();
         if let Some(text) = fields.take("text") {
@@ -110,7 +115,7 @@ impl Form for Responses {
             "input_tokens": usage.input_tokens,
             "input_tokens_details": { "cached_tokens": usage.cached_input_tokens },
             "output_tokens": usage.output_tokens,
-            "output_tokens_details": { "reasoning_tokens": 0 },
+            "output_tokens_details": { "reasoning_tokens": usage.reasoning_tokens.unwrap_or(0) },
             "total_tokens": usage.input_tokens.saturating_add(usage.output_tokens),
         });
         if answer.is_cut {

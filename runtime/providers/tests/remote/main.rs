@@ -5,6 +5,7 @@
 mod answer_cache;
 mod connections;
 mod faults;
+mod hidden_reasoning;
 mod interrupts;
 mod leaked_keys;
 mod support;

@@ -201,8 +201,10 @@ pub fn entries<'a>(
             let Some(subgoals) = subgoals(shown, &prepared.folder, interrupt)? else {
                 return Ok(None);
             };
+            let reasoning = arguments.model.reach.reasoning.or(method.reasoning);
             let programs = prepared.by_grid.iter().filter_map(|(grid, programs)| {
-                Some((*grid, variant_of(programs, method)?.clone()))
+                let program = variant_of(programs, method)?.clone();
+                Some((*grid, program.with_reasoning(reasoning)))
             });
             let Some(deciding) = deciding.get(&named_by(method)) else {
                 continue;

@@ -83,6 +83,7 @@ pub fn narrowed(mut suite: Suite, variant: Option<&str>) -> Suite {
             variant: Some(variant.to_owned()),
             policy: None,
             model: None,
+            reasoning: None,
             repeats: None,
             optional: false,
             note: None,

@@ -216,8 +216,10 @@ fn spent(report: &Ended) -> Option<String> {
         return None;
     }
     let mut text = format!(
-        "calls: {}, tokens {} in, {} out",
-        report.took.calls, report.took.usage.input_tokens, report.took.usage.output_tokens
+        "calls: {}, tokens {} in, {}",
+        report.took.calls,
+        report.took.usage.input_tokens,
+        report.took.usage.output_in_words()
     );
     text.push_str(&format!(", {}", report.took.spent.in_words()));
     let faults = report.took.faults.iter();

@@ -2,6 +2,7 @@
 
 use super::catalogue::FactsArguments;
 use clap::{Args, ValueEnum, ValueHint};
+use fab_model::Reasoning;
 use fab_model::calls::Usd;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -63,6 +64,11 @@ pub struct ReachArguments {
     /// Leave out settings of stages that the model does not support.
     #[arg(long, value_name = "SETTING", value_delimiter = ',')]
     pub omit: Vec<OmitArgument>,
+    /// How much the model thinks before it answers, in place of what stages state: `none`, `low`, `medium`, `high`, or a
+    /// number of hidden tokens.
+    #[arg(long, value_name = "LEVEL")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reasoning: Option<Reasoning>,
     /// Let the model choose numbered points instead of writing coordinates.
     #[arg(long)]
     pub marks: bool,
@@ -88,6 +94,10 @@ pub enum OmitArgument {
     TopP,
     /// The longest answer.
     Tokens,
+    /// How much the model thinks.
+    Reasoning,
+    /// The JSON Schema of the answer.
+    Schema,
 }
 
 /// What may be asked, and what is kept of it.

@@ -18,7 +18,7 @@ use fab_model::recording::{Recorder, Replay};
 use fab_model::{Model, ModelError, ModelRole, Request};
 use fab_providers::catalogue::{Facts, Profile, Wire};
 use fab_providers::probe::Subject;
-use fab_providers::remote::Remote;
+use fab_providers::remote::{Lengths, Remote};
 use fab_standins::{Geometric, Imperfect, Random};
 use std::cell::RefCell;
 use std::path::Path;
@@ -66,15 +66,18 @@ impl Answering {
         answerer.provided.as_ref().map(|it| &it.profile)
     }
 
-    /// Returns the answer limit that a request is finally sent with, tokens; `None` if none is sent.
-    pub fn longest_answer(&self, request: &Request) -> Option<u32> {
+    /// Returns the lengths of the answer that a request is sent with.
+    pub fn lengths(&self, request: &Request) -> Lengths {
         let answerer = match request.role {
             ModelRole::Vision => &self.vision,
             ModelRole::Text => &self.text,
         };
         match &answerer.provided {
-            Some(provided) => provided.remote.longest_answer(request),
-            None => request.max_tokens,
+            Some(provided) => provided.remote.lengths(request),
+            None => Lengths {
+                visible: request.max_tokens,
+                hidden: 0,
+            },
         }
     }
 

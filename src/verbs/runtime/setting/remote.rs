@@ -190,5 +190,7 @@ fn parameter(omitted: OmitArgument) -> Parameter {
         OmitArgument::Temperature => Parameter::Temperature,
         OmitArgument::TopP => Parameter::TopP,
         OmitArgument::Tokens => Parameter::MaxTokens,
+        OmitArgument::Reasoning => Parameter::Reasoning,
+        OmitArgument::Schema => Parameter::Schema,
     }
 }

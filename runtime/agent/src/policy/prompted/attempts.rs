@@ -127,6 +127,7 @@ impl<'a> Attempts<'a> {
             temperature: self.stage.temperature,
             top_p: self.stage.top_p,
             max_tokens: self.stage.max_tokens,
+            reasoning: self.stage.reasoning,
             repetition: self.view.repetition,
             step: self.view.number,
             schema: self.schema.clone(),

@@ -23,6 +23,7 @@ fn bought(text: &str) -> Reply {
             input_tokens: 700,
             cached_input_tokens: 0,
             output_tokens: 30,
+            reasoning_tokens: Some(12),
         }),
         cost: usd(0.25),
         ..Reply::text(text)

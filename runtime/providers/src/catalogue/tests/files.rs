@@ -105,6 +105,14 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
             "line 3: `top_p` needs finite numbers",
         ),
         (
+            &entry("reasoning = { least_tokens = 0 }"),
+            "line 3: `least_tokens = 0` is not from 1",
+        ),
+        (
+            &entry("reasoning = { tokens_field = \"max_tokens\" }"),
+            "line 3: `tokens_field = \"max_tokens\"` is no name such as `thinking_token_budget`",
+        ),
+        (
             &entry("top_p = { only = [nan] }"),
             "line 3: `top_p` needs finite numbers",
         ),

@@ -86,6 +86,7 @@ fn costs_are_exact_to_the_last_billionth() {
         input_tokens: 1_000_003,
         cached_input_tokens: 1_000_000,
         output_tokens: 7,
+        ..Usage::default()
     };
     // 1,000,000 at 0.10 + 3 at 2 + 7 at 10 USD per million.
     assert_eq!(
@@ -101,7 +102,7 @@ fn costs_are_exact_to_the_last_billionth() {
     let one = |input_tokens, cached_input_tokens| Usage {
         input_tokens,
         cached_input_tokens,
-        output_tokens: 0,
+        ..Usage::default()
     };
     assert_eq!(
         third.cost(one(1_000_000, 0)),
@@ -120,8 +121,8 @@ fn costs_are_exact_to_the_last_billionth() {
     );
     let huge = Usage {
         input_tokens: u64::MAX,
-        cached_input_tokens: 0,
         output_tokens: u64::MAX,
+        ..Usage::default()
     };
     assert_eq!(
         Price {

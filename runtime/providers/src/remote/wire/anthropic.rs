@@ -4,9 +4,12 @@
 
 use super::content::{base64, framed, words};
 use super::error::ErrorBody;
-use super::{Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated};
+use super::{
+    Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated, unknown_end,
+};
 use fab_model::calls::{Fault, Usage};
-use fab_model::{Message, Part, Speaker};
+use fab_model::{Message, Part, Reasoning, Speaker};
+use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -22,7 +25,17 @@ pub(super) struct Body<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     top_p: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    thinking: Option<Thinking>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     output_config: Option<OutputConfig<'a>>,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Thinking {
+    Disabled,
+    Adaptive,
+    Enabled { budget_tokens: u32 },
 }
 
 #[derive(Serialize)]
@@ -56,7 +69,10 @@ enum Source {
 
 #[derive(Serialize)]
 struct OutputConfig<'a> {
-    format: Format<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effort: Option<ReasoningLevel>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    format: Option<Format<'a>>,
 }
 
 #[derive(Serialize)]
@@ -84,6 +100,16 @@ pub(super) fn body<'a>(
     max_tokens: u32,
 ) -> Result<Body<'a>, Unfit> {
     let (system, turns) = framed(messages)?;
+    let (thinking, effort) = match stated.reasoning {
+        None => (None, None),
+        Some(Reasoning::Level(ReasoningLevel::None) | Reasoning::Tokens(0)) => {
+            (Some(Thinking::Disabled), None)
+        }
+        Some(Reasoning::Level(level)) => (Some(Thinking::Adaptive), Some(level)),
+        Some(Reasoning::Tokens(budget_tokens)) => (Some(Thinking::Enabled { budget_tokens }), None),
+    };
+    let format = stated.schema.map(|schema| Format::JsonSchema { schema });
+    let has_config = effort.is_some() || format.is_some();
     Ok(Body {
         model,
         max_tokens,
@@ -91,9 +117,8 @@ pub(super) fn body<'a>(
         messages: turns.iter().map(turn).collect::<Result<_, _>>()?,
         temperature: stated.temperature,
         top_p: stated.top_p,
-        output_config: stated.schema.map(|schema| OutputConfig {
-            format: Format::JsonSchema { schema },
-        }),
+        thinking,
+        output_config: has_config.then_some(OutputConfig { effort, format }),
     })
 }
 
@@ -152,6 +177,12 @@ struct AnthropicTokens {
     output_tokens: u64,
     cache_creation_input_tokens: Option<u64>,
     cache_read_input_tokens: Option<u64>,
+    output_tokens_details: Option<OutputDetails>,
+}
+
+#[derive(Deserialize)]
+struct OutputDetails {
+    thinking_tokens: Option<u64>,
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
@@ -165,14 +196,18 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             input_tokens: input.saturating_add(written),
             cached_input_tokens: cached,
             output_tokens: tokens.output_tokens,
+            reasoning_tokens: tokens
+                .output_tokens_details
+                .and_then(|details| details.thinking_tokens),
         }
     });
     if let Some(error) = reply.error {
         return Err(ErrorBody::of(&error).failure(usage));
     }
+    let mut is_cut = false;
     match reply.stop_reason.as_deref() {
         Some("end_turn" | "stop_sequence") => {}
-        Some("max_tokens") => return Err(truncated(usage)),
+        Some("max_tokens") => is_cut = true,
         Some("model_context_window_exceeded") => {
             let why = "the model's context window was full before the answer was whole";
             return Err(Failure::new(Fault::Truncated, why, usage));
@@ -183,11 +218,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             return Err(Failure::new(Fault::Refused, why, usage));
         }
         Some("tool_use") => return Err(tool_called(usage)),
-        other => {
-            let other = other.unwrap_or("nothing");
-            let why = format!("the answer stopped for `{other}`, and not at its end");
-            return Err(Failure::new(Fault::InvalidReply, why, usage));
-        }
+        other => return Err(unknown_end(other.unwrap_or("nothing"), usage)),
     }
     let mut text = String::new();
     for said in reply.content.unwrap_or_default() {
@@ -197,5 +228,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             ContentBlock::Other => {}
         }
     }
-    answer(text, usage)
+    match is_cut {
+        true => Err(truncated(text, usage)),
+        false => answer(text, usage),
+    }
 }

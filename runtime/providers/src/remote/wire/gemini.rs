@@ -6,7 +6,8 @@ use super::content::{base64, framed, words};
 use super::error::ErrorBody;
 use super::{Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated};
 use fab_model::calls::{Fault, Usage};
-use fab_model::{Message, Part, Speaker};
+use fab_model::{Message, Part, Reasoning, Speaker};
+use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -62,6 +63,16 @@ struct Config<'a> {
     response_mime_type: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     response_json_schema: Option<&'a Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    thinking_config: Option<Thinking>,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+enum Thinking {
+    ThinkingLevel(&'static str),
+    /// 0 turns thinking off.
+    ThinkingBudget(u32),
 }
 
 pub(super) fn body<'a>(
@@ -80,6 +91,13 @@ pub(super) fn body<'a>(
             max_output_tokens: stated.max_tokens,
             response_mime_type: stated.schema.map(|_| "application/json"),
             response_json_schema: stated.schema,
+            thinking_config: stated.reasoning.map(|reasoning| match reasoning {
+                Reasoning::Level(ReasoningLevel::None) => Thinking::ThinkingBudget(0),
+                Reasoning::Level(ReasoningLevel::Low) => Thinking::ThinkingLevel("LOW"),
+                Reasoning::Level(ReasoningLevel::Medium) => Thinking::ThinkingLevel("MEDIUM"),
+                Reasoning::Level(ReasoningLevel::High) => Thinking::ThinkingLevel("HIGH"),
+                Reasoning::Tokens(tokens) => Thinking::ThinkingBudget(tokens),
+            }),
         },
     })
 }
@@ -160,6 +178,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             .candidates_token_count
             .unwrap_or(0)
             .saturating_add(tokens.thoughts_token_count.unwrap_or(0)),
+        reasoning_tokens: tokens.thoughts_token_count,
     });
     if let Some(error) = reply.error {
         return Err(ErrorBody::of(&error).failure(usage));
@@ -172,10 +191,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         let why = "the reply holds no candidate";
         return Err(Failure::new(Fault::InvalidReply, why, usage));
     };
-    if let Some(fault) = ended_badly(candidate.finish_reason.as_deref()) {
-        if fault == Fault::Truncated {
-            return Err(truncated(usage));
-        }
+    let ended_badly = ended_badly(candidate.finish_reason.as_deref());
+    if let Some(fault) = ended_badly.filter(|fault| *fault != Fault::Truncated) {
         let reason = candidate.finish_reason.unwrap_or_default();
         let said = candidate.finish_message.unwrap_or_default();
         let why = format!("the answer stopped for `{reason}` {said}");
@@ -191,7 +208,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             text.push_str(part.text.as_deref().unwrap_or_default());
         }
     }
-    answer(text, usage)
+    match ended_badly {
+        Some(_) => Err(truncated(text, usage)),
+        None => answer(text, usage),
+    }
 }
 
 /// Returns the fault of a finish reason that means there is no answer.

@@ -9,13 +9,18 @@ pub(super) mod error;
 mod gemini;
 mod openai_chat;
 mod openai_responses;
+mod reasoning;
 
+use super::hidden::Lengths;
 use super::settings::{Parameter, Settings};
 use crate::catalogue::{Accepted, MaxTokensField, Wire};
-use fab_model::Request;
 use fab_model::calls::{Fault, Usage};
+use fab_model::{Reasoning, Request};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
+
+/// The longest name of an answer's end that is repeated, characters.
+const MAX_REASON: usize = 60;
 
 /// An encoded question.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,6 +49,8 @@ pub struct Failure {
     pub why: String,
     /// Usage as reported by the provider, even without an answer.
     pub usage: Option<Usage>,
+    /// The visible part of an answer that was cut off at its longest length.
+    pub cut_text: Option<String>,
 }
 
 /// Why a request cannot be encoded in a provider's format, in words.
@@ -56,7 +63,17 @@ impl Wire {
     ///
     /// Fails if the model is known not to support something in the request.
     pub fn encode(self, request: &Request, settings: &Settings) -> Result<Encoded, Unfit> {
-        let stated = SentSettings::of(request, settings)?;
+        self.encode_within(request, settings, Lengths::of(request, settings))
+    }
+
+    /// Encodes a request with an answer of these lengths.
+    pub(super) fn encode_within(
+        self,
+        request: &Request,
+        settings: &Settings,
+        lengths: Lengths,
+    ) -> Result<Encoded, Unfit> {
+        let stated = SentSettings::of(request, settings, lengths)?;
         let (model, messages) = (settings.model.as_str(), &request.messages);
         let body = match self {
             Wire::OpenaiResponses => bytes(&openai_responses::body(model, messages, &stated)?),
@@ -64,7 +81,13 @@ impl Wire {
                 // Most compatible servers know the older name.
                 let field = settings.max_tokens_field;
                 let field = field.unwrap_or(MaxTokensField::MaxTokens);
-                bytes(&openai_chat::body(model, messages, &stated, field)?)
+                let budget = settings.reasoning.tokens_field.as_deref();
+                bytes(&openai_chat::body(
+                    model,
+                    messages,
+                    &stated,
+                    (field, budget),
+                )?)
             }
             Wire::Anthropic => {
                 let longest = stated.max_tokens.unwrap_or(settings.unstated_max_tokens);
@@ -122,11 +145,16 @@ struct SentSettings<'a> {
     temperature: Option<f64>,
     top_p: Option<f64>,
     max_tokens: Option<u32>,
+    reasoning: Option<Reasoning>,
     schema: Option<&'a Value>,
 }
 
 impl<'a> SentSettings<'a> {
-    fn of(request: &'a Request, settings: &Settings) -> Result<SentSettings<'a>, Unfit> {
+    fn of(
+        request: &'a Request,
+        settings: &Settings,
+        lengths: Lengths,
+    ) -> Result<SentSettings<'a>, Unfit> {
         let sent = |parameter| !settings.omit.contains(&parameter);
         let sampling = |value: Option<f64>, parameter: Parameter| {
             let Some(value) = value.filter(|_| sent(parameter)) else {
@@ -159,11 +187,12 @@ impl<'a> SentSettings<'a> {
                 "a message of the request holds {most} pictures, and it takes one in a message"
             )));
         }
-        let structured = settings.structured_output == Some(true);
+        let structured = settings.structured_output == Some(true) && sent(Parameter::Schema);
         Ok(SentSettings {
             temperature: sampling(request.temperature, Parameter::Temperature)?,
             top_p: sampling(request.top_p, Parameter::TopP)?,
-            max_tokens: request.max_tokens.filter(|_| sent(Parameter::MaxTokens)),
+            max_tokens: lengths.sent(),
+            reasoning: reasoning::sent(request, settings)?,
             schema: request.schema.as_ref().filter(|_| structured),
         })
     }
@@ -175,6 +204,7 @@ impl Failure {
             fault,
             why: why.into(),
             usage,
+            cut_text: None,
         }
     }
 
@@ -188,9 +218,13 @@ impl Failure {
     }
 }
 
-/// Makes an answer from a text; an empty one is a failure.
+/// Makes an answer from a text; an empty one is a failure, and one of hidden reasoning alone was cut off.
 fn answer(text: String, usage: Option<Usage>) -> Result<Answer, Failure> {
     if text.trim().is_empty() {
+        let hidden = usage.and_then(|usage| usage.reasoning_tokens);
+        if hidden.is_some_and(|tokens| tokens > 0) {
+            return Err(truncated(text, usage));
+        }
         return Err(Failure::new(
             Fault::InvalidReply,
             "the answer is empty",
@@ -200,9 +234,20 @@ fn answer(text: String, usage: Option<Usage>) -> Result<Answer, Failure> {
     Ok(Answer { text, usage })
 }
 
-fn truncated(usage: Option<Usage>) -> Failure {
+/// Makes the failure of an answer that was cut off at its longest length; `text` is its visible part.
+fn truncated(text: String, usage: Option<Usage>) -> Failure {
     let why = "the answer was cut off at its longest length; raise the stage's `tokens`";
-    Failure::new(Fault::Truncated, why, usage)
+    Failure {
+        cut_text: Some(text),
+        ..Failure::new(Fault::Truncated, why, usage)
+    }
+}
+
+/// Makes the failure of an answer whose end has an unknown name, which may not be whole.
+fn unknown_end(reason: &str, usage: Option<Usage>) -> Failure {
+    let reason: String = reason.chars().take(MAX_REASON).collect();
+    let why = format!("the answer stopped for {reason:?}, and not at its end");
+    Failure::new(Fault::InvalidReply, why, usage)
 }
 
 fn tool_called(usage: Option<Usage>) -> Failure {

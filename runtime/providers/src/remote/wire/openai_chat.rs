@@ -5,12 +5,16 @@
 
 use super::content::{data_url, refuse_no_question, words};
 use super::error::ErrorBody;
-use super::{Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated};
+use super::{
+    Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated, unknown_end,
+};
 use crate::catalogue::MaxTokensField;
 use fab_model::calls::{Fault, Usage};
-use fab_model::{Message, Part, Speaker};
+use fab_model::{Message, Part, Reasoning, Speaker};
+use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 #[derive(Serialize)]
 pub(super) struct Body<'a> {
@@ -24,6 +28,11 @@ pub(super) struct Body<'a> {
     max_tokens: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     max_completion_tokens: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reasoning_effort: Option<ReasoningLevel>,
+    /// A number of hidden tokens, under the server's own name.
+    #[serde(flatten)]
+    budget: BTreeMap<&'a str, u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     response_format: Option<Format<'a>>,
 }
@@ -70,7 +79,7 @@ pub(super) fn body<'a>(
     model: &'a str,
     messages: &'a [Message],
     stated: &SentSettings<'a>,
-    field: MaxTokensField,
+    (field, budget): (MaxTokensField, Option<&'a str>),
 ) -> Result<Body<'a>, Unfit> {
     refuse_no_question(messages)?;
     let limit = |wanted| stated.max_tokens.filter(|_| field == wanted);
@@ -81,6 +90,14 @@ pub(super) fn body<'a>(
         top_p: stated.top_p,
         max_tokens: limit(MaxTokensField::MaxTokens),
         max_completion_tokens: limit(MaxTokensField::MaxCompletionTokens),
+        reasoning_effort: match stated.reasoning {
+            Some(Reasoning::Level(level)) => Some(level),
+            Some(Reasoning::Tokens(_)) | None => None,
+        },
+        budget: match stated.reasoning {
+            Some(Reasoning::Tokens(tokens)) => budget.into_iter().map(|it| (it, tokens)).collect(),
+            Some(Reasoning::Level(_)) | None => BTreeMap::new(),
+        },
         response_format: stated.schema.map(|schema| Format::JsonSchema {
             json_schema: Schema {
                 name: "action",
@@ -126,6 +143,8 @@ struct Completion {
 struct Choice {
     message: Option<AnswerMessage>,
     finish_reason: Option<String>,
+    /// Some gateways put a provider's error here, in a reply with status 200.
+    error: Option<Value>,
 }
 
 #[derive(Deserialize)]
@@ -155,6 +174,12 @@ struct ChatTokens {
     #[serde(default)]
     completion_tokens: u64,
     prompt_tokens_details: Option<InputDetails>,
+    completion_tokens_details: Option<OutputDetails>,
+}
+
+#[derive(Deserialize)]
+struct OutputDetails {
+    reasoning_tokens: Option<u64>,
 }
 
 #[derive(Deserialize)]
@@ -173,15 +198,22 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             .unwrap_or(0),
         // This includes hidden reasoning.
         output_tokens: tokens.completion_tokens,
+        reasoning_tokens: tokens
+            .completion_tokens_details
+            .and_then(|details| details.reasoning_tokens),
     });
     if let Some(error) = completion.error {
         return Err(ErrorBody::of(&error).failure(usage));
     }
-    let mut choices = completion.choices.unwrap_or_default().into_iter();
+    let choice = completion.choices.unwrap_or_default().into_iter().next();
+    if let Some(error) = choice.as_ref().and_then(|choice| choice.error.as_ref()) {
+        return Err(ErrorBody::of(error).failure(usage));
+    }
     let Some(Choice {
         message: Some(said),
         finish_reason,
-    }) = choices.next()
+        ..
+    }) = choice
     else {
         let why = "the reply holds no choice with a message";
         return Err(Failure::new(Fault::InvalidReply, why, usage));
@@ -189,31 +221,27 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     if let Some(refusal) = said.refusal.filter(|refusal| !refusal.is_empty()) {
         return Err(Failure::new(Fault::Refused, refusal, usage));
     }
-    match finish_reason.as_deref() {
-        Some("length") => return Err(truncated(usage)),
-        Some("content_filter") => {
-            let why = "the provider's filter took the answer away";
-            return Err(Failure::new(Fault::ContentFiltered, why, usage));
-        }
-        Some(reason @ ("error" | "abort")) => {
-            let why = format!("the server ended the answer with `{reason}`");
-            return Err(Failure::new(Fault::ServerFailed, why, usage));
-        }
-        _ => {}
-    }
-    let is_tool_call = said.tool_calls.is_some_and(|calls| !calls.is_empty())
-        || said.function_call.is_some()
-        || matches!(
-            finish_reason.as_deref(),
-            Some("tool_calls" | "function_call")
-        );
-    if is_tool_call {
-        return Err(tool_called(usage));
-    }
     let text = match said.content {
         None => String::new(),
         Some(Text::Whole(text)) => text,
         Some(Text::Pieces(pieces)) => pieces.into_iter().filter_map(|piece| piece.text).collect(),
     };
-    answer(text, usage)
+    let is_tool_call =
+        said.tool_calls.is_some_and(|calls| !calls.is_empty()) || said.function_call.is_some();
+    match finish_reason.as_deref() {
+        // Some servers leave the reason out.
+        Some("stop" | "") | None if is_tool_call => Err(tool_called(usage)),
+        Some("tool_calls" | "function_call") => Err(tool_called(usage)),
+        Some("stop" | "") | None => answer(text, usage),
+        Some("length") => Err(truncated(text, usage)),
+        Some("content_filter") => {
+            let why = "the provider's filter took the answer away";
+            Err(Failure::new(Fault::ContentFiltered, why, usage))
+        }
+        Some(reason @ ("error" | "abort")) => {
+            let why = format!("the server ended the answer with `{reason}`");
+            Err(Failure::new(Fault::ServerFailed, why, usage))
+        }
+        Some(reason) => Err(unknown_end(reason, usage)),
+    }
 }

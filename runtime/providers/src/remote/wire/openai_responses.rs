@@ -6,7 +6,8 @@ use super::content::{data_url, refuse_no_question, words};
 use super::error::ErrorBody;
 use super::{Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated};
 use fab_model::calls::{Fault, Usage};
-use fab_model::{Message, Part, Speaker};
+use fab_model::{Message, Part, Reasoning, Speaker};
+use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -22,7 +23,14 @@ pub(super) struct Body<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     max_output_tokens: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    reasoning: Option<Effort>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     text: Option<TextFormat<'a>>,
+}
+
+#[derive(Serialize)]
+struct Effort {
+    effort: ReasoningLevel,
 }
 
 #[derive(Serialize)]
@@ -78,6 +86,11 @@ pub(super) fn body<'a>(
         temperature: stated.temperature,
         top_p: stated.top_p,
         max_output_tokens: stated.max_tokens,
+        reasoning: match stated.reasoning {
+            Some(Reasoning::Level(effort)) => Some(Effort { effort }),
+            // There is no field for a number of tokens, and `reasoning::sent` refuses it.
+            Some(Reasoning::Tokens(_)) | None => None,
+        },
         text: stated.schema.map(|schema| TextFormat {
             format: Format::JsonSchema {
                 name: "action",
@@ -149,6 +162,12 @@ struct ResponsesTokens {
     input_tokens: u64,
     output_tokens: u64,
     input_tokens_details: Option<InputDetails>,
+    output_tokens_details: Option<OutputDetails>,
+}
+
+#[derive(Deserialize)]
+struct OutputDetails {
+    reasoning_tokens: Option<u64>,
 }
 
 #[derive(Deserialize)]
@@ -167,6 +186,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             .unwrap_or(0),
         // This includes hidden reasoning.
         output_tokens: tokens.output_tokens,
+        reasoning_tokens: tokens
+            .output_tokens_details
+            .and_then(|details| details.reasoning_tokens),
     });
     if let Some(error) = response.error {
         return Err(ErrorBody::of(&error).failure(usage));
@@ -174,9 +196,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     let reason = response
         .incomplete_details
         .and_then(|details| details.reason);
+    let mut is_cut = false;
     match (response.status.as_deref(), reason.as_deref()) {
         (Some("completed") | None, _) => {}
-        (Some("incomplete"), Some("max_output_tokens")) => return Err(truncated(usage)),
+        (Some("incomplete"), Some("max_output_tokens")) => is_cut = true,
         (Some("incomplete"), Some("content_filter")) => {
             let why = "the provider's filter took the answer away";
             return Err(Failure::new(Fault::ContentFiltered, why, usage));
@@ -206,5 +229,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             ContentPart::Other => {}
         }
     }
-    answer(text, usage)
+    match is_cut {
+        true => Err(truncated(text, usage)),
+        false => answer(text, usage),
+    }
 }

@@ -3,44 +3,57 @@
 use super::*;
 use proptest::prelude::*;
 
-/// Replies with the answer `fold it`: 30 input tokens, 10 of them cached, and 12 output tokens.
-const ANSWERS: &[(Wire, &str)] = &[
+/// Replies with the answer `fold it`: 30 input tokens, 10 of them cached, and 12 output tokens; and the hidden tokens that
+/// each reports.
+const ANSWERS: &[(Wire, &str, Option<u64>)] = &[
     (
         Wire::OpenaiChat,
         r#"{"choices":[{"finish_reason":"stop","message":{"role":"assistant","content":"fold it","refusal":null,"tool_calls":null}}],
         "usage":{"prompt_tokens":30,"completion_tokens":12,"prompt_tokens_details":{"cached_tokens":10},"completion_tokens_details":{"reasoning_tokens":5}}}"#,
+        Some(5),
     ),
     (
         Wire::OpenaiChat,
         r#"{"choices":[{"message":{"content":[{"type":"text","text":"fold "},{"type":"text","text":"it"}]}}],
         "usage":{"prompt_tokens":30,"completion_tokens":12,"prompt_tokens_details":{"cached_tokens":10}}}"#,
+        None,
     ),
     (
         Wire::OpenaiResponses,
         r#"{"status":"completed","error":null,"output":[{"type":"reasoning","summary":[]},{"type":"message","content":[
         {"type":"output_text","text":"fold "},{"type":"something_new"},{"type":"output_text","text":"it"}]}],
         "usage":{"input_tokens":30,"input_tokens_details":{"cached_tokens":10},"output_tokens":12,"output_tokens_details":{"reasoning_tokens":5}}}"#,
+        Some(5),
     ),
     (
         Wire::Anthropic,
         r#"{"content":[{"type":"thinking","thinking":"hm","signature":""},{"type":"text","text":"fold it"}],"stop_reason":"end_turn",
         "usage":{"input_tokens":15,"cache_creation_input_tokens":5,"cache_read_input_tokens":10,"output_tokens":12}}"#,
+        None,
     ),
     (
         Wire::Gemini,
         r#"{"candidates":[{"content":{"role":"model","parts":[{"text":"hm","thought":true},{"text":"fold it"}]},"finishReason":"STOP"}],
         "usageMetadata":{"promptTokenCount":30,"cachedContentTokenCount":10,"candidatesTokenCount":7,"thoughtsTokenCount":5}}"#,
+        Some(5),
+    ),
+    (
+        Wire::Anthropic,
+        r#"{"content":[{"type":"text","text":"fold it"}],"stop_reason":"end_turn","usage":{"input_tokens":20,
+        "cache_read_input_tokens":10,"output_tokens":12,"output_tokens_details":{"thinking_tokens":5}}}"#,
+        Some(5),
     ),
 ];
 
 #[test]
 fn answers_are_read_with_what_they_used() {
-    let usage = Usage {
-        input_tokens: 30,
-        cached_input_tokens: 10,
-        output_tokens: 12,
-    };
-    for (wire, reply) in ANSWERS {
+    for (wire, reply, reasoning_tokens) in ANSWERS {
+        let usage = Usage {
+            input_tokens: 30,
+            cached_input_tokens: 10,
+            output_tokens: 12,
+            reasoning_tokens: *reasoning_tokens,
+        };
         let expected = Answer {
             text: "fold it".to_owned(),
             usage: Some(usage),
@@ -51,8 +64,11 @@ fn answers_are_read_with_what_they_used() {
 
 #[test]
 fn an_answer_is_not_lost_because_its_bill_cannot_be_read() {
-    for (wire, reply) in ANSWERS {
-        let reply = reply.replace(":30", ":-30").replace(":15", ":\"fifteen\"");
+    for (wire, reply, _) in ANSWERS {
+        let reply = reply
+            .replace(":20", ":-20")
+            .replace(":30", ":-30")
+            .replace(":15", ":\"fifteen\"");
         let answer = wire.decode(reply.as_bytes()).expect("an answer");
         assert_eq!(
             (answer.text.as_str(), answer.usage),
@@ -106,6 +122,21 @@ fn every_end_that_is_no_answer_has_a_name() {
             OpenaiChat,
             r#"{"choices":[{"finish_reason":"stop","message":{}}]}"#,
             InvalidReply,
+        ),
+        (
+            OpenaiChat,
+            r#"{"choices":[{"finish_reason":"repetition","message":{"content":"x"}}]}"#,
+            InvalidReply,
+        ),
+        (
+            OpenaiChat,
+            r#"{"choices":[{"finish_reason":"error","message":{"content":""},"error":{"code":429,"message":"slow"}}]}"#,
+            RateLimited,
+        ),
+        (
+            OpenaiChat,
+            r#"{"choices":[{"error":{"message":"no such upstream"}}]}"#,
+            ServerFailed,
         ),
         (OpenaiChat, r#"{"choices":[]}"#, InvalidReply),
         (OpenaiChat, r#"{"choices":null}"#, InvalidReply),
@@ -276,6 +307,54 @@ fn every_end_that_is_no_answer_has_a_name() {
 }
 
 #[test]
+fn an_unknown_end_is_named_and_a_gateways_error_is_repeated() {
+    let why = |reply: &str| {
+        let decoded = Wire::OpenaiChat.decode(reply.as_bytes());
+        decoded.expect_err("no answer").why
+    };
+    let ended = why(r#"{"choices":[{"finish_reason":"repe\ntition","message":{"content":"x"}}]}"#);
+    assert!(ended.contains(r#"stopped for "repe\ntition""#), "{ended}");
+    let refused = why(r#"{"choices":[{"error":{"message":"no such upstream"}}]}"#);
+    assert_eq!(refused, "no such upstream");
+}
+
+#[test]
+fn an_empty_answer_of_hidden_reasoning_alone_was_cut_off() {
+    for (wire, reply, text) in [
+        (
+            Wire::OpenaiChat,
+            r#"{"choices":[{"finish_reason":"stop","message":{"content":null}}],
+            "usage":{"prompt_tokens":1,"completion_tokens":9,"completion_tokens_details":{"reasoning_tokens":9}}}"#,
+            "",
+        ),
+        (
+            Wire::OpenaiChat,
+            r#"{"choices":[{"finish_reason":"length","message":{"content":"fol","reasoning_content":"hm"}}]}"#,
+            "fol",
+        ),
+        (
+            Wire::OpenaiResponses,
+            r#"{"status":"incomplete","incomplete_details":{"reason":"max_output_tokens"},"output":[{"type":"reasoning"}]}"#,
+            "",
+        ),
+        (
+            Wire::Anthropic,
+            r#"{"content":[{"type":"thinking","thinking":"hm"}],"stop_reason":"max_tokens"}"#,
+            "",
+        ),
+        (
+            Wire::Gemini,
+            r#"{"candidates":[{"content":{"parts":[{"text":"hm","thought":true}]},"finishReason":"MAX_TOKENS"}]}"#,
+            "",
+        ),
+    ] {
+        let failure = wire.decode(reply.as_bytes()).expect_err("no answer");
+        assert_eq!(failure.fault, Fault::Truncated, "{reply}");
+        assert_eq!(failure.cut_text.as_deref(), Some(text), "{reply}");
+    }
+}
+
+#[test]
 fn a_failure_says_what_it_used_all_the_same() {
     let reply = r#"{"choices":[{"finish_reason":"length","message":{"content":""}}],"usage":{"prompt_tokens":3,"completion_tokens":4}}"#;
     let failure = Wire::OpenaiChat
@@ -315,7 +394,7 @@ proptest! {
     fn a_reply_with_any_byte_changed_is_an_answer_or_a_failure(
         which in 0..ANSWERS.len(), at in 0usize..1000, byte in any::<u8>(), end in 0usize..1000,
     ) {
-        let (wire, reply) = ANSWERS[which];
+        let (wire, reply, _) = ANSWERS[which];
         let mut bytes = reply.as_bytes().to_vec();
         let at = at % bytes.len();
         bytes[at] = byte;

@@ -1,7 +1,8 @@
 //! Tests of requests, byte for byte as JSON; `make test-all` passes them to the providers' own clients.
 
 use super::*;
-use crate::catalogue::Catalogue;
+use crate::catalogue::{Catalogue, ReasoningFacts};
+use fab_program::ReasoningLevel;
 use serde_json::json;
 
 fn sent(request: &Request, settings: &Settings) -> Value {
@@ -285,4 +286,191 @@ fn requests_that_a_model_cannot_take_are_refused() {
             wire.name()
         );
     }
+}
+
+const LEVELS: [Reasoning; 4] = [
+    Reasoning::Level(ReasoningLevel::None),
+    Reasoning::Level(ReasoningLevel::Low),
+    Reasoning::Level(ReasoningLevel::Medium),
+    Reasoning::Level(ReasoningLevel::High),
+];
+
+fn thinking(reasoning: Reasoning) -> Request {
+    Request {
+        max_tokens: Some(100),
+        reasoning: Some(reasoning),
+        ..request()
+    }
+}
+
+#[test]
+fn reasoning_goes_where_each_provider_wants_it_with_room_for_it_beside_the_answer() {
+    let at = |wire, pointer: &str, reasoning| {
+        let settings = Settings {
+            reasoning: ReasoningFacts {
+                tokens_field: Some("thinking_token_budget".to_owned()),
+                ..ReasoningFacts::default()
+            },
+            ..settings(wire)
+        };
+        let body = sent(&thinking(reasoning), &settings);
+        body.pointer(pointer).cloned().unwrap_or_default()
+    };
+    let levels = |wire, pointer: &str| LEVELS.map(|level| at(wire, pointer, level));
+    let efforts = ["none", "low", "medium", "high"].map(Value::from);
+    let longest = [100, 1124, 4196, 16_484].map(Value::from);
+    let tokens = Reasoning::Tokens(2048);
+
+    assert_eq!(levels(Wire::OpenaiChat, "/reasoning_effort"), efforts);
+    assert_eq!(levels(Wire::OpenaiChat, "/max_tokens"), longest);
+    assert_eq!(at(Wire::OpenaiChat, "/thinking_token_budget", tokens), 2048);
+    assert_eq!(at(Wire::OpenaiChat, "/max_tokens", tokens), 2148);
+    assert_eq!(
+        at(Wire::OpenaiChat, "/reasoning_effort", tokens),
+        Value::Null
+    );
+
+    assert_eq!(levels(Wire::OpenaiResponses, "/reasoning/effort"), efforts);
+    assert_eq!(levels(Wire::OpenaiResponses, "/max_output_tokens"), longest);
+
+    let types = ["disabled", "adaptive", "adaptive", "adaptive"].map(Value::from);
+    assert_eq!(levels(Wire::Anthropic, "/thinking/type"), types);
+    let [_, low, medium, high] = efforts;
+    let expected = [Value::Null, low, medium, high];
+    assert_eq!(levels(Wire::Anthropic, "/output_config/effort"), expected);
+    assert_eq!(levels(Wire::Anthropic, "/max_tokens"), longest);
+    let enabled = json!({ "type": "enabled", "budget_tokens": 2048 });
+    assert_eq!(at(Wire::Anthropic, "/thinking", tokens), enabled);
+
+    let config = "/generationConfig/thinkingConfig";
+    assert_eq!(
+        levels(Wire::Gemini, config),
+        [
+            json!({ "thinkingBudget": 0 }),
+            json!({ "thinkingLevel": "LOW" }),
+            json!({ "thinkingLevel": "MEDIUM" }),
+            json!({ "thinkingLevel": "HIGH" }),
+        ]
+    );
+    assert_eq!(
+        at(Wire::Gemini, config, tokens),
+        json!({ "thinkingBudget": 2048 })
+    );
+    assert_eq!(
+        levels(Wire::Gemini, "/generationConfig/maxOutputTokens"),
+        longest
+    );
+}
+
+#[test]
+fn reasoning_without_a_limit_on_the_answer_sets_none() {
+    for wire in Wire::ALL {
+        let request = Request {
+            max_tokens: None,
+            ..thinking(LEVELS[1])
+        };
+        let body = sent(&request, &settings(wire));
+        let lengths = [
+            "/max_tokens",
+            "/max_output_tokens",
+            "/generationConfig/maxOutputTokens",
+        ];
+        let found: Vec<&Value> = lengths.iter().filter_map(|at| body.pointer(at)).collect();
+        match wire {
+            Wire::Anthropic => assert_eq!(found, [&Value::from(4096 + 1024)]),
+            _ => assert!(found.is_empty(), "{body}"),
+        }
+    }
+}
+
+#[test]
+fn a_model_that_takes_numbers_alone_gets_levels_as_numbers() {
+    for (wire, pointer) in [
+        (Wire::Anthropic, "/thinking/budget_tokens"),
+        (
+            Wire::Gemini,
+            "/generationConfig/thinkingConfig/thinkingBudget",
+        ),
+    ] {
+        let settings = Settings {
+            reasoning: ReasoningFacts {
+                levels_as_tokens: Some(true),
+                ..ReasoningFacts::default()
+            },
+            ..settings(wire)
+        };
+        let body = sent(&thinking(LEVELS[2]), &settings);
+        assert_eq!(body.pointer(pointer), Some(&Value::from(4096)));
+        let off = sent(&thinking(LEVELS[0]), &settings).to_string();
+        assert!(off.contains(r#"{"type":"disabled"}"#) || off.contains(r#""thinkingBudget":0"#));
+    }
+}
+
+#[test]
+fn reasoning_that_the_model_refuses_is_refused_before_it_is_sent() {
+    let find = |model: &str| {
+        let profile = Catalogue::builtin().find(model).expect("a provider");
+        let base = BaseUrl::parse("http://localhost:1").expect("a base URL");
+        Settings::of(&profile, base, "2026-11-24".parse().expect("a date"))
+    };
+    let none = LEVELS[0];
+    for (model, stated, said) in [
+        (
+            "openai:gpt-6.2-sol",
+            none,
+            "`none`, and it accepts `low`, `medium`, `high`;",
+        ),
+        (
+            "openai-chat:gpt-6.2-astra",
+            none,
+            "accepts `low`, `medium`, `high`;",
+        ),
+        (
+            "openai:gpt-6.1-terra",
+            Reasoning::Tokens(9),
+            "is `9 tokens`, and it accepts `none`, `low`",
+        ),
+        (
+            "ollama:qwen3-vl",
+            Reasoning::Tokens(9),
+            "accepts `none`, `low`, `medium`, `high`;",
+        ),
+        (
+            "anthropic:claude-x",
+            Reasoning::Tokens(1023),
+            "a number of tokens from 1024;",
+        ),
+    ] {
+        let settings = find(model);
+        let why = refused(&thinking(stated), &settings);
+        assert!(why.contains(said), "{model}: {why}");
+        assert!(
+            why.contains("`--reasoning`") && why.contains("`--omit reasoning`"),
+            "{why}"
+        );
+        let omitted = Settings {
+            omit: vec![Parameter::Reasoning],
+            ..settings
+        };
+        let plain = Request {
+            reasoning: None,
+            ..thinking(stated)
+        };
+        assert_eq!(sent(&thinking(stated), &omitted), sent(&plain, &omitted));
+    }
+    for (model, stated) in [
+        ("openai:gpt-6.2-sol", LEVELS[1]),
+        ("vllm:qwen3-vl", Reasoning::Tokens(9)),
+        ("llamacpp:any", Reasoning::Tokens(9)),
+        ("anthropic:claude-x", Reasoning::Tokens(1024)),
+        ("google:gemini-2.5-flash", Reasoning::Tokens(1)),
+    ] {
+        sent(&thinking(stated), &find(model));
+    }
+    let budget = find("google:gemini-2.5-flash");
+    let body = sent(&thinking(LEVELS[3]), &budget);
+    assert_eq!(
+        body["generationConfig"]["thinkingConfig"],
+        json!({ "thinkingBudget": 16_384 })
+    );
 }

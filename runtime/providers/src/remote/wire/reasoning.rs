@@ -1,0 +1,55 @@
+//! How `reasoning` is sent, and what a model refuses of it.
+//!
+//! In: a request and the facts about its model. Out: the level or the number of tokens to send, in whose terms each wire
+//! has fields of its own; or why it cannot be sent.
+
+use super::Unfit;
+use crate::catalogue::{ReasoningKind, Wire};
+use crate::remote::settings::{Parameter, Settings};
+use fab_model::{Reasoning, Request};
+
+/// Returns what is sent of a request's `reasoning`, if anything.
+///
+/// Fails if the model is known to refuse it, or its interface has no field for it.
+pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reasoning>, Unfit> {
+    let is_sent = !settings.omit.contains(&Parameter::Reasoning);
+    let Some(stated) = request.reasoning.filter(|_| is_sent) else {
+        return Ok(None);
+    };
+    let facts = &settings.reasoning;
+    let counts_tokens = match settings.wire {
+        Wire::OpenaiResponses => false,
+        Wire::OpenaiChat => facts.tokens_field.is_some(),
+        Wire::Anthropic | Wire::Gemini => true,
+    };
+    let least = facts.least_tokens.unwrap_or(1);
+    let refused = facts.refuses.as_deref().unwrap_or_default();
+    let accepts = |kind: &ReasoningKind| {
+        !refused.contains(kind) && (*kind != ReasoningKind::Tokens || counts_tokens)
+    };
+    let is_enough = match stated {
+        Reasoning::Tokens(tokens) => tokens >= least,
+        Reasoning::Level(_) => true,
+    };
+    if accepts(&ReasoningKind::of(stated)) && is_enough {
+        let as_tokens = facts.levels_as_tokens == Some(true) && counts_tokens;
+        return Ok(Some(match as_tokens {
+            true => Reasoning::Tokens(stated.allowed_tokens()),
+            false => stated,
+        }));
+    }
+    let accepted = ReasoningKind::ALL.iter().filter(|kind| accepts(kind));
+    let accepted: Vec<String> = accepted
+        .map(|kind| match kind {
+            ReasoningKind::Tokens => format!("a number of tokens from {least}"),
+            word => format!("`{}`", word.word()),
+        })
+        .collect();
+    let accepted = match accepted.is_empty() {
+        true => "none at all".to_owned(),
+        false => accepted.join(", "),
+    };
+    Err(Unfit(format!(
+        "`reasoning` is `{stated}`, and it accepts {accepted}; give another one with `--reasoning`, or leave it out with `--omit reasoning`"
+    )))
+}
