@@ -39,6 +39,7 @@ use fab_program::Program;
 use fab_world::{About, World, WorldError};
 use metric::Metric;
 use on_arm::OnArm;
+use serde::Serialize;
 use starts::StartPoint;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -63,6 +64,8 @@ pub struct Bench<'a> {
     pub out: PathBuf,
     /// Number of parallel jobs; rollouts on an arm, and those judged by an operator, run one at a time.
     pub threads: usize,
+    /// Whether starts share answers.
+    pub answers: Answers,
     /// Stores crumpled starts and expert ends.
     pub cache: &'a Cache,
     /// Caps on model calls for the whole suite.
@@ -73,6 +76,17 @@ pub struct Bench<'a> {
     pub operator: Option<&'a dyn Operator>,
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
+}
+
+/// Whether equal questions at several starts get one answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answers {
+    /// Each start and repeat asks anew; methods at the same start and repeat share answers.
+    #[default]
+    PerStart,
+    /// All starts of a repeat share the answer to an equal question.
+    Shared,
 }
 
 /// Makes the world of a program.

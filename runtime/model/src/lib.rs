@@ -142,6 +142,9 @@ pub struct Request {
     pub max_tokens: Option<u32>,
     /// Distinguishes equal questions that need independent answers.
     pub repetition: u32,
+    /// The start of a suite that the question is for; without it, equal questions at all starts are the same one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start: Option<u64>,
     /// The rollout's action that the question is for, from 1; makes a later, otherwise equal question distinct.
     pub step: u32,
     /// The JSON Schema of the answer, with the scene's values, if the stage reads the action.
@@ -159,6 +162,7 @@ impl Request {
             top_p: None,
             max_tokens: None,
             repetition: 0,
+            start: None,
             step: 1,
             schema: None,
         }
@@ -293,8 +297,17 @@ pub enum ModelError {
     },
     /// A call was not sent.
     #[error(transparent)]
-    NotSent(#[from] CallRefused),
+    NotSent(CallRefused),
     /// The user stopped it.
     #[error("interrupted")]
     Interrupted,
+}
+
+impl From<CallRefused> for ModelError {
+    fn from(refused: CallRefused) -> ModelError {
+        match refused {
+            CallRefused::Interrupted => ModelError::Interrupted,
+            refused => ModelError::NotSent(refused),
+        }
+    }
 }

@@ -46,7 +46,14 @@ fn likeness(recorded: &Value, asked: &Value) -> Likeness {
     let messages = |request: &Value| request["messages"].as_array().cloned().unwrap_or_default();
     let (there, here) = (messages(recorded), messages(asked));
     let alike = there.iter().zip(&here).take_while(|(a, b)| a == b).count();
-    let rest = ["temperature", "top_p", "max_tokens", "repetition", "schema"];
+    let rest = [
+        "temperature",
+        "top_p",
+        "max_tokens",
+        "repetition",
+        "start",
+        "schema",
+    ];
     let settings = rest.iter().filter(|name| is_same(name)).count();
     (
         is_same("role"),
@@ -62,6 +69,7 @@ pub(super) fn differences(recorded: &Value, asked: &Value) -> Vec<String> {
     for name in [
         "role",
         "step",
+        "start",
         "repetition",
         "temperature",
         "top_p",

@@ -101,6 +101,24 @@ impl Replay {
     }
 }
 
+impl Replay {
+    /// Says why there is no answer.
+    fn missing(&self, request: &Request) -> String {
+        let shared = Request {
+            start: None,
+            ..request.clone()
+        };
+        match self.by_key.contains_key(&shared.key()) {
+            true => format!(
+                "it was recorded with one answer for all starts, and this is start {}; `--share-answers` replays it \
+                 so, and says so in the table",
+                request.start.unwrap_or_default()
+            ),
+            false => difference::nearest(&self.exchanges, request),
+        }
+    }
+}
+
 /// Hashes a request's words and pictures.
 fn words_key(request: &serde_json::Value) -> String {
     let (role, messages) = (request["role"].to_string(), request["messages"].to_string());
@@ -127,7 +145,7 @@ impl Model for Replay {
                 why: format!(
                     "`{}` holds no answer to it: {}",
                     self.path.display(),
-                    difference::nearest(&self.exchanges, request)
+                    self.missing(request)
                 ),
             });
         };

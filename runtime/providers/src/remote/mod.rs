@@ -30,7 +30,7 @@ pub use settings::{Pricing, Settings};
 use answers::{Claim, Lookup};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Billing, Call, CallEnd, Calls, Fault, Usd};
+use fab_model::calls::{Billing, Call, CallEnd, Calls, Fault, Usage, Usd};
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
 use gate::Load;
 use reqwest::Url;
@@ -107,6 +107,7 @@ struct FailedCall {
     billing: Billing,
     why: String,
     cost: Option<Usd>,
+    usage: Option<Usage>,
     wait: Option<Duration>,
 }
 
@@ -215,6 +216,7 @@ impl Remote {
                     billing,
                     why,
                     cost: None,
+                    usage: None,
                     wait: None,
                 },
                 Err(TransportError::Interrupted) => {
@@ -223,6 +225,7 @@ impl Remote {
                         why: "interrupted before the whole answer was there",
                         billing: Billing::Possibly,
                         cost: None,
+                        usage: None,
                     })?;
                     return Err(ModelError::Interrupted);
                 }
@@ -236,6 +239,7 @@ impl Remote {
                 why: &ended.why,
                 billing: ended.billing,
                 cost: ended.cost,
+                usage: ended.usage,
             })?;
             match tries.after(ended.fault, ended.wait) {
                 Next::After(wait) => {
@@ -281,20 +285,33 @@ impl Remote {
                 billing: refusal.billing,
                 why: refusal.why,
                 cost: None,
+                usage: None,
                 wait: refusal.wait.max(incoming.wait),
             });
         }
-        let decoded = self.settings.wire.decode(&incoming.body);
-        decoded.map_err(|failure| FailedCall {
-            fault: failure.fault,
-            billing: Billing::Possibly,
-            why: failure.why,
-            cost: self.cost(failure.usage),
-            wait: incoming.wait,
-        })
+        match self.settings.wire.decode(&incoming.body) {
+            // A text has tokens: a count of zero is no report.
+            Ok(answer) => Ok(Answer {
+                usage: answer
+                    .usage
+                    .filter(|it| it.input_tokens > 0 && it.output_tokens > 0),
+                ..answer
+            }),
+            Err(failure) => {
+                let usage = failure.usage.filter(|it| it.input_tokens > 0);
+                Err(FailedCall {
+                    fault: failure.fault,
+                    billing: Billing::Possibly,
+                    why: failure.why,
+                    cost: self.cost(usage),
+                    usage,
+                    wait: incoming.wait,
+                })
+            }
+        }
     }
 
-    fn cost(&self, usage: Option<fab_model::calls::Usage>) -> Option<Usd> {
+    fn cost(&self, usage: Option<Usage>) -> Option<Usd> {
         self.settings.pricing.cost(usage?)
     }
 
@@ -317,7 +334,7 @@ impl Remote {
         headers
     }
 
-    /// Hashes everything that an answer depends on, so that repetitions and later steps have their own answers.
+    /// Hashes everything that an answer depends on, so that starts, repetitions and later steps have their own answers.
     fn cache_key(&self, request: &Request, encoded: &Encoded) -> String {
         let body = String::from_utf8_lossy(&encoded.body);
         let mut parts = vec![
@@ -328,6 +345,8 @@ impl Remote {
             request.repetition.to_string(),
             request.step.to_string(),
         ];
+        // Without a start the key is that of earlier versions, whose answers stay bought.
+        parts.extend(request.start.map(|start| format!("start {start}")));
         parts.extend(
             encoded
                 .headers

@@ -329,13 +329,13 @@ fn seed_of(text: Option<&str>) -> Option<u64> {
     text.map_or(Some(DEFAULT_SEED), |text| text.parse().ok())
 }
 
-/// Makes the budget from the command line.
-pub fn budget(arguments: &SpendArguments) -> Budget {
+/// Makes the budget from the command line; an interrupt ends waits for calls under way.
+pub fn budget(arguments: &SpendArguments, interrupt: &Interrupt) -> Budget {
     let caps = Caps {
         cost: arguments.max_cost,
         calls: arguments.max_calls,
     };
-    Budget::new(caps, Spent::default())
+    Budget::new(caps, Spent::default()).interrupted_by(interrupt)
 }
 
 /// Opens the recording that the command line names.

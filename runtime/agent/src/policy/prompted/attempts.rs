@@ -128,6 +128,7 @@ impl<'a> Attempts<'a> {
             top_p: self.stage.top_p,
             max_tokens: self.stage.max_tokens,
             repetition: self.view.repetition,
+            start: self.view.start_number,
             step: self.view.number,
             schema: self.schema.clone(),
         }
