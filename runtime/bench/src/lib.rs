@@ -79,7 +79,7 @@ pub struct Bench<'a> {
 }
 
 /// Whether equal questions at several starts get one answer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answers {
     /// Each start and repeat asks anew; methods at the same start and repeat share answers.
@@ -87,6 +87,16 @@ pub enum Answers {
     PerStart,
     /// All starts of a repeat share the answer to an equal question.
     Shared,
+}
+
+impl Answers {
+    /// Returns its name in CSV and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Answers::PerStart => "per_start",
+            Answers::Shared => "shared",
+        }
+    }
 }
 
 /// Makes the world of a program.
@@ -134,6 +144,8 @@ pub struct Entry<'a> {
     pub subgoals: SubgoalSet,
     /// The examples of its stages.
     pub examples: Examples,
+    /// Whether the policy may decide otherwise at another repeat.
+    pub varies: bool,
     /// Rollouts per start, at least 1.
     pub repeats: u32,
 }

@@ -161,7 +161,8 @@ impl Overrun {
     fn scale(self, estimated: Usd) -> Usd {
         let nano = |amount: Usd| u128::from(amount.nano());
         // An estimate of zero has no ratio to it; a billionth stands for it.
-        let scaled = (nano(estimated).max(1) * nano(self.cost)).div_ceil(nano(self.estimated).max(1));
+        let scaled =
+            (nano(estimated).max(1) * nano(self.cost)).div_ceil(nano(self.estimated).max(1));
         Usd::from_nano(u64::try_from(scaled).unwrap_or(u64::MAX))
     }
 
@@ -251,7 +252,10 @@ impl State {
     fn admit(&mut self, caps: Caps, model: &str, estimated: Option<Usd>) -> Admission {
         let under_way = self.under_way.len() as u64;
         // Each call under way will count, whatever its end, so waiting would not help.
-        if let Some(cap) = caps.calls.filter(|cap| self.spent.calls + under_way >= *cap) {
+        if let Some(cap) = caps
+            .calls
+            .filter(|cap| self.spent.calls + under_way >= *cap)
+        {
             let noun = if cap == 1 { "call" } else { "calls" };
             return Admission::Refused(format!(
                 "the cap of {cap} {noun} is reached; a higher `--max-calls` continues from here"

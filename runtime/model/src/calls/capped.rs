@@ -14,10 +14,7 @@ pub struct Capped<'b> {
 impl<'b> Capped<'b> {
     /// Counts calls towards `budget`.
     pub fn by(budget: &'b Budget) -> Capped<'b> {
-        Capped {
-            budget,
-            open: None,
-        }
+        Capped { budget, open: None }
     }
 }
 

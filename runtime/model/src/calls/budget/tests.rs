@@ -88,7 +88,10 @@ fn a_call_without_usage_counts_as_reserved_and_as_no_fact() {
     assert!(budget.reserve(MODEL, usd(0.5)).is_err());
     let spent = budget.spent();
     assert_eq!((spent.unreported, spent.cost), (2, Usd::ZERO));
-    assert_eq!((spent.known_cost(), spent.priced_at_most()), (None, usd(1.0)));
+    assert_eq!(
+        (spent.known_cost(), spent.priced_at_most()),
+        (None, usd(1.0))
+    );
     assert_eq!(
         spent.in_words(),
         "at most 1.0000 USD; 2 calls reported no usage and may have cost what was reserved"
@@ -113,7 +116,12 @@ fn a_reservation_that_does_not_fit_waits_for_calls_under_way() {
         (|call| call.settle(&failed(Billing::No)), true),
         (|call| call.release(), true),
         (|call| call.settle(&failed(Billing::Possibly)), false),
-        (|call| { let _dropped = call; }, false),
+        (
+            |call| {
+                let _dropped = call;
+            },
+            false,
+        ),
     ];
     for (end, fits) in cases {
         let budget = capped(usd(1.0));
@@ -133,8 +141,12 @@ fn an_interrupt_ends_the_waiting() {
     let budget = capped(usd(1.0)).interrupted_by(&interrupt);
     thread::scope(|scope| {
         let call = budget.reserve(MODEL, usd(1.0)).unwrap();
-        let interrupted =
-            || matches!(budget.reserve(MODEL, usd(1.0)), Err(CallRefused::Interrupted));
+        let interrupted = || {
+            matches!(
+                budget.reserve(MODEL, usd(1.0)),
+                Err(CallRefused::Interrupted)
+            )
+        };
         let waiting = scope.spawn(interrupted);
         until_waiting(&budget, &waiting);
         interrupt.raise();
@@ -176,7 +188,10 @@ fn a_provider_that_bills_ten_times_the_estimate_passes_the_cap_by_the_calls_unde
     eight_threads(&budget, 100, usd(0.01), 10.0);
     let spent = budget.spent();
     assert!(spent.cost > Usd::from_dollars(0.9).unwrap(), "{spent:?}");
-    assert!(spent.cost <= Usd::from_dollars(1.0 + 8.0 * 0.09).unwrap(), "{spent:?}");
+    assert!(
+        spent.cost <= Usd::from_dollars(1.0 + 8.0 * 0.09).unwrap(),
+        "{spent:?}"
+    );
 }
 
 /// What a provider does with a call.

@@ -172,6 +172,12 @@ fn a_billed_failure_counts_in_tokens_and_what_a_model_overran_is_remembered() {
     assert_eq!(Some(noted.spent.possibly), usd(1.5));
     let later = Budget::default();
     later.restore(&noted.spent, &noted.overruns);
-    assert_eq!(later.reserve("openai:some", usd(0.2)).unwrap().at_most, usd(0.6));
-    assert_eq!(later.reserve("another", usd(0.2)).unwrap().at_most, usd(0.2));
+    assert_eq!(
+        later.reserve("openai:some", usd(0.2)).unwrap().at_most,
+        usd(0.6)
+    );
+    assert_eq!(
+        later.reserve("another", usd(0.2)).unwrap().at_most,
+        usd(0.2)
+    );
 }
