@@ -106,7 +106,12 @@ fn every_start_and_repeat_asks_anew_and_a_killed_suite_buys_nothing_twice() {
         assert_eq!(document["rollouts"]["finished"], 24);
         let spent = &document["calls"];
         let cut = spent["possibly_billed"].as_u64().unwrap() as usize;
-        assert_eq!(spent["calls"], json!(calls(&provider)), "{kill_after:?}");
+        // A call is noted before it is sent, so the kill may have come between.
+        let noted = spent["calls"].as_u64().unwrap() as usize;
+        assert!(
+            calls(&provider) <= noted && noted <= 48 + cut,
+            "{kill_after:?}: {noted}"
+        );
         assert!(cut <= 8, "{kill_after:?}: {cut}");
         // 24 rollouts put two questions each; only calls under way at the kill are sent again.
         assert!(calls(&provider) <= 48 + cut, "{kill_after:?}");
@@ -201,8 +206,7 @@ fn shared_answers_are_stated_and_clustered_and_not_mixed_with_others() {
     let refused = replay(&["--out", "alone"]);
     assert_eq!(refused.code, 2, "{}", refused.stderr);
     assert!(
-        refused.stderr.contains("one answer for all starts")
-            && refused.stderr.contains("`--share-answers` replays it"),
+        refused.stderr.contains("`--share-answers` replays it") && !folder.join("alone").exists(),
         "{}",
         refused.stderr
     );

@@ -33,6 +33,11 @@ pub trait Model: Send + Sync {
         true
     }
 
+    /// Returns whether it holds one answer for all starts of a suite, and so cannot draw one for each.
+    fn shares_answers(&self) -> bool {
+        false
+    }
+
     /// Returns how the model gets points of a picture, and in which size it gets pictures.
     ///
     /// A model that forwards questions to another one returns that model's lowering.

@@ -134,6 +134,12 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         &interrupt,
         io,
     )?;
+    let mut answering = deciding.values().filter_map(Deciding::answering);
+    if !arguments.share_answers && answering.any(Answering::shares_answers) {
+        return Err(Failure::environment(
+            "the recording holds one answer for all starts, and not one for each: `--share-answers` replays it so, and the table says so",
+        ));
+    }
     let recorder = match arguments.spend.estimate {
         true => None,
         false => models::recorder(&arguments.spend)?,

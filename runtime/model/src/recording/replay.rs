@@ -101,24 +101,6 @@ impl Replay {
     }
 }
 
-impl Replay {
-    /// Says why there is no answer.
-    fn missing(&self, request: &Request) -> String {
-        let shared = Request {
-            start: None,
-            ..request.clone()
-        };
-        match self.by_key.contains_key(&shared.key()) {
-            true => format!(
-                "it was recorded with one answer for all starts, and this is start {}; `--share-answers` replays it \
-                 so, and says so in the table",
-                request.start.unwrap_or_default()
-            ),
-            false => difference::nearest(&self.exchanges, request),
-        }
-    }
-}
-
 /// Hashes a request's words and pictures.
 fn words_key(request: &serde_json::Value) -> String {
     let (role, messages) = (request["role"].to_string(), request["messages"].to_string());
@@ -138,6 +120,11 @@ impl Model for Replay {
         self.lowering
     }
 
+    fn shares_answers(&self) -> bool {
+        let mut requests = self.exchanges.iter().map(|it| &it.request);
+        requests.all(|request| request["start"].is_null())
+    }
+
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let Some(index) = self.by_key.get(&self.key(request)) else {
             return Err(ModelError::Unsupported {
@@ -145,7 +132,7 @@ impl Model for Replay {
                 why: format!(
                     "`{}` holds no answer to it: {}",
                     self.path.display(),
-                    self.missing(request)
+                    difference::nearest(&self.exchanges, request)
                 ),
             });
         };

@@ -102,6 +102,11 @@ impl Answering {
         self.vision.provided.is_some() || self.text.provided.is_some()
     }
 
+    /// Returns whether a role's model holds one answer for all starts.
+    pub fn shares_answers(&self) -> bool {
+        self.vision.model.shares_answers() || self.text.model.shares_answers()
+    }
+
     /// Returns the model of each role.
     pub fn models(&self) -> Models<'_> {
         Models {
