@@ -64,6 +64,7 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         budget: Budget::default(),
         recorder: None,
         repetition: 0,
+        start_number: None,
     };
     let mut findings = Vec::new();
     let mut watch = |event: Event<'_>| {

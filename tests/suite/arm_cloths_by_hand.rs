@@ -9,7 +9,7 @@ use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_bench::on_arm::{Cloths, OnArm};
 use fab_bench::suite::Suite;
-use fab_bench::{Bench, Entry, Task, first_questions_of, play, rows, starts};
+use fab_bench::{Answers, Bench, Entry, Task, first_questions_of, play, rows, starts};
 use fab_model::Models;
 use fab_model::calls::Budget;
 use fab_program::Program;
@@ -72,6 +72,7 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
                 origin: Origin::Author,
             },
             examples: Examples::default(),
+            varies: false,
             repeats: 1,
         }],
         make_world: &simulated,
@@ -90,6 +91,7 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
         elsewhere: None,
         out: folder.path().to_owned(),
         threads: 4,
+        answers: Answers::PerStart,
         cache: &Cache::none(),
         budget: &Budget::default(),
         recorder: None,

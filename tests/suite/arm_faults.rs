@@ -213,6 +213,7 @@ fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
         early_stop: false,
         operator: None,
         repetition: 0,
+        start_number: None,
     };
     let run_folder = RunFolder::create(folder).unwrap();
     let report = rollout::run(&job, run_folder, &mut |_| {}).unwrap();

@@ -23,6 +23,7 @@ mod check_fix;
 mod colour_alone;
 mod completions;
 mod demos;
+mod draws;
 mod explain;
 mod external_world;
 #[cfg(unix)]

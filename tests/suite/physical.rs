@@ -14,7 +14,7 @@ use fab_agent::{
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_bench::suite::Suite;
-use fab_bench::{Bench, Entry, Task, play, rows, starts, table};
+use fab_bench::{Answers, Bench, Entry, Task, play, rows, starts, table};
 use fab_model::Models;
 use fab_model::calls::Budget;
 use fab_program::{ClothStart, Program};
@@ -248,6 +248,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
                 origin: Origin::Author,
             },
             examples: Examples::default(),
+            varies: false,
             repeats: 1,
         }],
         make_world: &make_world,
@@ -255,6 +256,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
         elsewhere: None,
         out: folder.path().to_owned(),
         threads: 2,
+        answers: Answers::PerStart,
         cache: &Cache::none(),
         budget: &Budget::default(),
         recorder: None,
@@ -305,6 +307,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
             origin: Origin::Author,
         },
         examples: Examples::default(),
+        varies: false,
         repeats: 1,
     };
     let tasks = vec![Task {

@@ -22,6 +22,8 @@ const MAX_BYTES: usize = 32 << 20;
 pub enum Fate {
     /// The embedded model answers.
     Answer,
+    /// It answers, and reports that it used this many tokens in and out.
+    Reports(u64, u64),
     /// Too many calls; no waiting time is given.
     RateLimited,
     /// No credit.
@@ -155,6 +157,14 @@ async fn meet(State(seen): State<Arc<Mutex<Seen>>>, request: Request, next: Next
             let mut seen = seen.lock().unwrap();
             seen.answered += 1;
             Response::from_parts(parts, Body::from(with(&seen.said_before, &bytes)))
+        }
+        Fate::Reports(input, output) => {
+            let (parts, bytes) = whole().await;
+            let mut reply: Value = serde_json::from_slice(&bytes).unwrap();
+            reply["usage"] = json!({ "prompt_tokens": input, "completion_tokens": output });
+            let mut response = reply.to_string().into_response();
+            *response.status_mut() = parts.status;
+            response
         }
         Fate::RateLimited => {
             let mut response = failure(429, "rate_limit_exceeded", "slow down");

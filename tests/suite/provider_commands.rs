@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 /// Facts that give the embedded model behind `compatible` a price, and say that it does not support a temperature.
-const FACTS: &str = "\
+pub const FACTS: &str = "\
 [[model]]
 provider = \"compatible\"
 id = \"geometric\"

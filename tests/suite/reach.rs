@@ -149,6 +149,7 @@ fn with_job<T>(
         early_stop: true,
         operator: None,
         repetition: 0,
+        start_number: None,
     })
 }
 

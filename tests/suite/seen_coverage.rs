@@ -109,6 +109,7 @@ fn play(program: &Program, flat: Option<Observation>) -> Result<(Ended, String),
         early_stop: true,
         operator: None,
         repetition: 0,
+        start_number: None,
     };
     let run = folder.path().join("run");
     let report = rollout::run(&job, RunFolder::create(&run).unwrap(), &mut |_| {})?;

@@ -236,6 +236,7 @@ pub struct Trial<'p> {
     pub horizon: Option<u32>,
     pub early_stop: bool,
     pub repetition: u32,
+    pub start_number: Option<u64>,
     pub budget: Budget,
     pub recorder: Option<Recorder>,
 }
@@ -260,6 +261,7 @@ impl<'p> Trial<'p> {
             horizon: None,
             early_stop: true,
             repetition: 0,
+            start_number: None,
             budget: Budget::default(),
             recorder: None,
         }
@@ -316,6 +318,7 @@ impl<'p> Trial<'p> {
             early_stop: self.early_stop,
             operator: None,
             repetition: self.repetition,
+            start_number: self.start_number,
         };
         let folder = match run.join(RECORD_FILE).exists() {
             true => RunFolder::reopen(run),

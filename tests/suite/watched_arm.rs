@@ -336,6 +336,7 @@ fn a_panic_while_the_arm_moves_is_told_with_what_is_verified() {
             early_stop: true,
             operator: None,
             repetition: 0,
+            start_number: None,
         },
         run,
         &mut |_| {},

@@ -105,6 +105,7 @@
 //!     early_stop: true,
 //!     operator: None,
 //!     repetition: 0,
+//!     start_number: None,
 //! };
 //! let run = RunFolder::create(&folder.path().join("run"))?;
 //! let report = rollout::run(&job, run, &mut |_event| {})?;

@@ -174,6 +174,8 @@ pub struct StepView<'a> {
     pub reach: &'a Reach<'a>,
     /// Distinguishes runs that need independent answers.
     pub repetition: u32,
+    /// Number of the start in its suite, if questions at other starts get answers of their own.
+    pub start_number: Option<u64>,
     /// Digest of the start; empty outside a rollout.
     pub start: &'a str,
     /// The run folder; `None` outside a rollout.
@@ -213,6 +215,7 @@ impl<'a> StepView<'a> {
             pictures,
             reach: &fab_world::everywhere,
             repetition: 0,
+            start_number: None,
             start: "",
             folder: None,
             truth: None,

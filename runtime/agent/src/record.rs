@@ -78,6 +78,9 @@ pub struct Header {
     pub early_stop: bool,
     /// The number of the rollout among those of the same start.
     pub repetition: u32,
+    /// The start in the suite that the answers were drawn for; absent if equal questions at all starts share them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawn_for: Option<u64>,
     /// The most questions of a stage in a step.
     pub attempts: u32,
     /// The task's goal.
@@ -237,8 +240,11 @@ pub struct StepSpent {
     pub planning_s: Option<f64>,
     /// Wall time by activity, seconds.
     pub seconds: Map<String, Value>,
-    /// Cost of the answers up to this step, US dollars; null if a price is unknown.
+    /// Cost of the answers up to this step, US dollars; null if a price or a call's usage is unknown.
     pub cost_usd_so_far: Option<f64>,
+    /// The most that the calls up to this step cost, US dollars; null if a price is unknown.
+    #[serde(default)]
+    pub cost_usd_at_most_so_far: Option<f64>,
 }
 
 /// The cloth's coverage at one moment (protocol, section 5); null if the world does not know it.
@@ -350,13 +356,16 @@ pub struct RunCosts {
     pub calls: u64,
     /// Calls without an answer that may have been billed.
     pub possibly_billed: u64,
+    /// Calls that did not report their usage: the token counts lack theirs.
+    #[serde(default)]
+    pub unreported: u64,
     /// Number of failed calls by fault.
     pub faults: BTreeMap<String, u32>,
-    /// Token usage as reported by the providers.
+    /// Token usage as reported by the providers, of failed calls too.
     pub usage: Usage,
-    /// Cost of the answers, US dollars; null if a price is unknown.
+    /// Cost of the answers, US dollars; null if a price or a call's usage is unknown.
     pub cost_usd: Option<f64>,
-    /// The same plus everything that may have been billed.
+    /// The most that all calls cost: those that reported no usage, or may have been billed, as reserved.
     pub cost_usd_at_most: Option<f64>,
     /// The exact totals.
     #[serde(skip)]

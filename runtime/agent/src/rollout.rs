@@ -77,12 +77,21 @@ pub struct Job<'a> {
     pub operator: Option<&'a dyn Operator>,
     /// Distinguishes runs of one job that need independent answers; part of every request.
     pub repetition: u32,
+    /// Number of the start in its suite, if questions at other starts get answers of their own; part of every request.
+    pub start_number: Option<u64>,
 }
 
 impl Job<'_> {
     /// Returns the most actions of the rollout.
     pub fn horizon(&self) -> u32 {
         self.horizon.unwrap_or(self.program.horizon)
+    }
+
+    /// Returns the start that the answers are drawn for; `None` if they are drawn for all starts, or not drawn.
+    pub fn drawn_for(&self) -> Option<u64> {
+        let policy = self.make_policy.make();
+        self.start_number
+            .filter(|_| policy.varies() && policy.description().models.is_some())
     }
 }
 

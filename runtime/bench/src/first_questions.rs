@@ -37,6 +37,7 @@ pub fn first_questions_of(bench: &Bench<'_>) -> Result<Vec<Vec<FirstQuestion>>, 
             early_stop: true,
             operator: None,
             repetition: 0,
+            start_number: None,
         };
         all.push(match entry.models {
             Some(models) => {

@@ -39,6 +39,7 @@ use fab_program::Program;
 use fab_world::{About, World, WorldError};
 use metric::Metric;
 use on_arm::OnArm;
+use serde::Serialize;
 use starts::StartPoint;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -63,6 +64,8 @@ pub struct Bench<'a> {
     pub out: PathBuf,
     /// Number of parallel jobs; rollouts on an arm, and those judged by an operator, run one at a time.
     pub threads: usize,
+    /// Whether starts share answers.
+    pub answers: Answers,
     /// Stores crumpled starts and expert ends.
     pub cache: &'a Cache,
     /// Caps on model calls for the whole suite.
@@ -73,6 +76,27 @@ pub struct Bench<'a> {
     pub operator: Option<&'a dyn Operator>,
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
+}
+
+/// Whether equal questions at several starts get one answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answers {
+    /// Each start and repeat asks anew; methods at the same start and repeat share answers.
+    #[default]
+    PerStart,
+    /// All starts of a repeat share the answer to an equal question.
+    Shared,
+}
+
+impl Answers {
+    /// Returns its name in CSV and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Answers::PerStart => "per_start",
+            Answers::Shared => "shared",
+        }
+    }
 }
 
 /// Makes the world of a program.
@@ -120,6 +144,8 @@ pub struct Entry<'a> {
     pub subgoals: SubgoalSet,
     /// The examples of its stages.
     pub examples: Examples,
+    /// Whether the policy may decide otherwise at another repeat.
+    pub varies: bool,
     /// Rollouts per start, at least 1.
     pub repeats: u32,
 }

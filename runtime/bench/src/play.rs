@@ -7,7 +7,7 @@
 use super::lay_starts::{self, LaidStarts};
 use super::on_arm::{self, ArmStop};
 use super::record::{self, FolderContents, Identity, Rollout};
-use super::{Bench, BenchError, Entry, experts};
+use super::{Answers, Bench, BenchError, Entry, experts};
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::record::RECORD_FILE;
@@ -122,9 +122,8 @@ pub fn play(
     results.planned = jobs.len();
     // Earlier calls of this suite count towards its caps.
     for which in &jobs {
-        bench
-            .budget
-            .restore(&ledger::read(&folder_of(bench, *which))?.spent);
+        let noted = ledger::read(&folder_of(bench, *which))?;
+        bench.budget.restore(&noted.spent, &noted.overruns);
     }
     progress(Phase::Rollouts, 0, jobs.len());
     let done = match &bench.arm {
@@ -282,6 +281,10 @@ pub(super) fn one(
         early_stop: entry.stops_early(&bench.suite.metrics),
         operator: bench.operator,
         repetition,
+        start_number: match bench.answers {
+            Answers::PerStart => Some(bench.tasks[entry.task].starts[start].number),
+            Answers::Shared => None,
+        },
     };
     let about = about(bench, program).map_err(|error| at(&place(bench, entry, start), error))?;
     let identity = identity(&job, entry, about);
@@ -333,6 +336,7 @@ fn identity(job: &Job<'_>, entry: &Entry<'_>, about: About) -> Identity {
         horizon: job.horizon(),
         early_stop: job.early_stop,
         repetition: job.repetition,
+        drawn_for: job.drawn_for(),
     }
 }
 

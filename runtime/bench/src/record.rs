@@ -29,8 +29,10 @@ pub struct Step {
     pub line: record::Step,
     /// Durations and costs.
     pub spent: StepSpent,
-    /// Cost of its answers, US dollars; `None` if a price is unknown.
+    /// Cost of its answers, US dollars; `None` if a price or a usage is unknown.
     pub cost_usd: Option<f64>,
+    /// The most that its calls cost, US dollars; `None` if a price is unknown.
+    pub cost_usd_at_most: Option<f64>,
 }
 
 impl Step {
@@ -59,6 +61,8 @@ pub struct Identity {
     pub early_stop: bool,
     /// The number of the rollout among those of the same start.
     pub repetition: u32,
+    /// The start that its answers were drawn for; `None` if equal questions at all starts share them.
+    pub drawn_for: Option<u64>,
 }
 
 /// The contents of a folder.
@@ -100,17 +104,18 @@ pub fn find(folder: &Path, wanted: &Identity) -> FolderContents {
         },
     };
     let mut spent = read.spent;
-    let mut cost_usd_before = 0.0;
+    let (mut cost_usd, mut cost_usd_at_most) = (0.0, 0.0);
     let steps = read.steps.into_iter().map(|line| {
         let spent = spent.remove(&line.step).unwrap_or_default();
         // A step's cost is its cumulative cost minus the previous one.
-        let cost_usd = spent
-            .cost_usd_so_far
-            .map(|so_far| so_far - std::mem::replace(&mut cost_usd_before, so_far));
+        let own = |so_far: Option<f64>, before: &mut f64| {
+            so_far.map(|so_far| so_far - std::mem::replace(before, so_far))
+        };
         Step {
             line,
+            cost_usd: own(spent.cost_usd_so_far, &mut cost_usd),
+            cost_usd_at_most: own(spent.cost_usd_at_most_so_far, &mut cost_usd_at_most),
             spent,
-            cost_usd,
         }
     });
     FolderContents::Finished(Box::new(Rollout {
@@ -132,6 +137,16 @@ pub(super) fn has_steps(folder: &Path) -> bool {
 /// Returns why the last step of a rollout was not executed, if it was not.
 pub(super) fn last_words(folder: &Path) -> Option<String> {
     Record::read(folder).ok()?.steps.pop()?.stopped
+}
+
+/// What is told apart by [`Identity::drawn_for`].
+const ANSWERS: &str = "way to share answers (see `--share-answers`)";
+
+fn drawn_for(start: Option<u64>) -> String {
+    match start {
+        Some(start) => format!("own answers for start {start}"),
+        None => "one answer for all starts".to_owned(),
+    }
 }
 
 impl Identity {
@@ -166,6 +181,11 @@ impl Identity {
                 "repetition",
                 header.repetition.to_string(),
                 self.repetition.to_string(),
+            ),
+            (
+                ANSWERS,
+                drawn_for(header.drawn_for),
+                drawn_for(self.drawn_for),
             ),
         ];
         let different = pairs.into_iter().find(|(_, there, wanted)| there != wanted);

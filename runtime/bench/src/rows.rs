@@ -6,13 +6,13 @@
 use super::metric::{Aggregate, Metric};
 use super::play::{Played, Results};
 use super::record::Step;
-use super::statistics::{self, Statistic, Summary};
+use super::statistics::{self, Clusters, Statistic, Summary};
 use super::suite::Quote;
-use super::{Bench, Entry};
+use super::{Answers, Bench, Entry};
 use fab_agent::outcome::Outcome;
 use fab_program::{Goal, Program};
 use serde::{Serialize, Serializer};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 /// Notes for a suite meant for a real table, by the world that replaced the table.
@@ -68,6 +68,10 @@ pub struct Row {
     pub n: Option<usize>,
     /// Rollouts per start.
     pub repeats: Option<u32>,
+    /// Whether starts share answers of the model; null if no answer is drawn.
+    pub answers: Option<Answers>,
+    /// Clusters of starts that share answers; null if they share none.
+    pub clusters: Option<usize>,
     /// The kind of figure: `median`, `mean`, `share`, or the difference of two of these.
     pub statistic: FigureMeaning,
     /// The figure.
@@ -86,8 +90,10 @@ pub struct Row {
     pub queries: Option<f64>,
     /// Wall time per action, seconds, without scoring.
     pub s_per_action: Option<f64>,
-    /// Cost per action; 0 for a stand-in, null if no price is known.
+    /// Cost per action; 0 for a stand-in, null if a price or the usage of a call is unknown.
     pub cost: Option<f64>,
+    /// The most that an action cost, with calls of unknown usage as reserved; null if no price is known.
+    pub cost_at_most: Option<f64>,
     /// Number of rollouts by outcome, within `horizon` actions.
     pub outcomes: BTreeMap<&'static str, usize>,
     /// Number of rollouts that the operator judged as not reached, by cause.
@@ -208,15 +214,20 @@ impl<'b> EntryResults<'b> {
             for metric in self.metrics() {
                 let statistic = self.statistic(metric);
                 let samples = self.samples(metric, cut);
-                if let Some(summary) = statistics::summary(statistic, &samples) {
+                let clusters = self.clusters();
+                if let Some(summary) = statistics::summary(statistic, &samples, &clusters) {
                     let stated = FigureMeaning::Of(statistic);
-                    rows.push(self.row(
+                    let row = self.row(
                         self.entry.method.name.clone(),
                         metric,
                         (horizon, cut),
                         stated,
                         summary,
-                    ));
+                    );
+                    rows.push(Row {
+                        clusters: self.shares().then(|| clusters.count(&samples)),
+                        ..row
+                    });
                 }
             }
         }
@@ -229,14 +240,23 @@ impl<'b> EntryResults<'b> {
             for metric in self.metrics() {
                 let statistic = self.statistic(metric);
                 let (a, b) = (self.samples(metric, cut), over.samples(metric, cut));
-                if let Some(summary) = statistics::gap(statistic, &a, &b) {
+                let mut used = self.answers_used();
+                for (used, more) in used.iter_mut().zip(over.answers_used()) {
+                    used.extend(more);
+                }
+                let clusters = Clusters::joined(&used);
+                if let Some(summary) = statistics::gap(statistic, &a, &b, &clusters) {
                     let stated = FigureMeaning::Difference(statistic);
                     let row = self.row(name.to_owned(), metric, (horizon, cut), stated, summary);
+                    let shares = self.shares() || over.shares();
                     rows.push(Row {
+                        answers: row.answers.max(over.answers()),
+                        clusters: shares.then(|| clusters.count(&a)),
                         queries: None,
                         s_per_action: None,
                         planning_s: None,
                         cost: None,
+                        cost_at_most: None,
                         outcomes: BTreeMap::new(),
                         causes: BTreeMap::new(),
                         ..row
@@ -245,6 +265,33 @@ impl<'b> EntryResults<'b> {
             }
         }
         rows
+    }
+
+    /// Returns whether starts share answers; `None` if no answer is drawn.
+    fn answers(&self) -> Option<Answers> {
+        let draws = self.entry.varies && self.entry.policy.models.is_some();
+        draws.then_some(self.bench.answers)
+    }
+
+    fn shares(&self) -> bool {
+        self.answers() == Some(Answers::Shared)
+    }
+
+    /// Returns the questions whose answers the rollouts of each start used, with who was asked; empty if starts share none.
+    fn answers_used(&self) -> Vec<BTreeSet<(&str, &str)>> {
+        let starts = self.rollouts.iter().map(|repeats| {
+            let repeats = repeats.iter().filter(|_| self.shares());
+            let steps = repeats.flat_map(|played| &played.rollout.steps);
+            let asked = steps.flat_map(|step| &step.line.attempts);
+            let keys = asked.filter_map(|asked| asked.request_key.as_deref());
+            keys.map(|key| (self.entry.policy.name.as_str(), key))
+                .collect()
+        });
+        starts.collect()
+    }
+
+    fn clusters(&self) -> Clusters {
+        Clusters::joined(&self.answers_used())
     }
 
     fn statistic(&self, metric: Metric) -> Statistic {
@@ -303,6 +350,8 @@ impl<'b> EntryResults<'b> {
         let per_action = |sum: f64| (!steps.is_empty()).then(|| sum / steps.len() as f64);
         let costs = steps.iter().map(|step| step.cost_usd);
         let cost = costs.sum::<Option<f64>>();
+        let at_most = steps.iter().map(|step| step.cost_usd_at_most);
+        let cost_at_most = at_most.sum::<Option<f64>>();
         let planning: Vec<f64> = steps
             .iter()
             .filter_map(|step| step.spent.planning_s)
@@ -327,6 +376,8 @@ impl<'b> EntryResults<'b> {
             horizon: Some(horizon),
             n: Some(self.rollouts.iter().filter(|it| !it.is_empty()).count()),
             repeats: Some(self.entry.repeats),
+            answers: self.answers(),
+            clusters: None,
             statistic,
             value: summary.value,
             spread: summary.spread,
@@ -343,6 +394,7 @@ impl<'b> EntryResults<'b> {
             ),
             s_per_action: per_action(steps.iter().map(|step| step.seconds()).sum()),
             cost: cost.and_then(per_action),
+            cost_at_most: cost_at_most.and_then(per_action),
             outcomes,
             causes,
             planning_s: statistics::mean(&planning),
@@ -363,6 +415,8 @@ fn quoted(quote: &Quote) -> Row {
         horizon: quote.horizon,
         n: quote.n.map(|n| n as usize),
         repeats: None,
+        answers: None,
+        clusters: None,
         statistic: FigureMeaning::Of(quote.statistic),
         value: quote.value,
         spread: quote.spread,
@@ -376,6 +430,7 @@ fn quoted(quote: &Quote) -> Row {
         queries: None,
         s_per_action: None,
         cost: None,
+        cost_at_most: None,
         outcomes: BTreeMap::new(),
         causes: BTreeMap::new(),
         planning_s: None,

@@ -1,11 +1,13 @@
 //! Statistics of many rollouts: a value, its spread, and a 95 % interval.
 //!
-//! In: samples by start, because repeats of one start are not independent. Out: the statistics that the paper prints
-//! (median with the larger quartile distance; mean with standard deviation), with a percentile bootstrap over starts,
+//! In: samples by start, because repeats of one start are not independent, and the clusters of starts that share answers
+//! of a model. Out: the statistics that the paper prints
+//! (median with the larger quartile distance; mean with standard deviation), with a percentile bootstrap over clusters,
 //! and Wilson's interval for shares. Equal samples give equal bits.
 
 use fab_base::chance::Chance;
 use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Number of bootstrap resamples for an interval.
 const RESAMPLES: usize = 10_000;
@@ -44,30 +46,90 @@ pub struct Summary {
     pub value: f64,
     /// Its spread; see [`Statistic`].
     pub spread: Option<f64>,
-    /// The bounds of its 95 % interval; `None` for a single start, except for a share.
+    /// The bounds of its 95 % interval; `None` for a single cluster, except for a share.
     pub ci95: Option<[f64; 2]>,
+}
+
+/// Starts by what makes them dependent: those of one cluster are drawn together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Clusters {
+    /// The cluster of each start: the index of its first start.
+    of: Vec<usize>,
+}
+
+impl Clusters {
+    /// Makes every start a cluster of its own.
+    pub fn single(n_starts: usize) -> Clusters {
+        Clusters {
+            of: (0..n_starts).collect(),
+        }
+    }
+
+    /// Joins the starts that have something in common, directly or through others; one set for each start.
+    pub fn joined<T: Ord>(by_start: &[BTreeSet<T>]) -> Clusters {
+        let mut of: Vec<usize> = (0..by_start.len()).collect();
+        let mut first: BTreeMap<&T, usize> = BTreeMap::new();
+        for (start, used) in by_start.iter().enumerate() {
+            for it in used {
+                let (a, b) = (of[*first.entry(it).or_insert(start)], of[start]);
+                for cluster in &mut of {
+                    if *cluster == a.max(b) {
+                        *cluster = a.min(b);
+                    }
+                }
+            }
+        }
+        Clusters { of }
+    }
+
+    /// Returns the number of clusters of the starts with samples.
+    pub fn count(&self, by_start: &[Vec<f64>]) -> usize {
+        self.filled(by_start).len()
+    }
+
+    /// Returns the indices of the starts with samples, by cluster.
+    fn filled(&self, by_start: &[Vec<f64>]) -> Vec<Vec<usize>> {
+        let mut clusters: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (start, cluster) in self.of.iter().enumerate() {
+            if by_start.get(start).is_some_and(|it| !it.is_empty()) {
+                clusters.entry(*cluster).or_default().push(start);
+            }
+        }
+        clusters.into_values().collect()
+    }
 }
 
 /// Summarises samples by start: one list of repeats for each.
 ///
 /// Starts without samples are ignored; `None` if none is left. Non-finite samples are not allowed.
-pub fn summary(statistic: Statistic, by_start: &[Vec<f64>]) -> Option<Summary> {
-    let by_start = filled(by_start);
-    let value = value_of(statistic, &by_start)?;
+pub fn summary(
+    statistic: Statistic,
+    by_start: &[Vec<f64>],
+    clusters: &Clusters,
+) -> Option<Summary> {
+    let clusters = clusters.filled(by_start);
+    let filled = filled(by_start);
+    let value = value_of(statistic, &filled)?;
     let (spread, ci95) = match statistic {
         Statistic::Median => (
-            larger_quartile_distance(&by_start.concat()),
-            bootstrap(by_start.len(), |drawn| {
-                value_of(statistic, &pick(&by_start, drawn))
+            larger_quartile_distance(&filled.concat()),
+            bootstrap(&clusters, |drawn| {
+                value_of(statistic, &pick(by_start, drawn))
             }),
         ),
         Statistic::Mean => {
-            let means = means(&by_start);
-            let spread = standard_deviation(&means);
-            let ci95 = bootstrap(means.len(), |drawn| mean(&pick(&means, drawn)));
-            (spread, ci95)
+            // A start without samples is in no cluster, so its zero is never drawn.
+            let means: Vec<f64> = by_start
+                .iter()
+                .map(|repeats| mean(repeats).unwrap_or_default())
+                .collect();
+            let spread = standard_deviation(&self::means(&filled));
+            (
+                spread,
+                bootstrap(&clusters, |drawn| mean(&pick(&means, drawn))),
+            )
         }
-        Statistic::Share => (None, wilson(value, by_start.len())),
+        Statistic::Share => (None, wilson(value, clusters.len())),
     };
     Some(Summary {
         value,
@@ -79,18 +141,30 @@ pub fn summary(statistic: Statistic, by_start: &[Vec<f64>]) -> Option<Summary> {
 /// Summarises by how much `a` exceeds `b`, both by start and in the same order of starts.
 ///
 /// The interval is paired: both are resampled at the same starts. Starts missing in one of them are ignored.
-pub fn gap(statistic: Statistic, a: &[Vec<f64>], b: &[Vec<f64>]) -> Option<Summary> {
-    let both = a.iter().zip(b);
-    let both = both.filter(|(a, b)| !a.is_empty() && !b.is_empty());
-    let (a, b): (Vec<_>, Vec<_>) = both.map(|(a, b)| (a.clone(), b.clone())).unzip();
+pub fn gap(
+    statistic: Statistic,
+    a: &[Vec<f64>],
+    b: &[Vec<f64>],
+    clusters: &Clusters,
+) -> Option<Summary> {
+    let both = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| match a.is_empty() || b.is_empty() {
+            true => (Vec::new(), Vec::new()),
+            false => (a.clone(), b.clone()),
+        });
+    let (a, b): (Vec<_>, Vec<_>) = both.unzip();
     let of = |drawn: &[usize]| {
         Some(value_of(statistic, &pick(&a, drawn))? - value_of(statistic, &pick(&b, drawn))?)
     };
-    let all: Vec<usize> = (0..a.len()).collect();
+    let clusters = clusters.filled(&a);
+    let mut all = clusters.concat();
+    all.sort_unstable();
     Some(Summary {
         value: of(&all)?,
         spread: None,
-        ci95: bootstrap(a.len(), of),
+        ci95: bootstrap(&clusters, of),
     })
 }
 
@@ -125,7 +199,7 @@ pub fn standard_deviation(values: &[f64]) -> Option<f64> {
 
 /// Returns Wilson's 95 % interval for a share of `count` independent trials (Wilson 1927), without correction.
 ///
-/// With repeats, `count` is the number of starts: repeats of a start are not independent.
+/// With repeats, `count` is the number of clusters: repeats of a start are not independent.
 pub fn wilson(share: f64, count: usize) -> Option<[f64; 2]> {
     if count == 0 {
         return None;
@@ -163,15 +237,17 @@ fn pick<T: Clone>(all: &[T], indices: &[usize]) -> Vec<T> {
     indices.iter().map(|index| all[*index].clone()).collect()
 }
 
-/// Returns the percentile interval of a statistic over resampled starts; `of` gets their indices.
-fn bootstrap(count: usize, of: impl Fn(&[usize]) -> Option<f64>) -> Option<[f64; 2]> {
+/// Returns the percentile interval of a statistic over resampled clusters; `of` gets the indices of their starts.
+fn bootstrap(clusters: &[Vec<usize>], of: impl Fn(&[usize]) -> Option<f64>) -> Option<[f64; 2]> {
+    let count = clusters.len();
     if count < 2 {
         return None;
     }
     let mut chance = Chance::seeded(SEED);
     let mut values = Vec::with_capacity(RESAMPLES);
     for _ in 0..RESAMPLES {
-        let drawn: Vec<usize> = (0..count).map(|_| chance.below(count)).collect();
+        let drawn = (0..count).flat_map(|_| &clusters[chance.below(count)]);
+        let drawn: Vec<usize> = drawn.copied().collect();
         values.push(of(&drawn)?);
     }
     Some([percentile(&values, 0.025)?, percentile(&values, 0.975)?])

@@ -13,6 +13,9 @@ use std::collections::BTreeMap;
 /// The note under every table with quoted figures.
 const COMPARISON: &str = "Quoted rows are others' figures and stand for themselves. Ours come from our simulator and our experts, theirs from PyFleX: this is a comparison and not a ranking.";
 
+/// The note under every table with shared answers.
+const SHARED: &str = "Answers are shared (`--share-answers`): an equal question at several starts was asked once per repeat. Starts whose rollouts used a common answer are one cluster; `starts` counts them. Every interval is over clusters, also where a note says starts; a single cluster has none, except for shares.";
+
 /// Writes the tables for a terminal.
 pub fn text(suite: &Suite, rows: &[Row]) -> String {
     let mut blocks = Vec::new();
@@ -38,7 +41,7 @@ pub fn markdown(title: &str, suite: &Suite, rows: &[Row]) -> String {
 pub fn csv(rows: &[Row]) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let mut lines = vec![
-        "task,method,policy,sees_particles,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes"
+        "task,method,policy,sees_particles,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes,answers,clusters,cost_at_most"
             .to_owned(),
     ];
     for row in rows {
@@ -68,6 +71,9 @@ pub fn csv(rows: &[Row]) -> String {
             counted(&row.outcomes),
             row.note.clone().unwrap_or_default(),
             counted(&row.causes),
+            row.answers.map_or(String::new(), |it| it.name().to_owned()),
+            count(row.clusters),
+            number(row.cost_at_most),
         ];
         lines.push(cells.map(|cell| escaped(&cell)).join(","));
     }
@@ -165,7 +171,7 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
             number(row.queries, 2),
             number(row.s_per_action, 2),
             number(row.planning_s.map(|seconds| seconds * 1000.0), 0),
-            number(row.cost, 2),
+            cost(row),
             counted(&row.outcomes),
         ]);
         if has_causes {
@@ -176,12 +182,29 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
     table
 }
 
+/// Writes the cost per action; what calls of unknown usage cost is an upper bound.
+fn cost(row: &Row) -> String {
+    let digits = |value: f64| format!("{value:.2}");
+    let at_most = row.cost_at_most.map(digits);
+    match (row.cost.map(digits), at_most) {
+        (Some(cost), Some(at_most)) if cost != at_most => format!("{cost} to {at_most}"),
+        (Some(cost), _) => cost,
+        (None, Some(at_most)) => format!("at most {at_most}"),
+        (None, None) => "-".to_owned(),
+    }
+}
+
 /// Writes the first cells of a line: method, policy, actions, starts.
 fn names(row: &Row) -> Vec<String> {
     let starts = row.n.map(|n| match row.repeats {
         Some(repeats) if repeats > 1 => format!("{n} x {repeats}"),
         _ => n.to_string(),
     });
+    let clusters = row.clusters.map(|clusters| match clusters {
+        1 => ", 1 cluster".to_owned(),
+        _ => format!(", {clusters} clusters"),
+    });
+    let starts = starts.map(|starts| starts + &clusters.unwrap_or_default());
     vec![
         match row.quoted {
             true => format!("quoted: {}", row.method),
@@ -232,10 +255,22 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
             }
         }
     }
-    lines.push(match suite.statistic {
-        Statistic::Median => "Figures: median over all rollouts ± the larger of the distances from the median to the quartiles [95 % bootstrap interval over starts].",
-        Statistic::Mean | Statistic::Share => "Figures: mean over starts, the repeats of a start averaged first, ± standard deviation over starts [95 % bootstrap interval over starts].",
-    }.to_owned());
+    let shares = rows.iter().any(|row| row.clusters.is_some());
+    let figures = match suite.statistic {
+        Statistic::Median => {
+            "median over all rollouts ± the larger of the distances from the median to the quartiles"
+        }
+        Statistic::Mean | Statistic::Share => {
+            "mean over starts, the repeats of a start averaged first, ± standard deviation over starts"
+        }
+    };
+    let over = if shares { "clusters" } else { "starts" };
+    lines.push(format!(
+        "Figures: {figures} [95 % bootstrap interval over {over}]."
+    ));
+    if shares {
+        lines.push(SHARED.to_owned());
+    }
     for row in rows {
         let caption = row.metric.row().caption.map(str::to_owned);
         lines.extend(caption.filter(|caption| !lines.contains(caption)));

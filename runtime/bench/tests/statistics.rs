@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fab_bench::statistics;
-use fab_bench::statistics::{Statistic, Summary};
+use fab_bench::statistics::{Clusters, Statistic, Summary};
 use proptest::prelude::*;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -44,6 +44,14 @@ struct Gap {
     median_ci95: [f64; 2],
 }
 
+fn summary(statistic: Statistic, by_start: &[Vec<f64>]) -> Option<Summary> {
+    statistics::summary(statistic, by_start, &Clusters::single(by_start.len()))
+}
+
+fn gap(statistic: Statistic, a: &[Vec<f64>], b: &[Vec<f64>]) -> Option<Summary> {
+    statistics::gap(statistic, a, b, &Clusters::single(a.len()))
+}
+
 fn fixture() -> Fixture {
     serde_json::from_str(include_str!("fixtures/statistics.json")).unwrap()
 }
@@ -76,7 +84,7 @@ fn values_and_spreads_are_those_of_numpy() {
             let share = percent.parse::<f64>().unwrap() / 100.0;
             assert_near(statistics::percentile(&all, share).unwrap(), *wanted, what);
         }
-        let median = statistics::summary(Statistic::Median, &sample.by_start).unwrap();
+        let median = summary(Statistic::Median, &sample.by_start).unwrap();
         assert_near(median.value, sample.median, what);
         assert_near(
             median.spread.unwrap(),
@@ -84,7 +92,7 @@ fn values_and_spreads_are_those_of_numpy() {
             what,
         );
         assert_alike(median.ci95, sample.median_ci95, what);
-        let mean = statistics::summary(Statistic::Mean, &sample.by_start).unwrap();
+        let mean = summary(Statistic::Mean, &sample.by_start).unwrap();
         assert_near(mean.value, sample.mean, what);
         assert_near(mean.spread.unwrap(), sample.sd, what);
         assert_alike(mean.ci95, sample.mean_ci95, what);
@@ -101,7 +109,7 @@ fn shares_have_wilsons_interval() {
     {
         let happened = |trial| vec![f64::from(u8::from(trial < successes))];
         let by_start: Vec<Vec<f64>> = (0..trials).map(happened).collect();
-        let found = statistics::summary(Statistic::Share, &by_start).unwrap();
+        let found = summary(Statistic::Share, &by_start).unwrap();
         let what = format!("{successes} of {trials}");
         assert_near(found.value, successes as f64 / trials as f64, &what);
         let [low, high] = found.ci95.unwrap();
@@ -124,10 +132,10 @@ fn gaps_are_paired() {
     } = fixture().gap;
     let single = |all: &[f64]| all.iter().map(|value| vec![*value]).collect::<Vec<_>>();
     let (a, b) = (single(&a), single(&b));
-    let found = statistics::gap(Statistic::Mean, &a, &b).unwrap();
+    let found = gap(Statistic::Mean, &a, &b).unwrap();
     assert_near(found.value, mean, "mean");
     assert_alike(found.ci95, Some(mean_ci95), "mean");
-    let found = statistics::gap(Statistic::Median, &a, &b).unwrap();
+    let found = gap(Statistic::Median, &a, &b).unwrap();
     assert_near(found.value, median, "median");
     assert_alike(found.ci95, Some(median_ci95), "median");
 }
@@ -135,17 +143,63 @@ fn gaps_are_paired() {
 #[test]
 fn nothing_comes_of_nothing() {
     for statistic in [Statistic::Median, Statistic::Mean, Statistic::Share] {
-        assert_eq!(statistics::summary(statistic, &[]), None);
-        assert_eq!(statistics::summary(statistic, &[vec![], vec![]]), None);
-        assert_eq!(statistics::gap(statistic, &[vec![1.0]], &[vec![]]), None);
+        assert_eq!(summary(statistic, &[]), None);
+        assert_eq!(summary(statistic, &[vec![], vec![]]), None);
+        assert_eq!(gap(statistic, &[vec![1.0]], &[vec![]]), None);
     }
-    let single = statistics::summary(Statistic::Mean, &[vec![2.0, 4.0], vec![]]);
+    let single = summary(Statistic::Mean, &[vec![2.0, 4.0], vec![]]);
     let expected = Summary {
         value: 3.0,
         spread: Some(0.0),
         ci95: None,
     };
     assert_eq!(single, Some(expected));
+}
+
+#[test]
+fn starts_with_a_common_answer_are_drawn_together() {
+    let answers = |by_start: &[&[&'static str]]| {
+        let sets = by_start.iter().map(|it| it.iter().copied().collect());
+        Clusters::joined(&sets.collect::<Vec<_>>())
+    };
+    let [a, b, c] = [0.0, 10.0, 40.0].map(|value| vec![value]);
+    // The first three starts are joined through the second one; the fourth has no sample.
+    let clusters = answers(&[&["x"], &["x", "y"], &["y", "own"], &["z"], &["z"], &[]]);
+    let samples = [
+        a.clone(),
+        b.clone(),
+        a.clone(),
+        vec![],
+        c.clone(),
+        c.clone(),
+    ];
+    assert_eq!(clusters.count(&samples), 3);
+    let joined = statistics::summary(Statistic::Mean, &samples, &clusters).unwrap();
+    let alone = summary(Statistic::Mean, &samples).unwrap();
+    assert_eq!((joined.value, joined.spread), (alone.value, alone.spread));
+    let wide = |summary: Summary| summary.ci95.map(|[low, high]| high - low);
+    assert!(wide(joined) > wide(alone), "{joined:?} {alone:?}");
+    // A draw of nothing but the first cluster has the mean of its three starts.
+    assert_eq!(joined.ci95.unwrap()[0], 10.0 / 3.0);
+    let gap = statistics::gap(Statistic::Mean, &samples, &samples, &clusters).unwrap();
+    assert_eq!((gap.value, gap.ci95), (0.0, Some([0.0, 0.0])));
+
+    let one = answers(&[&["x"], &["x"], &["x"]]);
+    let samples = [vec![1.0], vec![1.0], vec![0.0]];
+    assert_eq!(
+        statistics::summary(Statistic::Mean, &samples, &one)
+            .unwrap()
+            .ci95,
+        None
+    );
+    assert_eq!(
+        statistics::gap(Statistic::Mean, &samples, &samples, &one)
+            .unwrap()
+            .ci95,
+        None
+    );
+    let share = statistics::summary(Statistic::Share, &samples, &one).unwrap();
+    assert_eq!(share.ci95, statistics::wilson(2.0 / 3.0, 1));
 }
 
 proptest! {
@@ -159,19 +213,19 @@ proptest! {
         shift in -10.0..10.0f64,
     ) {
         for statistic in [Statistic::Median, Statistic::Mean] {
-            let found = statistics::summary(statistic, &by_start).unwrap();
-            prop_assert_eq!(Some(found), statistics::summary(statistic, &by_start));
+            let found = summary(statistic, &by_start).unwrap();
+            prop_assert_eq!(Some(found), summary(statistic, &by_start));
             let [low, high] = found.ci95.unwrap();
             prop_assert!(low <= found.value + 1e-12 && found.value <= high + 1e-12);
             let moved: Vec<Vec<f64>> = by_start
                 .iter()
                 .map(|repeats| repeats.iter().map(|value| value + shift).collect())
                 .collect();
-            let there = statistics::summary(statistic, &moved).unwrap();
+            let there = summary(statistic, &moved).unwrap();
             prop_assert!((there.value - found.value - shift).abs() < 1e-9);
             prop_assert!((there.spread.unwrap() - found.spread.unwrap()).abs() < 1e-9);
             prop_assert!((there.ci95.unwrap()[0] - low - shift).abs() < 1e-9);
-            let gap = statistics::gap(statistic, &moved, &by_start).unwrap();
+            let gap = gap(statistic, &moved, &by_start).unwrap();
             prop_assert!((gap.value - shift).abs() < 1e-9);
             let [gap_low, gap_high] = gap.ci95.unwrap();
             prop_assert!((gap_low - shift).abs() < 1e-9 && (gap_high - shift).abs() < 1e-9);
@@ -184,8 +238,8 @@ proptest! {
         let once: Vec<Vec<f64>> = values.iter().map(|value| vec![*value]).collect();
         let thrice: Vec<Vec<f64>> = values.iter().map(|value| vec![*value; 3]).collect();
         let (a, b) = (
-            statistics::summary(Statistic::Mean, &once).unwrap(),
-            statistics::summary(Statistic::Mean, &thrice).unwrap(),
+            summary(Statistic::Mean, &once).unwrap(),
+            summary(Statistic::Mean, &thrice).unwrap(),
         );
         prop_assert!((a.value - b.value).abs() < 1e-12);
         for (a, b) in a.ci95.unwrap().iter().zip(b.ci95.unwrap()) {

@@ -33,6 +33,11 @@ pub trait Model: Send + Sync {
         true
     }
 
+    /// Returns whether it holds one answer for all starts of a suite, and so cannot draw one for each.
+    fn shares_answers(&self) -> bool {
+        false
+    }
+
     /// Returns how the model gets points of a picture, and in which size it gets pictures.
     ///
     /// A model that forwards questions to another one returns that model's lowering.
@@ -145,6 +150,9 @@ pub struct Request {
     pub reasoning: Option<Reasoning>,
     /// Distinguishes equal questions that need independent answers.
     pub repetition: u32,
+    /// The start of a suite that the question is for; without it, equal questions at all starts are the same one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start: Option<u64>,
     /// The rollout's action that the question is for, from 1; makes a later, otherwise equal question distinct.
     pub step: u32,
     /// The JSON Schema of the answer, with the scene's values, if the stage reads the action.
@@ -163,6 +171,7 @@ impl Request {
             max_tokens: None,
             reasoning: None,
             repetition: 0,
+            start: None,
             step: 1,
             schema: None,
         }
@@ -297,8 +306,17 @@ pub enum ModelError {
     },
     /// A call was not sent.
     #[error(transparent)]
-    NotSent(#[from] CallRefused),
+    NotSent(CallRefused),
     /// The user stopped it.
     #[error("interrupted")]
     Interrupted,
+}
+
+impl From<CallRefused> for ModelError {
+    fn from(refused: CallRefused) -> ModelError {
+        match refused {
+            CallRefused::Interrupted => ModelError::Interrupted,
+            refused => ModelError::NotSent(refused),
+        }
+    }
 }

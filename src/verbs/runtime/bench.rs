@@ -30,7 +30,7 @@ use fab_base::cache::Cache;
 use fab_bench::on_arm::{Cloths, OnArm};
 use fab_bench::play;
 use fab_bench::play::{Phase, Results, StopReason};
-use fab_bench::{Bench, BenchError, Entry, OtherWorld, first_questions_of, rows};
+use fab_bench::{Answers, Bench, BenchError, Entry, OtherWorld, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_providers::estimate::Estimate;
@@ -67,6 +67,10 @@ pub struct BenchArguments {
     /// Rollouts per start of a model that varies; default: as the suite says.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: Option<u32>,
+    /// Share the answer to an equal question over all starts of a repeat, which costs less: the table says so, and its
+    /// intervals are over clusters of starts without a common answer. Default: every start asks anew.
+    #[arg(long)]
+    pub share_answers: bool,
     /// Rollouts side by side; default: one per core, 8 or more with providers. The figures do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_JOBS))]
     pub jobs: Option<u16>,
@@ -131,11 +135,17 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         &interrupt,
         io,
     )?;
+    let mut answering = deciding.values().filter_map(Deciding::answering);
+    if !arguments.share_answers && answering.any(Answering::shares_answers) {
+        return Err(Failure::environment(
+            "the recording holds one answer for all starts, and not one for each: `--share-answers` replays it so, and the table says so",
+        ));
+    }
     let recorder = match arguments.spend.estimate {
         true => None,
         false => models::recorder(&arguments.spend)?,
     };
-    let budget = models::budget(&arguments.spend);
+    let budget = models::budget(&arguments.spend, &interrupt);
     let threads = match arguments.jobs {
         _ if arguments.operator => 1,
         Some(jobs) => usize::from(jobs),
@@ -208,6 +218,10 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         elsewhere,
         out: out.clone(),
         threads,
+        answers: match arguments.share_answers {
+            true => Answers::Shared,
+            false => Answers::PerStart,
+        },
         cache: &cache,
         budget: &budget,
         recorder: recorder.as_ref(),

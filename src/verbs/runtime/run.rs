@@ -197,7 +197,7 @@ pub fn play(
         program.title(),
         start.name
     ));
-    let budget = models::budget(&arguments.spend);
+    let budget = models::budget(&arguments.spend, &interrupt);
     let recorder = match arguments.spend.estimate {
         true => None,
         false => models::recorder(&arguments.spend)?,
@@ -222,6 +222,7 @@ pub fn play(
             false => None,
         },
         repetition: 0,
+        start_number: None,
     };
     if let Some(answering) = deciding.answering() {
         let asks = answering.asks_a_provider() || arguments.spend.estimate;
@@ -262,10 +263,9 @@ pub fn play(
     let folder = folder.map_err(Failure::environment)?;
     let _ = journal.set(folder.path().to_owned());
     // From here on, only this process writes into the folder.
-    let spent = ledger::read(folder.path())
-        .map_err(Failure::environment)?
-        .spent;
-    budget.restore(&spent);
+    let noted = ledger::read(folder.path()).map_err(Failure::environment)?;
+    let spent = noted.spent;
+    budget.restore(&spent, &noted.overruns);
     keep_beginning(&folder, arguments, &destination)?;
     let earlier = folder.earlier_steps();
     if let Destination::Existing(_) = destination {

@@ -180,6 +180,7 @@ impl<'j> Turn<'j> {
             pictures: &pictures,
             reach: &reach,
             repetition: job.repetition,
+            start_number: job.start_number,
             start: &memory.start,
             folder: Some(&run),
             truth: particles.as_ref().map(|particles| Truth {

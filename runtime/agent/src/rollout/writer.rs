@@ -17,6 +17,7 @@ use crate::record::{
 };
 use crate::sheet::{SHEET_FILE, Sheet};
 use fab_base::{digest, npy};
+use fab_model::calls::Usd;
 use fab_picture::png;
 use fab_world::World;
 use fab_world::expert::ExpertEnd;
@@ -81,6 +82,7 @@ impl<'j> RolloutWriter<'j> {
             horizon: job.horizon(),
             early_stop: job.early_stop,
             repetition: job.repetition,
+            drawn_for: job.drawn_for(),
             attempts: job.program.verify.attempts,
             goal: job.program.goal.clone(),
         };
@@ -163,7 +165,8 @@ impl<'j> RolloutWriter<'j> {
             step: line.step,
             planning_s: turn.planning_s(),
             seconds,
-            cost_usd_so_far: (spent.unpriced == 0).then(|| spent.cost.dollars()),
+            cost_usd_so_far: spent.known_cost().map(Usd::dollars),
+            cost_usd_at_most_so_far: spent.priced_at_most().map(Usd::dollars),
         }))?;
         self.steps += u32::from(line.executed.is_some());
         if let Some(skipped) = line.skipped {
@@ -264,10 +267,11 @@ impl<'j> RolloutWriter<'j> {
             spent,
             calls: spent.calls,
             possibly_billed: spent.possibly_billed,
+            unreported: spent.unreported,
             faults: self.asking.faults(),
             usage: spent.usage,
-            cost_usd: (spent.unpriced == 0).then(|| spent.cost.dollars()),
-            cost_usd_at_most: (spent.unpriced == 0).then(|| spent.at_most().dollars()),
+            cost_usd: spent.known_cost().map(Usd::dollars),
+            cost_usd_at_most: spent.priced_at_most().map(Usd::dollars),
             run_dir: self.folder.path().display().to_string(),
             run_id: self.run_id.clone(),
             experts_simulated: score.map_or(0, |score| score.simulated),

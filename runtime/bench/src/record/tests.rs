@@ -126,6 +126,7 @@ fn identity() -> Identity {
         horizon: 3,
         early_stop: true,
         repetition: 1,
+        drawn_for: Some(4),
     }
 }
 
@@ -137,7 +138,7 @@ fn header() -> Value {
             "name": "flat", "file": "start.npy", "digest": "s", "up": "z",
             "grid": { "dimx": 2, "dimy": 2, "spacing_m": 0.01 },
         },
-        "subgoals": "drawn", "subgoal_pictures": "d", "horizon": 3, "early_stop": true, "repetition": 1, "attempts": 3,
+        "subgoals": "drawn", "subgoal_pictures": "d", "horizon": 3, "early_stop": true, "repetition": 1, "drawn_for": 4, "attempts": 3,
     })
 }
 
@@ -157,6 +158,8 @@ fn every_part_of_an_identity_tells_rollouts_apart() {
         ("/horizon", json!(9), "horizon"),
         ("/early_stop", json!(false), "early_stop"),
         ("/repetition", json!(9), "repetition"),
+        ("/drawn_for", json!(9), ANSWERS),
+        ("/drawn_for", Value::Null, ANSWERS),
     ] {
         let mut changed = header();
         *changed.pointer_mut(pointer).unwrap() = other;

@@ -1,11 +1,19 @@
 //! Caps on the calls and cost of a whole run, shared by all of its rollouts.
 //!
-//! In: calls about to be sent and their results. Out: permission. A cap is hard: the most that a call may cost is
-//! reserved before it is sent, and a call that may have been billed counts with that full amount.
+//! In: calls about to be sent and their results. Out: permission, at once or after a wait. The most that a call may cost
+//! is reserved before it is sent, and a call with an unknown cost counts with that full amount. If a reservation does
+//! not fit, it waits until calls under way have ended, because most of them cost less than was reserved. Once a model
+//! cost more than was reserved, its reservations grow by the worst ratio seen.
 
 use super::{Billing, CallEnd, CallRefused, Usage, Usd};
+use fab_base::interrupt::Interrupt;
 use serde::{Deserialize, Serialize};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::collections::BTreeMap;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// How often a waiting thread checks whether the user stopped it.
+const INTERRUPT_POLL: Duration = Duration::from_millis(50);
 
 /// The most that a run may use; `None` means no cap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,13 +31,16 @@ pub struct Spent {
     pub calls: u64,
     /// Calls without an answer that may have been billed.
     pub possibly_billed: u64,
+    /// Answered calls that did not report their usage.
+    #[serde(default)]
+    pub unreported: u64,
     /// Calls with an unknown cost, or a possible one.
     pub unpriced: u64,
-    /// Cost of all answers, billionths of a US dollar.
+    /// Cost of all answers that reported their usage, billionths of a US dollar.
     pub cost: Usd,
-    /// The most that the possibly billed calls cost, billionths of a US dollar.
+    /// The most that the possibly billed and the unreported calls cost, billionths of a US dollar.
     pub possibly: Usd,
-    /// Tokens of all answers.
+    /// Tokens of all calls that reported their usage.
     pub usage: Usage,
 }
 
@@ -39,25 +50,25 @@ impl Spent {
     /// - `at_most`: the amount reserved for it.
     pub fn count(&mut self, at_most: Option<Usd>, end: &CallEnd<'_>) {
         self.calls += 1;
-        match end {
-            CallEnd::Answered(reply) => {
-                self.usage = self.usage + reply.usage.unwrap_or_default();
-                match reply.cost.or(at_most) {
-                    Some(cost) => self.cost = self.cost + cost,
-                    None => self.unpriced += 1,
-                }
+        let (cost, usage) = end.reported();
+        self.usage = self.usage + usage.unwrap_or_default();
+        let is_unknown = match end {
+            CallEnd::Failed { billing, .. } => {
+                let is_possible = cost.is_none() && *billing == Billing::Possibly;
+                self.possibly_billed += u64::from(is_possible);
+                is_possible
             }
-            CallEnd::Failed { billing, cost, .. } => match (billing, cost) {
-                (_, Some(cost)) => self.cost = self.cost + *cost,
-                (Billing::Possibly, None) => {
-                    self.possibly_billed += 1;
-                    match at_most {
-                        Some(at_most) => self.possibly = self.possibly + at_most,
-                        None => self.unpriced += 1,
-                    }
-                }
-                (Billing::No, None) => {}
-            },
+            CallEnd::Answered(_) => {
+                let is_unreported = usage.is_none() || at_most.is_some();
+                self.unreported += u64::from(cost.is_none() && is_unreported);
+                cost.is_none()
+            }
+        };
+        self.cost = self.cost + cost.unwrap_or_default();
+        match at_most {
+            _ if !is_unknown => {}
+            Some(at_most) => self.possibly = self.possibly + at_most,
+            None => self.unpriced += 1,
         }
     }
 
@@ -65,6 +76,7 @@ impl Spent {
     pub fn absorb(&mut self, other: &Spent) {
         self.calls += other.calls;
         self.possibly_billed += other.possibly_billed;
+        self.unreported += other.unreported;
         self.unpriced += other.unpriced;
         self.cost = self.cost + other.cost;
         self.possibly = self.possibly + other.possibly;
@@ -73,17 +85,54 @@ impl Spent {
 
     /// Describes the total cost.
     pub fn in_words(&self) -> String {
-        match (self.unpriced, self.possibly_billed) {
-            (0, 0) => self.cost.to_string(),
-            (0, unanswered) => format!(
-                "{}; {unanswered} unanswered calls may also have been billed, up to {}",
-                self.cost, self.possibly
-            ),
-            (_, 0) => "cost not known".to_owned(),
-            (_, unanswered) => {
-                format!("cost unknown; {unanswered} unanswered calls may have been billed")
+        let mut text = match self.known_cost() {
+            Some(cost) => cost.to_string(),
+            None if self.unpriced > 0 => "cost unknown".to_owned(),
+            None => format!("at most {}", self.at_most()),
+        };
+        let calls = |count: u64, some: &str| match count {
+            1 => format!("; 1 {some}call"),
+            _ => format!("; {count} {some}calls"),
+        };
+        if self.unreported > 0 {
+            text.push_str(&calls(self.unreported, ""));
+            text.push_str(" reported no usage");
+            if self.known_cost().is_none() && self.unpriced == 0 {
+                text.push_str(" and may have cost what was reserved");
             }
         }
+        if self.possibly_billed > 0 {
+            text.push_str(&calls(self.possibly_billed, "unanswered "));
+            text.push_str(" may also have been billed");
+            if self.known_cost().is_some() {
+                text.push_str(&format!(", up to {}", self.possibly));
+            }
+        }
+        text
+    }
+
+    /// Describes the tokens; calls that reported none are not in the sums.
+    pub fn tokens_in_words(&self) -> String {
+        let at_least = match self.unreported + self.possibly_billed {
+            0 => "",
+            _ => "at least ",
+        };
+        format!(
+            "tokens {at_least}{} in, {}",
+            self.usage.input_tokens,
+            self.usage.output_in_words()
+        )
+    }
+
+    /// Returns the cost of all answers; `None` if a price or the usage of an answer is unknown.
+    pub fn known_cost(&self) -> Option<Usd> {
+        let is_known = self.unreported == 0 || self.possibly == Usd::ZERO;
+        (self.unpriced == 0 && is_known).then_some(self.cost)
+    }
+
+    /// Returns the most that everything cost; `None` if a price is unknown.
+    pub fn priced_at_most(&self) -> Option<Usd> {
+        (self.unpriced == 0).then(|| self.at_most())
     }
 
     /// Returns the most that everything cost, as far as prices are known.
@@ -92,20 +141,221 @@ impl Spent {
     }
 }
 
+/// A call that cost more than its estimated maximum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Overrun {
+    /// What it cost.
+    cost: Usd,
+    /// What it was estimated to cost at most.
+    estimated: Usd,
+}
+
+impl Overrun {
+    /// Compares a reported cost with its estimate; `None` if it was not above it.
+    fn of(estimated: Usd, cost: Usd) -> Option<Overrun> {
+        (cost > estimated).then_some(Overrun { cost, estimated })
+    }
+
+    /// Returns an estimate times this ratio, rounded up.
+    fn scale(self, estimated: Usd) -> Usd {
+        let nano = |amount: Usd| u128::from(amount.nano());
+        // An estimate of zero has no ratio to it; a billionth stands for it.
+        let scaled =
+            (nano(estimated).max(1) * nano(self.cost)).div_ceil(nano(self.estimated).max(1));
+        Usd::from_nano(u64::try_from(scaled).unwrap_or(u64::MAX))
+    }
+
+    fn is_worse_than(self, other: Overrun) -> bool {
+        let cross = |a: Overrun, b: Overrun| {
+            u128::from(a.cost.nano()) * u128::from(b.estimated.nano().max(1))
+        };
+        cross(self, other) > cross(other, self)
+    }
+}
+
+/// The worst overrun of each model.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Overruns(BTreeMap<String, Overrun>);
+
+impl Overruns {
+    /// Learns from a call that reported its cost.
+    pub fn learn(&mut self, model: &str, estimated: Option<Usd>, end: &CallEnd<'_>) {
+        let (cost, _) = end.reported();
+        let found = estimated
+            .zip(cost)
+            .and_then(|(estimated, cost)| Overrun::of(estimated, cost));
+        if let Some(found) = found {
+            self.keep(model, found);
+        }
+    }
+
+    fn keep(&mut self, model: &str, found: Overrun) {
+        match self.0.get_mut(model) {
+            Some(worst) if found.is_worse_than(*worst) => *worst = found,
+            Some(_) => {}
+            None => {
+                self.0.insert(model.to_owned(), found);
+            }
+        }
+    }
+
+    fn absorb(&mut self, other: &Overruns) {
+        for (model, overrun) in &other.0 {
+            self.keep(model, *overrun);
+        }
+    }
+
+    /// Returns what to reserve for a model's estimate.
+    fn scale(&self, model: &str, estimated: Usd) -> Usd {
+        let worst = self.0.get(model);
+        worst.map_or(estimated, |worst| worst.scale(estimated))
+    }
+}
+
 /// Caps, and what counts towards them so far.
 #[derive(Debug, Default)]
 pub struct Budget {
     caps: Caps,
+    interrupt: Interrupt,
     state: Mutex<State>,
+    ended: Condvar,
 }
 
 #[derive(Debug, Default)]
 struct State {
     spent: Spent,
-    /// Reserved for calls in progress.
-    reserved: Usd,
-    /// Number of calls in progress.
-    under_way: u64,
+    overruns: Overruns,
+    /// Model and estimate of each call in progress.
+    under_way: Vec<(String, Option<Usd>)>,
+}
+
+/// The answer to a call that asks for permission.
+#[derive(Debug)]
+enum Admission {
+    /// It may be sent, and this is reserved for it.
+    Granted(Option<Usd>),
+    /// It fits only if calls under way cost less than is reserved for them.
+    Wait,
+    /// A cap is reached.
+    Refused(String),
+}
+
+impl State {
+    /// Returns what is reserved, by the worst ratios seen so far.
+    fn reserved(&self) -> Usd {
+        let calls = self.under_way.iter();
+        let reserved = calls.filter_map(|(model, it)| Some(self.overruns.scale(model, (*it)?)));
+        reserved.sum()
+    }
+
+    fn admit(&mut self, caps: Caps, model: &str, estimated: Option<Usd>) -> Admission {
+        let under_way = self.under_way.len() as u64;
+        // Each call under way will count, whatever its end, so waiting would not help.
+        if let Some(cap) = caps
+            .calls
+            .filter(|cap| self.spent.calls + under_way >= *cap)
+        {
+            let noun = if cap == 1 { "call" } else { "calls" };
+            return Admission::Refused(format!(
+                "the cap of {cap} {noun} is reached; a higher `--max-calls` continues from here"
+            ));
+        }
+        let at_most = estimated.map(|estimated| self.overruns.scale(model, estimated));
+        if let Some(cap) = caps.cost {
+            let Some(at_most) = at_most else {
+                return Admission::Refused(format!(
+                    "the cost cap of {cap} cannot be enforced, because the price of this model is unknown; use \
+                     `--max-calls` instead"
+                ));
+            };
+            let taken = self.spent.at_most();
+            if taken + self.reserved() + at_most > cap {
+                return match under_way {
+                    0 => Admission::Refused(no_room(cap, taken, at_most, estimated)),
+                    _ => Admission::Wait,
+                };
+            }
+        }
+        self.under_way.push((model.to_owned(), estimated));
+        Admission::Granted(at_most)
+    }
+
+    /// Gives back what was reserved for a call, and counts the call if it was sent.
+    fn end(
+        &mut self,
+        model: &str,
+        [estimated, at_most]: [Option<Usd>; 2],
+        end: Option<&CallEnd<'_>>,
+    ) {
+        let is_it = |(its, its_estimate): &(String, _)| its == model && *its_estimate == estimated;
+        if let Some(index) = self.under_way.iter().position(is_it) {
+            self.under_way.swap_remove(index);
+        }
+        if let Some(end) = end {
+            self.spent.count(at_most, end);
+            self.overruns.learn(model, estimated, end);
+        }
+    }
+}
+
+fn no_room(cap: Usd, taken: Usd, at_most: Usd, estimated: Option<Usd>) -> String {
+    if taken > cap {
+        return format!(
+            "the cap of {cap} is passed by {}: a call cost more than was to be expected",
+            taken.less(cap)
+        );
+    }
+    let learned = match estimated {
+        Some(estimated) if estimated < at_most => format!(
+            " (estimated {estimated}, but a call of this model cost {:.1} times its estimate)",
+            at_most.nano() as f64 / estimated.nano().max(1) as f64
+        ),
+        _ => String::new(),
+    };
+    format!(
+        "the next call may cost {at_most}{learned}, and of the cap of {cap} {} is left; a higher `--max-cost` continues \
+         from here",
+        cap.less(taken)
+    )
+}
+
+/// Permission for one call. If it is dropped, the call counts as unanswered and possibly billed.
+#[derive(Debug)]
+pub(super) struct Reservation<'b> {
+    budget: &'b Budget,
+    model: String,
+    estimated: Option<Usd>,
+    /// The amount reserved; `None` if the price is unknown.
+    pub at_most: Option<Usd>,
+    is_settled: bool,
+}
+
+impl Reservation<'_> {
+    /// Counts the call.
+    pub fn settle(mut self, end: &CallEnd<'_>) {
+        self.close(Some(end));
+    }
+
+    /// Gives everything back: the call was not sent.
+    pub fn release(mut self) {
+        self.close(None);
+    }
+
+    fn close(&mut self, end: Option<&CallEnd<'_>>) {
+        self.is_settled = true;
+        let amounts = [self.estimated, self.at_most];
+        self.budget.state().end(&self.model, amounts, end);
+        self.budget.ended.notify_all();
+    }
+}
+
+impl Drop for Reservation<'_> {
+    fn drop(&mut self) {
+        // Threads that wait for this call must not wait for a panicked one.
+        if !self.is_settled {
+            self.close(Some(&CallEnd::UNRESOLVED));
+        }
+    }
 }
 
 impl Budget {
@@ -117,6 +367,15 @@ impl Budget {
                 spent,
                 ..State::default()
             }),
+            ..Budget::default()
+        }
+    }
+
+    /// Ends waits when `interrupt` is raised.
+    pub fn interrupted_by(self, interrupt: &Interrupt) -> Budget {
+        Budget {
+            interrupt: interrupt.clone(),
+            ..self
         }
     }
 
@@ -125,54 +384,43 @@ impl Budget {
         self.state().spent
     }
 
-    /// Counts what earlier parts of the same run spent.
-    pub fn restore(&self, spent: &Spent) {
-        self.state().spent.absorb(spent);
+    /// Counts what earlier parts of the same run spent, and learns from their overruns.
+    pub fn restore(&self, spent: &Spent, overruns: &Overruns) {
+        let mut state = self.state();
+        state.spent.absorb(spent);
+        state.overruns.absorb(overruns);
     }
 
-    /// Reserves what a call may cost; fails if that would exceed a cap.
-    pub(super) fn reserve(&self, at_most: Option<Usd>) -> Result<(), CallRefused> {
+    /// Reserves what a call may cost; waits for calls under way if that exceeds a cap, and fails if none is.
+    ///
+    /// - `estimated`: the most that it should cost; `None` if the price is unknown.
+    pub(super) fn reserve(
+        &self,
+        model: &str,
+        estimated: Option<Usd>,
+    ) -> Result<Reservation<'_>, CallRefused> {
         let mut state = self.state();
-        let calls = state.spent.calls + state.under_way;
-        if let Some(cap) = self.caps.calls.filter(|cap| calls >= *cap) {
-            let noun = if cap == 1 { "call" } else { "calls" };
-            return Err(CallRefused::Budget(format!(
-                "the cap of {cap} {noun} is reached; a higher `--max-calls` continues from here"
-            )));
-        }
-        if let Some(cap) = self.caps.cost {
-            let Some(at_most) = at_most else {
-                return Err(CallRefused::Budget(format!(
-                    "the cost cap of {cap} cannot be enforced, because the price of this model is unknown; use \
-                     `--max-calls` instead"
-                )));
-            };
-            let taken = state.spent.at_most() + state.reserved;
-            if taken > cap {
-                return Err(CallRefused::Budget(format!(
-                    "the cap of {cap} is passed by {}: a call cost more than was to be expected",
-                    taken.less(cap)
-                )));
+        loop {
+            if self.interrupt.is_raised() {
+                return Err(CallRefused::Interrupted);
             }
-            if taken + at_most > cap {
-                return Err(CallRefused::Budget(format!(
-                    "the next call may cost {at_most}, and of the cap of {cap} {} is left; a higher `--max-cost` \
-                     continues from here",
-                    cap.less(taken)
-                )));
+            match state.admit(self.caps, model, estimated) {
+                Admission::Granted(at_most) => {
+                    return Ok(Reservation {
+                        budget: self,
+                        model: model.to_owned(),
+                        estimated,
+                        at_most,
+                        is_settled: false,
+                    });
+                }
+                Admission::Refused(why) => return Err(CallRefused::Budget(why)),
+                Admission::Wait => {
+                    let waited = self.ended.wait_timeout(state, INTERRUPT_POLL);
+                    state = waited.unwrap_or_else(PoisonError::into_inner).0;
+                }
             }
         }
-        state.under_way += 1;
-        state.reserved = state.reserved + at_most.unwrap_or_default();
-        Ok(())
-    }
-
-    /// Counts a call for which `at_most` was reserved.
-    pub(super) fn settle(&self, at_most: Option<Usd>, end: &CallEnd<'_>) {
-        let mut state = self.state();
-        state.under_way = state.under_way.saturating_sub(1);
-        state.reserved = state.reserved.less(at_most.unwrap_or_default());
-        state.spent.count(at_most, end);
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -182,81 +430,5 @@ impl Budget {
 }
 
 #[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-    use crate::Reply;
-    use crate::calls::Fault;
-
-    fn usd(dollars: f64) -> Option<Usd> {
-        Some(Usd::from_dollars(dollars).unwrap())
-    }
-
-    fn reply(cost: Option<Usd>) -> Reply {
-        Reply {
-            cost,
-            ..Reply::text("yes")
-        }
-    }
-
-    fn failed(billing: Billing) -> CallEnd<'static> {
-        CallEnd::Failed {
-            fault: Fault::TimedOut,
-            why: "",
-            billing,
-            cost: None,
-        }
-    }
-
-    #[test]
-    fn money_is_set_aside_before_a_call_and_the_rest_given_back_after_it() {
-        let caps = Caps {
-            cost: usd(1.0),
-            calls: None,
-        };
-        let budget = Budget::new(caps, Spent::default());
-        budget.reserve(usd(0.6)).unwrap();
-        let refused = budget.reserve(usd(0.6)).unwrap_err().to_string();
-        assert!(refused.contains("0.4000 USD is left"), "{refused}");
-        budget.settle(usd(0.6), &CallEnd::Answered(&reply(usd(0.1))));
-        budget.reserve(usd(0.9)).unwrap();
-        budget.settle(usd(0.9), &failed(Billing::Possibly));
-        assert!(budget.reserve(usd(0.01)).is_err());
-        let spent = budget.spent();
-        assert_eq!((spent.calls, spent.possibly_billed), (2, 1));
-        assert_eq!(Some(spent.cost), usd(0.1));
-        assert_eq!(Some(spent.at_most()), usd(1.0));
-    }
-
-    #[test]
-    fn calls_under_way_count_towards_the_cap() {
-        let caps = Caps {
-            cost: None,
-            calls: Some(2),
-        };
-        let earlier = Spent {
-            calls: 1,
-            ..Spent::default()
-        };
-        let budget = Budget::new(caps, earlier);
-        budget.reserve(None).unwrap();
-        assert!(budget.reserve(None).is_err());
-        budget.settle(None, &failed(Billing::No));
-        assert!(budget.reserve(None).is_err());
-        assert_eq!(budget.spent().possibly_billed, 0);
-    }
-
-    #[test]
-    fn a_cap_on_an_unknown_cost_lets_nothing_through() {
-        let caps = Caps {
-            cost: usd(5.0),
-            calls: None,
-        };
-        let refused = Budget::new(caps, Spent::default()).reserve(None);
-        assert!(refused.unwrap_err().to_string().contains("is unknown"));
-        let free = Budget::new(Caps::default(), Spent::default());
-        free.reserve(None).unwrap();
-        free.settle(None, &CallEnd::Answered(&reply(None)));
-        assert_eq!(free.spent().unpriced, 1);
-    }
-}
+#[path = "budget/tests.rs"]
+mod tests;

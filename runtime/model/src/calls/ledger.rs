@@ -4,8 +4,8 @@
 //! answer is ever bought twice. A call without an end may have been sent, and counts as possibly billed. A rollout that
 //! sends nothing leaves no such file.
 
-use super::budget::{Budget, Spent};
-use super::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usd};
+use super::budget::{Budget, Overruns, Reservation, Spent};
+use super::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usage, Usd};
 use crate::Reply;
 use fab_base::jsonl::{Appender, Reader};
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,11 @@ enum Line {
         key: String,
         #[serde(rename = "try")]
         number: u32,
+        /// The amount reserved.
         at_most: Option<Usd>,
+        /// The most that it should cost, if more was reserved because earlier calls cost more.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        estimated: Option<Usd>,
     },
     /// The call was answered.
     Answered { call: u64, reply: Reply },
@@ -40,6 +44,8 @@ enum Line {
         why: String,
         billing: Billing,
         cost: Option<Usd>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        usage: Option<Usage>,
     },
     /// A question was answered without a call, from a cache or a recording.
     Kept { key: String, reply: Reply },
@@ -54,6 +60,8 @@ pub struct Noted {
     pub spent: Spent,
     /// Number of failed calls by fault.
     pub faults: BTreeMap<Fault, u32>,
+    /// The calls that cost more than their estimate.
+    pub overruns: Overruns,
     /// Calls so far.
     calls: u64,
     /// Bytes up to the end of the last whole line.
@@ -74,41 +82,51 @@ pub fn read(folder: &Path) -> Result<Noted, LedgerError> {
         return Ok(noted);
     }
     let mut lines = Reader::open(&path, MAX_BYTES).map_err(unreadable)?;
-    let mut open: BTreeMap<u64, (String, Option<Usd>)> = BTreeMap::new();
+    let mut open = BTreeMap::new();
     while let Some(line) = lines.read().map_err(unreadable)? {
         noted.take(line, &mut open);
     }
     noted.whole_bytes = lines.whole_bytes();
-    for (_, at_most) in open.into_values() {
-        noted.spent.count(at_most, &unresolved());
+    for begun in open.into_values() {
+        noted.spent.count(begun.at_most, &CallEnd::UNRESOLVED);
     }
     Ok(noted)
 }
 
-fn unresolved() -> CallEnd<'static> {
-    CallEnd::Failed {
-        fault: Fault::ConnectionCut,
-        why: "",
-        billing: Billing::Possibly,
-        cost: None,
-    }
+/// A call that was noted and has not ended.
+struct Begun {
+    model: String,
+    key: String,
+    at_most: Option<Usd>,
+    estimated: Option<Usd>,
 }
 
 impl Noted {
-    fn take(&mut self, line: Line, open: &mut BTreeMap<u64, (String, Option<Usd>)>) {
+    fn take(&mut self, line: Line, open: &mut BTreeMap<u64, Begun>) {
         match line {
             Line::Begin {
-                call, key, at_most, ..
+                call,
+                model,
+                key,
+                at_most,
+                estimated,
+                ..
             } => {
                 self.calls = self.calls.max(call);
-                open.insert(call, (key, at_most));
+                let begun = Begun {
+                    model,
+                    key,
+                    at_most,
+                    estimated: estimated.or(at_most),
+                };
+                open.insert(call, begun);
             }
             Line::Answered { call, reply } => {
-                let Some((key, at_most)) = open.remove(&call) else {
+                let Some(begun) = open.remove(&call) else {
                     return;
                 };
-                self.spent.count(at_most, &CallEnd::Answered(&reply));
-                self.answered.insert(key, reply);
+                self.count(&begun, &CallEnd::Answered(&reply));
+                self.answered.insert(begun.key, reply);
             }
             Line::Failed {
                 call,
@@ -116,22 +134,30 @@ impl Noted {
                 why,
                 billing,
                 cost,
+                usage,
             } => {
-                let at_most = open.remove(&call).and_then(|(_, at_most)| at_most);
-                let why = why.as_str();
+                let Some(begun) = open.remove(&call) else {
+                    return;
+                };
                 let end = CallEnd::Failed {
                     fault,
-                    why,
+                    why: &why,
                     billing,
                     cost,
+                    usage,
                 };
-                self.spent.count(at_most, &end);
+                self.count(&begun, &end);
                 *self.faults.entry(fault).or_default() += 1;
             }
             Line::Kept { key, reply } => {
                 self.answered.insert(key, reply);
             }
         }
+    }
+
+    fn count(&mut self, begun: &Begun, end: &CallEnd<'_>) {
+        self.spent.count(begun.at_most, end);
+        self.overruns.learn(&begun.model, begun.estimated, end);
     }
 }
 
@@ -152,8 +178,8 @@ pub struct Ledger<'b> {
     file: Option<Appender>,
     budget: &'b Budget,
     noted: Noted,
-    /// The call in progress: its number, its question, and the amount reserved for it.
-    open: Option<(u64, String, Option<Usd>)>,
+    /// The call in progress: its number, its question, and its part of the budget.
+    open: Option<(u64, String, Reservation<'b>)>,
 }
 
 impl<'b> Ledger<'b> {
@@ -220,36 +246,31 @@ impl<'b> Ledger<'b> {
 
 impl Calls for Ledger<'_> {
     fn begin(&mut self, call: &Call<'_>) -> Result<(), CallRefused> {
-        self.budget.reserve(call.at_most)?;
+        let reserved = self.budget.reserve(call.model, call.at_most)?;
         let number = self.noted.calls + 1;
         let begun = self.write(&Line::Begin {
             call: number,
             model: call.model.to_owned(),
             key: call.key.to_owned(),
             number: call.number,
-            at_most: call.at_most,
+            at_most: reserved.at_most,
+            estimated: call.at_most.filter(|_| reserved.at_most != call.at_most),
         });
         if begun.is_err() {
-            let unsent = CallEnd::Failed {
-                fault: Fault::Unreachable,
-                why: "",
-                billing: Billing::No,
-                cost: None,
-            };
-            self.budget.settle(call.at_most, &unsent);
+            reserved.release();
             return begun;
         }
         self.noted.calls = number;
-        self.open = Some((number, call.key.to_owned(), call.at_most));
+        self.open = Some((number, call.key.to_owned(), reserved));
         Ok(())
     }
 
     fn end(&mut self, end: &CallEnd<'_>) -> Result<(), CallRefused> {
-        let Some((call, key, at_most)) = self.open.take() else {
+        let Some((call, key, reserved)) = self.open.take() else {
             return Ok(());
         };
-        self.budget.settle(at_most, end);
-        self.noted.spent.count(at_most, end);
+        self.noted.spent.count(reserved.at_most, end);
+        reserved.settle(end);
         let line = match *end {
             CallEnd::Answered(reply) => {
                 self.noted.answered.insert(key, reply.clone());
@@ -263,6 +284,7 @@ impl Calls for Ledger<'_> {
                 why,
                 billing,
                 cost,
+                usage,
             } => {
                 *self.noted.faults.entry(fault).or_default() += 1;
                 Line::Failed {
@@ -271,6 +293,7 @@ impl Calls for Ledger<'_> {
                     why: why.to_owned(),
                     billing,
                     cost,
+                    usage,
                 }
             }
         };

@@ -10,7 +10,7 @@ mod capped;
 mod fault;
 mod usage;
 
-pub use budget::{Budget, Caps, Spent};
+pub use budget::{Budget, Caps, Overruns, Spent};
 pub use capped::Capped;
 pub use fault::{Billing, Fault};
 pub use ledger::{Ledger, LedgerError};
@@ -62,7 +62,30 @@ pub enum CallEnd<'a> {
         billing: Billing,
         /// What it cost, if the provider said so.
         cost: Option<Usd>,
+        /// The usage reported by the provider.
+        usage: Option<Usage>,
     },
+}
+
+impl CallEnd<'static> {
+    /// A call of which nothing more is known.
+    pub(crate) const UNRESOLVED: CallEnd<'static> = CallEnd::Failed {
+        fault: Fault::ConnectionCut,
+        why: "",
+        billing: Billing::Possibly,
+        cost: None,
+        usage: None,
+    };
+}
+
+impl CallEnd<'_> {
+    /// Returns the cost and the usage that the provider reported.
+    fn reported(&self) -> (Option<Usd>, Option<Usage>) {
+        match self {
+            CallEnd::Answered(reply) => (reply.cost, reply.usage),
+            CallEnd::Failed { cost, usage, .. } => (*cost, *usage),
+        }
+    }
 }
 
 /// Why a call must not be sent, or could not be noted.
@@ -71,6 +94,9 @@ pub enum CallRefused {
     /// A cap on calls or cost is reached.
     #[error("{0}")]
     Budget(String),
+    /// The user interrupted the wait for calls under way.
+    #[error("interrupted")]
+    Interrupted,
     /// The note cannot be written.
     #[error("a call cannot be recorded, so it is not sent: {0}")]
     NotNoted(String),

@@ -52,6 +52,7 @@ fn likeness(recorded: &Value, asked: &Value) -> Likeness {
         "max_tokens",
         "reasoning",
         "repetition",
+        "start",
         "schema",
     ];
     let settings = rest.iter().filter(|name| is_same(name)).count();
@@ -69,6 +70,7 @@ pub(super) fn differences(recorded: &Value, asked: &Value) -> Vec<String> {
     for name in [
         "role",
         "step",
+        "start",
         "repetition",
         "temperature",
         "top_p",

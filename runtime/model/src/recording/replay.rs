@@ -120,6 +120,11 @@ impl Model for Replay {
         self.lowering
     }
 
+    fn shares_answers(&self) -> bool {
+        let mut requests = self.exchanges.iter().map(|it| &it.request);
+        requests.all(|request| request["start"].is_null())
+    }
+
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let Some(index) = self.by_key.get(&self.key(request)) else {
             return Err(ModelError::Unsupported {

@@ -137,6 +137,40 @@ fn whoever_knows_no_steps_is_answered_by_words_and_pictures() {
 }
 
 #[test]
+fn a_recording_tells_whether_it_was_made_for_each_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(folder.path());
+    assert!(
+        Replay::load(&path, ModelRole::Vision)
+            .unwrap()
+            .shares_answers()
+    );
+    let recorder = Recorder::open(&path).unwrap();
+    for (start, text) in [(0, "first"), (1, "second")] {
+        let asked = Request {
+            start: Some(start),
+            ..request("again")
+        };
+        recorder
+            .keep(&Silent, &asked, &Ok(bought(text)), Duration::ZERO)
+            .unwrap();
+    }
+    let replay = Replay::load(&path, ModelRole::Vision).unwrap();
+    assert!(!replay.shares_answers());
+    let ask = |start| {
+        let asked = Request {
+            start,
+            ..request("again")
+        };
+        replay.ask(&asked, &mut Unrecorded)
+    };
+    let texts = [None, Some(0), Some(1)].map(|start| ask(start).unwrap().text);
+    assert_eq!(texts, ["at last", "first", "second"]);
+    let why = ask(Some(2)).unwrap_err().to_string();
+    assert!(why.contains("`start` (recorded "), "{why}");
+}
+
+#[test]
 fn nothing_is_recorded_twice_and_what_was_never_sent_not_at_all() {
     let folder = tempfile::tempdir().unwrap();
     let path = recorded(folder.path());

@@ -33,7 +33,7 @@ pub use settings::{Pricing, Settings};
 use answers::{Claim, Lookup};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Billing, Call, CallEnd, Calls, Fault, Usd};
+use fab_model::calls::{Billing, Call, CallEnd, Calls, Fault, Usage, Usd};
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
 use gate::Load;
 use reqwest::Url;
@@ -110,6 +110,7 @@ struct FailedCall {
     billing: Billing,
     why: String,
     cost: Option<Usd>,
+    usage: Option<Usage>,
     wait: Option<Duration>,
     /// The lengths to ask with once more, if hidden reasoning cut the answer off.
     again: Option<Lengths>,
@@ -230,6 +231,7 @@ impl Remote {
                     billing,
                     why,
                     cost: None,
+                    usage: None,
                     wait: None,
                     again: None,
                 },
@@ -239,6 +241,7 @@ impl Remote {
                         why: "interrupted before the whole answer was there",
                         billing: Billing::Possibly,
                         cost: None,
+                        usage: None,
                     })?;
                     return Err(ModelError::Interrupted);
                 }
@@ -252,6 +255,7 @@ impl Remote {
                 why: &ended.why,
                 billing: ended.billing,
                 cost: ended.cost,
+                usage: ended.usage,
             })?;
             let next = match (ended.fault, ended.again) {
                 // The same request would be cut off again.
@@ -324,26 +328,37 @@ impl Remote {
                 billing: refusal.billing,
                 why: refusal.why + &remedy,
                 cost: None,
+                usage: None,
                 wait: refusal.wait.max(incoming.wait),
                 again: None,
             });
         }
-        let decoded = self.settings.wire.decode(&incoming.body);
-        decoded.map_err(|failure| {
-            let starved = hidden::starved(&failure, lengths);
-            let again = starved.as_ref().and_then(|starved| starved.again);
-            FailedCall {
-                fault: failure.fault,
-                billing: Billing::Possibly,
-                cost: self.cost(failure.usage),
-                why: starved.map_or(failure.why, |starved| starved.why),
-                wait: incoming.wait,
-                again,
+        match self.settings.wire.decode(&incoming.body) {
+            // A text has tokens: a count of zero is no report.
+            Ok(answer) => Ok(Answer {
+                usage: answer
+                    .usage
+                    .filter(|it| it.input_tokens > 0 && it.output_tokens > 0),
+                ..answer
+            }),
+            Err(failure) => {
+                let starved = hidden::starved(&failure, lengths);
+                let again = starved.as_ref().and_then(|starved| starved.again);
+                let usage = failure.usage.filter(|it| it.input_tokens > 0);
+                Err(FailedCall {
+                    fault: failure.fault,
+                    billing: Billing::Possibly,
+                    cost: self.cost(usage),
+                    usage,
+                    why: starved.map_or(failure.why, |starved| starved.why),
+                    wait: incoming.wait,
+                    again,
+                })
             }
-        })
+        }
     }
 
-    fn cost(&self, usage: Option<fab_model::calls::Usage>) -> Option<Usd> {
+    fn cost(&self, usage: Option<Usage>) -> Option<Usd> {
         self.settings.pricing.cost(usage?)
     }
 
@@ -366,7 +381,7 @@ impl Remote {
         headers
     }
 
-    /// Hashes everything that an answer depends on, so that repetitions and later steps have their own answers.
+    /// Hashes everything that an answer depends on, so that starts, repetitions and later steps have their own answers.
     fn cache_key(&self, request: &Request, encoded: &Encoded) -> String {
         let body = String::from_utf8_lossy(&encoded.body);
         let mut parts = vec![
@@ -377,6 +392,8 @@ impl Remote {
             request.repetition.to_string(),
             request.step.to_string(),
         ];
+        // Without a start the key is that of earlier versions, whose answers stay bought.
+        parts.extend(request.start.map(|start| format!("start {start}")));
         parts.extend(
             encoded
                 .headers

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod answer_cache;
+mod caps;
 mod connections;
 mod faults;
 mod hidden_reasoning;

@@ -232,6 +232,7 @@ pub enum Told {
         why: String,
         billing: Billing,
         cost: Option<Usd>,
+        usage: Option<Usage>,
     },
 }
 
@@ -303,11 +304,13 @@ impl Calls for Notes {
                 why,
                 billing,
                 cost,
+                usage,
             } => Told::Failed {
                 fault,
                 why: why.to_owned(),
                 billing,
                 cost,
+                usage,
             },
         });
         Ok(())

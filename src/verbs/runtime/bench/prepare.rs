@@ -227,6 +227,7 @@ pub fn entries<'a>(
                 programs: programs.collect(),
                 subgoals,
                 examples: examples.map_err(Failure::environment)?,
+                varies: policy.varies(),
                 repeats: match policy.varies() {
                     true => arguments
                         .repeats

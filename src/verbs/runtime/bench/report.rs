@@ -4,9 +4,9 @@ use crate::exit::Failure;
 use crate::verbs::runtime::bench::Shard;
 use fab_agent::outcome::Outcome;
 use fab_base::files;
-use fab_bench::Bench;
 use fab_bench::play::{Results, StopReason};
 use fab_bench::rows::Row;
+use fab_bench::{Answers, Bench};
 use fab_bench::{statistics, table};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -49,8 +49,12 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
     let part = shard.map_or(String::new(), |Shard { part, of }| {
         format!(", part {part} of {of} of the starts")
     });
+    let shared = match bench.answers {
+        Answers::PerStart => "",
+        Answers::Shared => "starts share answers; ",
+    };
     format!(
-        "{name}: {} in `{}`{part}, {} at a time; {}",
+        "{name}: {} in `{}`{part}, {} at a time; {shared}{}",
         counted(rollouts, "rollout"),
         bench.out.display(),
         bench.side_by_side(),
@@ -72,6 +76,7 @@ impl Report<'_> {
             "suite": self.name,
             "wall_s": self.wall_s,
             "params": self.results.params,
+            "answers": self.bench.answers,
             "out": self.bench.out.display().to_string(),
             "interrupted": self.results.stopped == Some(StopReason::Interrupted),
             "capped": self.results.stopped == Some(StopReason::Capped),
@@ -148,7 +153,12 @@ impl Report<'_> {
         lines.extend(self.arm_stop());
         let calls = self.bench.budget.spent();
         if calls.calls > 0 {
-            lines.push(format!("calls: {}, {}", calls.calls, calls.in_words()));
+            lines.push(format!(
+                "calls: {}, {}, {}",
+                calls.calls,
+                calls.tokens_in_words(),
+                calls.in_words()
+            ));
         }
         if spent.experts > 0 {
             let kind = match spent.experts_simulated {

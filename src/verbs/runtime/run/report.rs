@@ -78,10 +78,14 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
 
 /// Reports the cost of calls so far, if there were any.
 fn so_far(spent: &Spent) -> String {
-    match (spent.calls, spent.unpriced) {
-        (0, _) => String::new(),
-        (calls, 0) => format!(", {calls} calls, {}", spent.at_most()),
-        (calls, _) => format!(", {calls} calls"),
+    let cost = match (spent.known_cost(), spent.priced_at_most()) {
+        (_, None) => String::new(),
+        (Some(cost), Some(at_most)) if cost == at_most => format!(", {cost}"),
+        (_, Some(at_most)) => format!(", at most {at_most}"),
+    };
+    match spent.calls {
+        0 => String::new(),
+        calls => format!(", {calls} calls{cost}"),
     }
 }
 
@@ -215,13 +219,13 @@ fn spent(report: &Ended) -> Option<String> {
     if report.took.calls == 0 {
         return None;
     }
+    let spent = &report.took.spent;
     let mut text = format!(
-        "calls: {}, tokens {} in, {}",
-        report.took.calls,
-        report.took.usage.input_tokens,
-        report.took.usage.output_in_words()
+        "calls: {}, {}, {}",
+        spent.calls,
+        spent.tokens_in_words(),
+        spent.in_words()
     );
-    text.push_str(&format!(", {}", report.took.spent.in_words()));
     let faults = report.took.faults.iter();
     let faults: Vec<String> = faults
         .map(|(fault, count)| format!("{fault} {count}"))

@@ -103,6 +103,11 @@ impl Answering {
         self.vision.provided.is_some() || self.text.provided.is_some()
     }
 
+    /// Returns whether a role's model holds one answer for all starts.
+    pub fn shares_answers(&self) -> bool {
+        self.vision.model.shares_answers() || self.text.model.shares_answers()
+    }
+
     /// Returns the model of each role.
     pub fn models(&self) -> Models<'_> {
         Models {
@@ -401,13 +406,13 @@ fn seed_of(text: Option<&str>) -> Option<u64> {
     text.map_or(Some(DEFAULT_SEED), |text| text.parse().ok())
 }
 
-/// Makes the budget from the command line.
-pub fn budget(arguments: &SpendArguments) -> Budget {
+/// Makes the budget from the command line; an interrupt ends waits for calls under way.
+pub fn budget(arguments: &SpendArguments, interrupt: &Interrupt) -> Budget {
     let caps = Caps {
         cost: arguments.max_cost,
         calls: arguments.max_calls,
     };
-    Budget::new(caps, Spent::default())
+    Budget::new(caps, Spent::default()).interrupted_by(interrupt)
 }
 
 /// Opens the recording that the command line names.

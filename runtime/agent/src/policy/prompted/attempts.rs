@@ -129,6 +129,7 @@ impl<'a> Attempts<'a> {
             max_tokens: self.stage.max_tokens,
             reasoning: self.stage.reasoning,
             repetition: self.view.repetition,
+            start: self.view.start_number,
             step: self.view.number,
             schema: self.schema.clone(),
         }

@@ -40,6 +40,7 @@ fn eventful(folder: &Path) -> Budget {
         why: "wait",
         billing: Billing::No,
         cost: None,
+        usage: None,
     };
     ledger.end(&failed).unwrap();
     ledger.begin(&call("a", 2)).unwrap();
@@ -69,8 +70,7 @@ fn answers_are_remembered_and_an_open_call_counts_as_possibly_billed() {
     assert_eq!(Some(noted.spent.possibly), usd(0.5));
     assert_eq!(noted.spent.usage.input_tokens, 1400);
     assert_eq!(noted.faults, BTreeMap::from([(Fault::RateLimited, 1)]));
-    // For the process that made the calls, the last one is still in progress.
-    assert_eq!(budget.spent().calls, 3);
+    assert_eq!(budget.spent(), noted.spent);
 }
 
 #[test]
@@ -143,4 +143,43 @@ fn a_ledger_that_cannot_be_written_lets_nothing_be_sent() {
     ));
     ledger.end(&CallEnd::Answered(&bought("x"))).unwrap();
     assert_eq!(budget.spent().cost, Usd::ZERO);
+}
+
+#[test]
+fn a_billed_failure_counts_in_tokens_and_what_a_model_overran_is_remembered() {
+    let folder = tempfile::tempdir().unwrap();
+    let budget = Budget::default();
+    let mut ledger = Ledger::open(folder.path(), &budget).unwrap();
+    ledger.begin(&call("a", 1)).unwrap();
+    let usage = Usage {
+        input_tokens: 100,
+        cached_input_tokens: 0,
+        output_tokens: 9,
+        reasoning_tokens: None,
+    };
+    let truncated = CallEnd::Failed {
+        fault: Fault::Truncated,
+        why: "cut off",
+        billing: Billing::Possibly,
+        cost: usd(1.5),
+        usage: Some(usage),
+    };
+    ledger.end(&truncated).unwrap();
+    ledger.begin(&call("a", 2)).unwrap();
+    drop(ledger);
+    let noted = read(folder.path()).unwrap();
+    assert_eq!(noted.spent.usage, usage);
+    assert_eq!(Some(noted.spent.cost), usd(1.5));
+    // The second call was reserved three times its estimate of 0.5, as the first one cost.
+    assert_eq!(Some(noted.spent.possibly), usd(1.5));
+    let later = Budget::default();
+    later.restore(&noted.spent, &noted.overruns);
+    assert_eq!(
+        later.reserve("openai:some", usd(0.2)).unwrap().at_most,
+        usd(0.6)
+    );
+    assert_eq!(
+        later.reserve("another", usd(0.2)).unwrap().at_most,
+        usd(0.2)
+    );
 }

@@ -1,0 +1,316 @@
+//! Tests of caps: by cases, with threads, and over random interleavings of calls.
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+use crate::Reply;
+use crate::calls::Fault;
+use proptest::prelude::*;
+use std::thread;
+
+const MODEL: &str = "some:model";
+
+fn usd(dollars: f64) -> Option<Usd> {
+    Some(Usd::from_dollars(dollars).unwrap())
+}
+
+fn capped(cost: Option<Usd>) -> Budget {
+    Budget::new(Caps { cost, calls: None }, Spent::default())
+}
+
+fn reply(cost: Option<Usd>) -> Reply {
+    Reply {
+        cost,
+        ..Reply::text("yes")
+    }
+}
+
+fn failed(billing: Billing) -> CallEnd<'static> {
+    CallEnd::Failed {
+        fault: Fault::TimedOut,
+        why: "",
+        billing,
+        cost: None,
+        usage: None,
+    }
+}
+
+#[test]
+fn money_is_set_aside_before_a_call_and_the_rest_given_back_after_it() {
+    let budget = capped(usd(1.0));
+    let first = budget.reserve(MODEL, usd(0.6)).unwrap();
+    first.settle(&CallEnd::Answered(&reply(usd(0.1))));
+    let second = budget.reserve(MODEL, usd(0.9)).unwrap();
+    second.settle(&failed(Billing::Possibly));
+    let refused = budget.reserve(MODEL, usd(0.01)).unwrap_err().to_string();
+    assert!(refused.contains("0.0000 USD is left"), "{refused}");
+    let spent = budget.spent();
+    assert_eq!((spent.calls, spent.possibly_billed), (2, 1));
+    assert_eq!(Some(spent.cost), usd(0.1));
+    assert_eq!(Some(spent.at_most()), usd(1.0));
+}
+
+#[test]
+fn calls_under_way_count_towards_the_cap() {
+    let caps = Caps {
+        cost: None,
+        calls: Some(2),
+    };
+    let earlier = Spent {
+        calls: 1,
+        ..Spent::default()
+    };
+    let budget = Budget::new(caps, earlier);
+    let call = budget.reserve(MODEL, None).unwrap();
+    assert!(budget.reserve(MODEL, None).is_err());
+    call.settle(&failed(Billing::No));
+    assert!(budget.reserve(MODEL, None).is_err());
+    assert_eq!(budget.spent().possibly_billed, 0);
+}
+
+#[test]
+fn a_cap_on_an_unknown_cost_lets_nothing_through() {
+    let budget = capped(usd(5.0));
+    let refused = budget.reserve(MODEL, None).unwrap_err();
+    assert!(refused.to_string().contains("is unknown"));
+    let free = Budget::default();
+    let call = free.reserve(MODEL, None).unwrap();
+    call.settle(&CallEnd::Answered(&reply(None)));
+    assert_eq!(free.spent().unpriced, 1);
+}
+
+#[test]
+fn a_call_without_usage_counts_as_reserved_and_as_no_fact() {
+    let budget = capped(usd(1.0));
+    for _ in 0..2 {
+        let call = budget.reserve(MODEL, usd(0.5)).unwrap();
+        call.settle(&CallEnd::Answered(&reply(None)));
+    }
+    assert!(budget.reserve(MODEL, usd(0.5)).is_err());
+    let spent = budget.spent();
+    assert_eq!((spent.unreported, spent.cost), (2, Usd::ZERO));
+    assert_eq!(
+        (spent.known_cost(), spent.priced_at_most()),
+        (None, usd(1.0))
+    );
+    assert_eq!(
+        spent.in_words(),
+        "at most 1.0000 USD; 2 calls reported no usage and may have cost what was reserved"
+    );
+    assert_eq!(spent.tokens_in_words(), "tokens at least 0 in, 0 out");
+}
+
+/// Waits until a thread waits for the budget.
+fn until_waiting(budget: &Budget, waiting: &thread::ScopedJoinHandle<'_, bool>) {
+    // The wait gives the lock back; a thread that was refused would have ended.
+    for _ in 0..20 {
+        drop(budget.state());
+        thread::sleep(Duration::from_millis(1));
+        assert!(!waiting.is_finished(), "it did not wait");
+    }
+}
+
+#[test]
+fn a_reservation_that_does_not_fit_waits_for_calls_under_way() {
+    type End = for<'b> fn(Reservation<'b>);
+    let cases: [(End, bool); 4] = [
+        (|call| call.settle(&failed(Billing::No)), true),
+        (|call| call.release(), true),
+        (|call| call.settle(&failed(Billing::Possibly)), false),
+        (
+            |call| {
+                let _dropped = call;
+            },
+            false,
+        ),
+    ];
+    for (end, fits) in cases {
+        let budget = capped(usd(1.0));
+        thread::scope(|scope| {
+            let call = budget.reserve(MODEL, usd(0.6)).unwrap();
+            let waiting = scope.spawn(|| budget.reserve(MODEL, usd(0.6)).is_ok());
+            until_waiting(&budget, &waiting);
+            end(call);
+            assert_eq!(waiting.join().unwrap(), fits);
+        });
+    }
+}
+
+#[test]
+fn an_interrupt_ends_the_waiting() {
+    let interrupt = Interrupt::default();
+    let budget = capped(usd(1.0)).interrupted_by(&interrupt);
+    thread::scope(|scope| {
+        let call = budget.reserve(MODEL, usd(1.0)).unwrap();
+        let interrupted = || {
+            matches!(
+                budget.reserve(MODEL, usd(1.0)),
+                Err(CallRefused::Interrupted)
+            )
+        };
+        let waiting = scope.spawn(interrupted);
+        until_waiting(&budget, &waiting);
+        interrupt.raise();
+        assert!(waiting.join().unwrap());
+        drop(call);
+    });
+}
+
+/// Lets eight threads make calls that cost `factor` times the estimate; returns how many were made.
+fn eight_threads(budget: &Budget, calls_each: u32, estimated: Option<Usd>, factor: f64) -> u64 {
+    thread::scope(|scope| {
+        for _ in 0..8 {
+            scope.spawn(|| {
+                for _ in 0..calls_each {
+                    let Ok(call) = budget.reserve(MODEL, estimated) else {
+                        return;
+                    };
+                    thread::yield_now();
+                    let cost = Usd::from_dollars(estimated.unwrap().dollars() * factor);
+                    call.settle(&CallEnd::Answered(&reply(cost)));
+                }
+            });
+        }
+    });
+    budget.spent().calls
+}
+
+#[test]
+fn a_cap_that_is_high_enough_stops_nothing() {
+    // Each call reserves a fifth of the cap, so not even eight fit at once; together they cost 0.288.
+    let budget = capped(usd(0.5));
+    assert_eq!(eight_threads(&budget, 9, usd(0.1), 0.04), 72);
+    assert_eq!(budget.spent().cost, Usd::from_dollars(0.288).unwrap());
+}
+
+#[test]
+fn a_provider_that_bills_ten_times_the_estimate_passes_the_cap_by_the_calls_under_way() {
+    let budget = capped(usd(1.0));
+    eight_threads(&budget, 100, usd(0.01), 10.0);
+    let spent = budget.spent();
+    assert!(spent.cost > Usd::from_dollars(0.9).unwrap(), "{spent:?}");
+    assert!(
+        spent.cost <= Usd::from_dollars(1.0 + 8.0 * 0.09).unwrap(),
+        "{spent:?}"
+    );
+}
+
+/// What a provider does with a call.
+#[derive(Clone, Copy, Debug)]
+enum Fate {
+    /// It bills this many hundredths of the estimate.
+    Bills(u64),
+    BillsAndFails(u64),
+    ReportsNothing,
+    IsCut,
+    IsRefused,
+}
+
+fn fate() -> impl Strategy<Value = Fate> {
+    prop_oneof![
+        (0..=100u64).prop_map(Fate::Bills),
+        (0..=2000u64).prop_map(Fate::Bills),
+        (0..=2000u64).prop_map(Fate::BillsAndFails),
+        Just(Fate::ReportsNothing),
+        Just(Fate::IsCut),
+        Just(Fate::IsRefused),
+    ]
+}
+
+#[derive(Clone, Debug)]
+struct Flight {
+    model: &'static str,
+    amounts: [Option<Usd>; 2],
+    fate: Fate,
+}
+
+impl Flight {
+    /// Returns what the call reports, and what it counts for.
+    fn costs(&self) -> (Option<Usd>, Usd) {
+        let [estimated, at_most] = self.amounts.map(Option::unwrap);
+        match self.fate {
+            Fate::Bills(percent) | Fate::BillsAndFails(percent) => {
+                let cost = Usd::from_nano(estimated.nano() * percent / 100);
+                (Some(cost), cost)
+            }
+            Fate::ReportsNothing | Fate::IsCut => (None, at_most),
+            Fate::IsRefused => (None, Usd::ZERO),
+        }
+    }
+
+    fn land(&self, state: &mut State) {
+        let (cost, _) = self.costs();
+        let answer = reply(cost);
+        let failure = |billing| CallEnd::Failed {
+            fault: Fault::Truncated,
+            why: "",
+            billing,
+            cost,
+            usage: None,
+        };
+        let end = match self.fate {
+            Fate::Bills(_) | Fate::ReportsNothing => CallEnd::Answered(&answer),
+            Fate::BillsAndFails(_) | Fate::IsCut => failure(Billing::Possibly),
+            Fate::IsRefused => failure(Billing::No),
+        };
+        state.end(self.model, self.amounts, Some(&end));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    /// In any order of beginnings and ends: what is granted fits, nothing is refused while calls are under way, and
+    /// the cap is passed at most by what the calls under way at the last grant cost beyond their reservations.
+    #[test]
+    fn spending_keeps_to_the_bound(
+        cap in 1..5_000u64,
+        calls in prop::collection::vec((0..2usize, 0..1_000u64, fate()), 1..40),
+        order in prop::collection::vec((any::<bool>(), 0..8usize), 200),
+    ) {
+        let cap = Usd::from_nano(cap);
+        let caps = Caps { cost: Some(cap), calls: None };
+        let mut state = State::default();
+        let mut queue = calls.into_iter().peekable();
+        let (mut flying, mut at_last_grant): (Vec<Flight>, Vec<Flight>) = Default::default();
+        // Model, estimate and report of each call above its estimate.
+        let mut above: Vec<(&str, Usd, Usd)> = Vec::new();
+        // After the drawn order, everything lands.
+        let order = order.into_iter().chain([(false, 0); 8]);
+        let mut is_over = false;
+        for (begins, which) in order {
+            if begins && !is_over && flying.len() < 8 {
+                let Some((model, nano, fate)) = queue.peek().copied() else { continue };
+                let (model, estimated) = (["a:a", "b:b"][model], Usd::from_nano(nano));
+                match state.admit(caps, model, Some(estimated)) {
+                    Admission::Granted(at_most) => {
+                        let worst = above.iter().filter(|(its, ..)| *its == model);
+                        let scaled = worst.map(|(_, base, cost)| {
+                            (u128::from(nano.max(1)) * u128::from(cost.nano()))
+                                .div_ceil(u128::from(base.nano().max(1))) as u64
+                        });
+                        let expected = scaled.max().unwrap_or(nano);
+                        prop_assert_eq!(at_most, Some(Usd::from_nano(expected)));
+                        flying.push(Flight { model, amounts: [Some(estimated), at_most], fate });
+                        let reserved: Usd = flying.iter().filter_map(|it| it.amounts[1]).sum();
+                        prop_assert!(state.spent.at_most() + reserved <= cap);
+                        at_last_grant.clone_from(&flying);
+                        queue.next();
+                    }
+                    Admission::Wait => prop_assert!(!flying.is_empty()),
+                    Admission::Refused(_) => {
+                        prop_assert!(flying.is_empty());
+                        is_over = true;
+                    }
+                }
+            } else if !flying.is_empty() {
+                let landing = flying.swap_remove(which % flying.len());
+                landing.land(&mut state);
+                let (cost, estimated) = (landing.costs().0, landing.amounts[0].unwrap());
+                above.extend(cost.filter(|cost| *cost > estimated).map(|cost| (landing.model, estimated, cost)));
+            }
+        }
+        prop_assert!(flying.is_empty() && state.under_way.is_empty());
+        let beyond = at_last_grant.iter().map(|it| it.costs().1.less(it.amounts[1].unwrap()));
+        prop_assert!(state.spent.at_most() <= cap + beyond.sum());
+    }
+}
