@@ -4,6 +4,7 @@
 
 mod answer_cache;
 mod connections;
+mod failure_messages;
 mod faults;
 mod interrupts;
 mod leaked_keys;

@@ -16,6 +16,7 @@ use fab_model::Request;
 use fab_model::calls::{Fault, Usage};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
+use serde_json::error::Category;
 
 /// An encoded question.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -98,6 +99,14 @@ impl Wire {
         }
     }
 
+    /// Returns the header that a call without a question needs.
+    pub(super) fn version_header(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Wire::Anthropic => Some(("anthropic-version", anthropic::OLDER_VERSION)),
+            _ => None,
+        }
+    }
+
     /// Returns the version segment for addresses whose base URL names none.
     pub(super) fn version_segment(self) -> &'static str {
         match self {
@@ -175,9 +184,14 @@ impl Failure {
     fn invalid(error: &serde_json::Error) -> Failure {
         // The parser's own message may quote its input at any length.
         let (line, column) = (error.line(), error.column());
-        let why = format!(
-            "the reply is not what the interface promises, at line {line}, column {column}"
-        );
+        let why = match error.classify() {
+            Category::Data => {
+                format!(
+                    "the reply lacks what the interface promises at line {line}, column {column}"
+                )
+            }
+            _ => "the reply is not JSON".to_owned(),
+        };
         Failure::new(Fault::InvalidReply, why, None)
     }
 }
