@@ -152,9 +152,16 @@ impl Exchange<'_> {
             Some(reason) => format!("HTTP {status} {reason}"),
             None => format!("HTTP {status}"),
         };
+        let repeats = |text: &str| reason.is_some_and(|reason| reason.eq_ignore_ascii_case(text));
         match problem {
+            Some(problem) if *problem == error.message => {
+                format!("{status} with an error in it: {problem}")
+            }
+            Some(problem) if self.fault == Fault::Refused => {
+                format!("{status}, but the model declined: {problem}")
+            }
             Some(problem) => format!("{status}, but {problem}"),
-            None if error.message.is_empty() => status,
+            None if error.message.is_empty() || repeats(&error.message) => status,
             None => format!("{status}: {}", error.message),
         }
     }
@@ -193,6 +200,14 @@ impl Exchange<'_> {
         match self.came {
             Came::Reply { error, .. } => error.says(parts),
             Came::Nothing(_) => false,
+        }
+    }
+
+    /// Returns what a reader of the wire format found wrong.
+    pub(super) fn problem(&self) -> Option<&str> {
+        match self.came {
+            Came::Reply { problem, .. } => problem.as_deref(),
+            Came::Nothing(_) => None,
         }
     }
 

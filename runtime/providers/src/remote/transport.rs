@@ -118,14 +118,12 @@ impl Obstacle {
     }
 
     fn of(error: &reqwest::Error) -> Obstacle {
-        let causes = || std::iter::successors(error.source(), |&cause| cause.source());
-        let io = || causes().filter_map(|cause| cause.downcast_ref::<io::Error>());
-        let kind = |kind| io().any(|error| error.kind() == kind);
-        // An I/O error's `source` is that of the error inside, not the error inside.
-        let inside = io().filter_map(|error| error.get_ref());
-        let tls = inside
-            .filter_map(|inside| inside.downcast_ref::<rustls::Error>())
-            .next();
+        let causes = std::iter::successors(error.source(), |&cause| cause.source());
+        let io: Vec<&io::Error> = causes.filter_map(|cause| cause.downcast_ref()).collect();
+        let kind = |kind| io.iter().any(|error| error.kind() == kind);
+        let tls = io
+            .iter()
+            .find_map(|error| innermost(error).get_ref()?.downcast_ref::<rustls::Error>());
         let is_connect = error.is_connect() || error.is_builder();
         if let Some(tls) = tls {
             Obstacle::of_tls(tls)
@@ -328,6 +326,17 @@ impl Transport {
             words: self.redactor.text(&chain(&error.without_url())),
         }
     }
+}
+
+/// Returns the innermost of I/O errors within each other.
+///
+/// An I/O error's `source` is that of the error inside it, not the error inside.
+fn innermost(error: &io::Error) -> &io::Error {
+    let mut error = error;
+    while let Some(inner) = error.get_ref().and_then(|inner| inner.downcast_ref()) {
+        error = inner;
+    }
+    error
 }
 
 /// Waits for a result; `None` as soon as the interrupt is raised.

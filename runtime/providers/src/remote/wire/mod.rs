@@ -185,11 +185,11 @@ impl Failure {
         // The parser's own message may quote its input at any length.
         let (line, column) = (error.line(), error.column());
         let why = match error.classify() {
-            Category::Data => {
-                format!(
-                    "the reply lacks what the interface promises at line {line}, column {column}"
-                )
-            }
+            Category::Data => format!(
+                "the reply has another form than the interface promises, at line {line}, column {column}"
+            ),
+            Category::Eof if column == 0 => "the reply is empty".to_owned(),
+            Category::Eof => "the reply is not complete JSON".to_owned(),
             _ => "the reply is not JSON".to_owned(),
         };
         Failure::new(Fault::InvalidReply, why, None)
