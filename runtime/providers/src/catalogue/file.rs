@@ -42,6 +42,7 @@ pub(super) struct ProviderForm {
     pub runs_on: Option<RunsOn>,
     pub models_of: Option<String>,
     pub start: Option<String>,
+    pub start_run: Option<bool>,
     as_of: Date,
     source: String,
 }

@@ -258,6 +258,7 @@ impl Catalogue {
                 runs_on: form.runs_on,
                 models_of: form.models_of,
                 start: form.start,
+                start_run: form.start_run.unwrap_or(false),
                 sources: vec![source],
             });
             return Ok(());
@@ -267,7 +268,12 @@ impl Catalogue {
         provider.base_url = form.base_url.or(provider.base_url.take());
         provider.runs_on = form.runs_on.or(provider.runs_on);
         provider.models_of = form.models_of.or(provider.models_of.take());
+        if form.start.is_some() {
+            // Nobody has run a command that a user wrote down.
+            provider.start_run = false;
+        }
         provider.start = form.start.or(provider.start.take());
+        provider.start_run = form.start_run.unwrap_or(provider.start_run);
         if let Some(names) = form.key_env {
             provider.key_env = names;
         }

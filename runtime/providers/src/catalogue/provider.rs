@@ -4,7 +4,6 @@
 
 use super::date::Date;
 use serde::{Deserialize, Serialize};
-use std::net::{Ipv4Addr, SocketAddr};
 
 /// A provider of models.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -25,6 +24,8 @@ pub struct Provider {
     pub models_of: Option<String>,
     /// The command that starts its server at the known address.
     pub start: Option<String>,
+    /// Whether a test of fabc runs that command.
+    pub start_run: bool,
     /// Sources of these facts, newest layer first.
     pub sources: Vec<Source>,
 }
@@ -102,19 +103,5 @@ impl Provider {
     /// Returns the name of the provider whose models it offers: its own, or another's.
     pub fn owner(&self) -> &str {
         self.models_of.as_ref().unwrap_or(&self.name)
-    }
-
-    /// Returns the address of its server, if that is a loopback address.
-    pub fn on_loopback(&self) -> Option<SocketAddr> {
-        let host = self
-            .base_url
-            .as_ref()?
-            .strip_prefix("http://")?
-            .split('/')
-            .next()?;
-        let port = host
-            .strip_prefix("127.0.0.1:")
-            .or(host.strip_prefix("localhost:"))?;
-        Some((Ipv4Addr::LOCALHOST, port.parse().ok()?).into())
     }
 }

@@ -247,6 +247,13 @@ const CAUSES: &[Cause] = &[
     // The question.
     Cause {
         applies: |e| {
+            e.says(&["image(s) may be provided in one prompt"]) && !e.says(&["at most 0 image"])
+        },
+        cause: "the question has more pictures than the server allows",
+        help: "raise its limit (vLLM: `--limit-mm-per-prompt`), or show fewer pictures in the stage",
+    },
+    Cause {
+        applies: |e| {
             e.says(&[
                 "mmproj",
                 "image input is not supported",
@@ -297,7 +304,10 @@ const CAUSES: &[Cause] = &[
         help: "wait until its log says that it is ready; fabc asks a few times more by itself",
     },
     Cause {
-        applies: |e| e.fault == Fault::ServerFailed && e.says(&["out of memory", "outofmemory"]),
+        applies: |e| {
+            e.fault == Fault::ServerFailed
+                && e.says(&["out of memory", "outofmemory", "more system memory"])
+        },
         cause: "the server ran out of memory",
         help: "serve a smaller or a more quantised model, or with a shorter context",
     },

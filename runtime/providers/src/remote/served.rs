@@ -3,7 +3,7 @@
 //! In: a server's address, wire format and key. Out: the ids in the reply to `GET /models`, which every wire format has; or
 //! why there are none. It is no question to a model, and not billed: one short reply, within a few seconds.
 
-use super::transport::{Incoming, Proxy, Transport, TransportError};
+use super::transport::{Incoming, Obstacle, Proxy, Transport, TransportError};
 use super::wire::error::ErrorBody;
 use super::{Key, Redactor, Settings, headers, status};
 use fab_base::interrupt::Interrupt;
@@ -34,6 +34,8 @@ pub enum NotListed {
     },
     /// It answers with something else.
     Other(String),
+    /// Nothing listens there.
+    Absent,
     /// It does not answer.
     Unreachable(String),
 }
@@ -60,7 +62,10 @@ pub(super) fn ask(settings: &Settings, transport: &Transport, interrupt: &Interr
     let headers = headers(settings, version.as_slice());
     match transport.get(&url, &headers, (MAX_BYTES, TIMEOUT), interrupt) {
         Ok(incoming) => read(&incoming),
-        Err(TransportError::Failed(nothing)) => Err(NotListed::Unreachable(nothing.words)),
+        Err(TransportError::Failed(nothing)) => Err(match nothing.obstacle {
+            Obstacle::Refused => NotListed::Absent,
+            _ => NotListed::Unreachable(nothing.words),
+        }),
         Err(TransportError::Interrupted) => Err(NotListed::Unreachable("interrupted".to_owned())),
     }
 }

@@ -26,6 +26,8 @@ pub(super) fn judge(status: u16, error: &ErrorBody) -> Refusal {
             .unwrap_or(Fault::NotAuthorised),
         429 => among(error, &[Fault::QuotaExhausted]).unwrap_or(Fault::RateLimited),
         504 => Fault::TimedOut,
+        // llama.cpp answers 500 to a picture that its model cannot take; asking again does not help.
+        500 if error.says(&["image input is not supported"]) => Fault::BadRequest,
         500..=599 => Fault::ServerFailed,
         409 => Fault::ServerFailed,
         _ => {
@@ -38,6 +40,7 @@ pub(super) fn judge(status: u16, error: &ErrorBody) -> Refusal {
         }
     };
     let billing = match status {
+        _ if fault == Fault::BadRequest => Billing::No,
         // The provider may have done the work before its front end gave up.
         408 | 409 | 500..=502 | 504..=528 | 530..=599 => Billing::Possibly,
         _ => Billing::No,

@@ -1,6 +1,6 @@
 //! What each failure says: a scripted server plays it, and the message is a snapshot.
 //!
-//! A case is a row of [`replies`] or of [`connections`]; its snapshot is named after it. Ports are written as `PORT`.
+//! A case is a row of [`replies`], of [`servers`], or of [`connections`]; its snapshot is named after it. Ports are written as `PORT`.
 
 use crate::support::*;
 use fab_model::{Model, ModelError};
@@ -193,6 +193,29 @@ fn replies() -> Vec<Case> {
     ]
 }
 
+/// What single servers answer in their own words.
+fn servers() -> Vec<Case> {
+    vec![
+        // vLLM 0.33.0, PyPI's source package: vllm/entrypoints/serve/middleware/authenticate.py.
+        case("vllm_key", "401 Unauthorized", "json", r#"{"error":"Unauthorized"}"#)
+            .keys(&["FABC_VLLM_KEY"], KeySent::No),
+        // vllm/entrypoints/serve/engine/serving.py and protocol.py (ErrorInfo).
+        case("vllm_model", "404 Not Found", "json", r#"{"error":{"message":"The model `a-model` does not exist. Valid aliases: Qwen/Qwen3-VL-8B-Instruct.","type":"NotFoundError","param":"model","code":404}}"#)
+            .lists(r#"{"object":"list","data":[{"id":"Qwen/Qwen3-VL-8B-Instruct","object":"model","owned_by":"vllm","root":"Qwen/Qwen3-VL-8B-Instruct","parent":null,"max_model_len":4096}]}"#),
+        // vllm/renderers/params.py.
+        case("vllm_context", "400 Bad Request", "json", r#"{"error":{"message":"This model's maximum context length is 4096 tokens. However, your prompt contains 90000 characters (more than 65536 characters, which is the upper bound for 4096 input tokens). Please reduce the length of the input prompt.","type":"BadRequestError","param":"input_text","code":400}}"#),
+        // vllm/multimodal/processing/context.py.
+        case("vllm_pictures", "400 Bad Request", "json", r#"{"error":{"message":"At most 1 image(s) may be provided in one prompt. Set `--limit-mm-per-prompt` to increase this limit.","type":"BadRequestError","param":"image","code":400}}"#),
+        // Ollama's own form of an error is a string (ollama 0.6.3 from PyPI, ollama/_types.py: ResponseError).
+        case("ollama_model", "404 Not Found", "json", r#"{"error":"model \"a-model\" not found, try pulling it first"}"#)
+            .lists(r#"{"object":"list","data":null}"#),
+        case("ollama_load", "500 Internal Server Error", "json", r#"{"error":"model requires more system memory (11.2 GiB) than is available (7.6 GiB)"}"#),
+        // llama.cpp, as served by xllamacpp 2026.10.11549 from PyPI; `peer_llamacpp` plays these with the server itself.
+        case("llamacpp_context", "400 Bad Request", "json", r#"{"error":{"code":400,"message":"request (9026 tokens) exceeds the available context size (2048 tokens), try increasing it","type":"exceed_context_size_error","n_prompt_tokens":9026,"n_ctx":2048}}"#),
+        case("llamacpp_path", "404 Not Found", "json", r#"{"error":{"message":"File Not Found","type":"not_found_error","code":404}}"#),
+    ]
+}
+
 /// Connections that come to nothing: what the listener does, and the beginning of the base URL.
 fn connections() -> Vec<(&'static str, &'static str, fn(TcpStream))> {
     vec![
@@ -322,7 +345,7 @@ fn trial(base: &str) -> Trial {
 
 #[test]
 fn each_reply_says_what_happened_and_what_to_do() {
-    let cases = replies();
+    let cases: Vec<Case> = replies().into_iter().chain(servers()).collect();
     assert!(cases.len() >= 40);
     for case in &cases {
         let port = play(case);

@@ -93,6 +93,12 @@ const CASES: &[(u16, &str, Fault, Billing)] = {
             ServerFailed,
             Possibly,
         ),
+        (
+            500,
+            r#"{"error":{"code":500,"message":"image input is not supported - hint: if this is unexpected, you may need to provide the mmproj","type":"server_error"}}"#,
+            BadRequest,
+            No,
+        ),
         (502, "bad gateway", ServerFailed, Possibly),
         (503, "", ServerFailed, No),
         (504, "", TimedOut, Possibly),
