@@ -209,16 +209,22 @@ fn peer_llamacpp_answers_and_its_failures_are_understood() {
         server.address
     );
     fs::write(folder.path().join("facts.toml"), facts).unwrap();
-    let mut command = fabc(folder.path());
-    let doctor = command
-        .env("XDG_CONFIG_HOME", folder.path())
-        .env("FABC_CACHE_DIR", folder.path())
-        .args(["doctor", "--models", "facts.toml"]);
-    let said = finish(doctor);
-    assert!(
-        said.stdout
-            .contains("ready    llamacpp: serves MODEL.gguf at "),
-        "{}",
-        said.stdout
-    );
+    for (key, line) in [
+        (None, "missing  llamacpp: answers at http://127.0.0.1:"),
+        (
+            Some(KEY),
+            "ready    llamacpp: serves MODEL.gguf at http://127.0.0.1:",
+        ),
+    ] {
+        let mut doctor = fabc(folder.path());
+        doctor
+            .env("XDG_CONFIG_HOME", folder.path())
+            .env("FABC_CACHE_DIR", folder.path())
+            .args(["doctor", "--models", "facts.toml"]);
+        if let Some(key) = key {
+            doctor.env("FABC_LLAMACPP_KEY", key);
+        }
+        let said = finish(&mut doctor);
+        assert!(said.stdout.contains(line), "{}", said.stdout);
+    }
 }

@@ -432,7 +432,9 @@ fn is_unauthorised(exchange: &Exchange<'_>) -> bool {
 }
 
 fn starts(exchange: &Exchange<'_>, beginnings: &[&[u8]]) -> bool {
-    let body = exchange.incoming().map_or(&[][..], |came| &came.body);
+    let body = exchange
+        .received()
+        .map_or(&[][..], |came| &came.incoming.body);
     let body = body.trim_ascii_start();
     let starts = |beginning: &&[u8]| {
         let beginning_of_body = body.get(..beginning.len());
@@ -443,8 +445,8 @@ fn starts(exchange: &Exchange<'_>, beginnings: &[&[u8]]) -> bool {
 
 fn is_kind(exchange: &Exchange<'_>, part: &str) -> bool {
     let kind = exchange
-        .incoming()
-        .and_then(|came| came.content_type.as_ref());
+        .received()
+        .and_then(|came| came.incoming.content_type.as_ref());
     kind.is_some_and(|kind| kind.to_lowercase().contains(part))
 }
 
@@ -597,7 +599,7 @@ fn value(field: &str, exchange: &Exchange<'_>) -> String {
 
 /// Returns where a redirect leads, without anything that may be secret.
 fn location(exchange: &Exchange<'_>) -> Option<Url> {
-    let location = exchange.incoming()?.location.as_ref()?;
+    let location = exchange.received()?.incoming.location.as_ref()?;
     let mut url = exchange.sent.url.join(location).ok()?;
     url.set_username("").ok()?;
     url.set_password(None).ok()?;

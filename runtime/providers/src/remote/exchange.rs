@@ -49,15 +49,18 @@ pub(super) struct Exchange<'a> {
 /// What came instead of an answer.
 pub(super) enum Came {
     /// A reply.
-    Reply {
-        incoming: Incoming,
-        error: ErrorBody,
-        body: Body,
-        /// What a reader of the wire format found wrong with a reply of status 200.
-        problem: Option<String>,
-    },
+    Reply(Box<Received>),
     /// Nothing.
     Nothing(NoReply),
+}
+
+/// A reply that is no answer.
+pub(super) struct Received {
+    pub incoming: Incoming,
+    pub error: ErrorBody,
+    pub body: Body,
+    /// What a reader of the wire format found wrong with a reply of status 200.
+    pub problem: Option<String>,
 }
 
 /// The form of a body.
@@ -82,12 +85,12 @@ pub(super) struct Message {
 
 impl Came {
     pub(super) fn reply(incoming: Incoming, problem: Option<String>) -> Came {
-        Came::Reply {
+        Came::Reply(Box::new(Received {
             error: ErrorBody::of_bytes(&incoming.body),
             body: Body::of(&incoming.body),
             incoming,
             problem,
-        }
+        }))
     }
 }
 
@@ -115,7 +118,7 @@ impl Exchange<'_> {
     pub(super) fn message(&self) -> Message {
         let request = format!("request: POST {}", self.sent.url);
         let reply = match self.came {
-            Came::Reply { incoming, .. } => format!("reply: {}", described(incoming)),
+            Came::Reply(received) => format!("reply: {}", described(&received.incoming)),
             Came::Nothing(nothing) => {
                 format!("reply: none ({})", shown(&nothing.words, MAX_EXCERPT))
             }
@@ -133,19 +136,12 @@ impl Exchange<'_> {
     }
 
     fn headline(&self) -> String {
-        let Came::Reply {
-            incoming,
-            error,
-            problem,
-            ..
-        } = self.came
-        else {
-            return match self.obstacle() {
-                Some(obstacle) => words(obstacle).to_owned(),
-                None => "no reply".to_owned(),
-            };
+        let received = match self.came {
+            Came::Reply(received) => received,
+            Came::Nothing(nothing) => return words(nothing.obstacle).to_owned(),
         };
-        let status = incoming.status;
+        let Received { error, problem, .. } = &**received;
+        let status = received.incoming.status;
         let reason = StatusCode::from_u16(status).ok();
         let reason = reason.and_then(|status| status.canonical_reason());
         let status = match reason {
@@ -170,53 +166,42 @@ impl Exchange<'_> {
     pub(super) fn obstacle(&self) -> Option<Obstacle> {
         match self.came {
             Came::Nothing(nothing) => Some(nothing.obstacle),
-            Came::Reply { .. } => None,
+            Came::Reply(_) => None,
+        }
+    }
+
+    /// Returns the reply.
+    pub(super) fn received(&self) -> Option<&Received> {
+        match self.came {
+            Came::Reply(received) => Some(received),
+            Came::Nothing(_) => None,
         }
     }
 
     /// Returns the status of the reply.
     pub(super) fn status(&self) -> Option<u16> {
-        Some(self.incoming()?.status)
-    }
-
-    /// Returns the reply.
-    pub(super) fn incoming(&self) -> Option<&Incoming> {
-        match self.came {
-            Came::Reply { incoming, .. } => Some(incoming),
-            Came::Nothing(_) => None,
-        }
+        Some(self.received()?.incoming.status)
     }
 
     /// Returns the form of the reply's body.
     pub(super) fn body(&self) -> Option<&Body> {
-        match self.came {
-            Came::Reply { body, .. } => Some(body),
-            Came::Nothing(_) => None,
-        }
+        Some(&self.received()?.body)
     }
 
     /// Returns whether the reply contains one of the parts, which are lower case.
     pub(super) fn says(&self, parts: &[&str]) -> bool {
-        match self.came {
-            Came::Reply { error, .. } => error.says(parts),
-            Came::Nothing(_) => false,
-        }
+        let received = self.received();
+        received.is_some_and(|received| received.error.says(parts))
     }
 
     /// Returns what a reader of the wire format found wrong.
     pub(super) fn problem(&self) -> Option<&str> {
-        match self.came {
-            Came::Reply { problem, .. } => problem.as_deref(),
-            Came::Nothing(_) => None,
-        }
+        self.received()?.problem.as_deref()
     }
 
     /// Returns the parameter that the reply objects to.
     pub(super) fn parameter(&self) -> Option<&str> {
-        match self.came {
-            Came::Reply { error, .. } => error.parameter.as_deref(),
-            Came::Nothing(_) => None,
-        }
+        self.received()?.error.parameter.as_deref()
     }
 }
 

@@ -216,8 +216,11 @@ fn servers() -> Vec<Case> {
     ]
 }
 
+/// What a listener does with a connection.
+type Act = fn(TcpStream);
+
 /// Connections that come to nothing: what the listener does, and the beginning of the base URL.
-fn connections() -> Vec<(&'static str, &'static str, fn(TcpStream))> {
+fn connections() -> Vec<(&'static str, &'static str, Act)> {
     vec![
         ("no_tls", "https://localhost", |mut stream| {
             let mut greeting = [0; 64];
