@@ -257,8 +257,10 @@ fn a_variable_that_names_a_proxy_is_named_where_the_proxy_answers() {
             let mut stream = stream.unwrap();
             let _ = stream.read(&mut [0; 4096]);
             let _ = stream.write_all(
-                b"HTTP/1.1 407 Proxy Authentication Required\r\nconnection: close\r\n\r\n",
+                b"HTTP/1.1 407 Proxy Authentication Required\r\ncontent-length: 0\r\nconnection: close\r\n\r\n",
             );
+            // Closing with unread bytes would reset the connection.
+            while stream.read(&mut [0; 4096]).is_ok_and(|count| count > 0) {}
         }
     });
     let task = project("tasks/double_straight.fab");
@@ -284,7 +286,7 @@ fn a_variable_that_names_a_proxy_is_named_where_the_proxy_answers() {
     command.env("HTTP_PROXY", &proxy);
     let output = command.process().output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(
         said.contains("the proxy named by `HTTP_PROXY` wants a user name and a password"),
         "{said}"
