@@ -160,7 +160,7 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
     let (_serve, behind) = serve(folder.path());
     let (_proxy, address) = proxy(folder.path(), &behind);
     let stderr = std::cell::RefCell::new(String::new());
-    let run_with = |key: &str, out: &str, more: &[&str]| {
+    let run = |out: &str, more: &[&str]| {
         let task = project("tasks/double_triangle.fab");
         let mut command = fabc(folder.path());
         command.args([
@@ -173,7 +173,7 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
             out,
         ]);
         for variable in ["LITELLM_API_KEY", "OPENAI_API_KEY", "ANTHROPIC_API_KEY"] {
-            command.env(variable, key);
+            command.env(variable, KEY);
         }
         let said = finish(command.args(more));
         let report = serde_json::from_str::<Value>(&said.stdout);
@@ -183,7 +183,6 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
             report.unwrap_or_else(|_| panic!("{}", said.stderr)),
         )
     };
-    let run = |out: &str, more: &[&str]| run_with(KEY, out, more);
     let (_, embedded) = run("embedded", &[]);
     let v1 = format!("{address}/v1");
     for (out, model, base_url) in [
@@ -228,16 +227,6 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
         stderr
             .borrow()
             .contains("the server does not serve `unknown`; it serves `geometric`"),
-        "{}",
-        stderr.borrow()
-    );
-    let wrong = ["--model", "litellm:chatty", "--base-url", &v1];
-    let (_, report) = run_with("sk-wrong-key-0123456789abcdef", "wrong", &wrong);
-    assert_eq!(report["faults"]["not_authorised"], 1, "{report}");
-    assert!(
-        stderr
-            .borrow()
-            .contains("does not accept the key from `LITELLM_API_KEY`"),
         "{}",
         stderr.borrow()
     );
