@@ -40,6 +40,7 @@ mod new_tasks;
 mod other_grids;
 mod paid_answers;
 mod peer_litellm;
+mod peer_llamacpp;
 mod peer_providers;
 mod peers;
 mod physical;

@@ -198,37 +198,107 @@ fn doctor_says_what_is_missing_and_the_line_that_helps() {
     );
 }
 
-#[test]
-fn doctor_sees_a_server_that_listens() {
-    let folder = tempfile::tempdir().unwrap();
+/// Answers every connection with the same reply; ends with the test's process.
+fn answering(reply: &'static str) -> std::net::SocketAddr {
+    use std::io::{Read, Write};
     let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();
+    std::thread::spawn(move || {
+        for stream in listener.incoming() {
+            let mut stream = stream.unwrap();
+            let _ = stream.read(&mut [0; 4096]);
+            let _ = stream.write_all(reply.as_bytes());
+        }
+    });
+    address
+}
+
+/// Returns what doctor says of a server at an address, given as Ollama's.
+fn ollama_at(address: std::net::SocketAddr, key: Option<&str>) -> Value {
+    let folder = tempfile::tempdir().unwrap();
     let facts = format!(
         "[[provider]]\nname = \"ollama\"\nbase_url = \"http://{address}/v1\"\nas_of = \"2027-01-01\"\nsource = \"us\"\n"
     );
     fs::write(folder.path().join("facts.toml"), facts).unwrap();
-    let look = || {
-        json(&finish(alone(folder.path()).args([
-            "doctor",
-            "--json",
-            "--models",
-            "facts.toml",
-        ])))
-    };
-    assert_eq!(
-        entry(&look()["findings"], "name", "ollama")["state"],
-        "ready"
-    );
-    drop(listener);
-    let found = look();
-    let ollama = entry(&found["findings"], "name", "ollama");
-    assert_eq!(
-        (&ollama["state"], &ollama["help"]),
+    let mut command = alone(folder.path());
+    command.args(["doctor", "--json", "--models", "facts.toml"]);
+    if let Some(key) = key {
+        command.env("FABC_OLLAMA_KEY", key);
+    }
+    let said = finish(&mut command);
+    assert_eq!(said.code, 0, "{}", said.stdout);
+    entry(&json(&said)["findings"], "name", "ollama").clone()
+}
+
+#[test]
+fn doctor_lists_what_a_server_serves_and_says_what_others_want() {
+    let closed = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let nowhere = closed.local_addr().unwrap();
+    drop(closed);
+    let list = "HTTP/1.1 200 OK\r\nconnection: close\r\n\r\n{\"data\":[{\"id\":\"qwen3-vl:8b\"},{\"id\":\"gemma3\"}]}";
+    let none = "HTTP/1.1 200 OK\r\nconnection: close\r\n\r\n{\"object\":\"list\",\"data\":null}";
+    let locked = "HTTP/1.1 401 Unauthorized\r\nconnection: close\r\n\r\n";
+    let page = "HTTP/1.1 200 OK\r\nconnection: close\r\n\r\n<html>Jenkins</html>";
+    let key = Some("sk-canary-key");
+    for (address, key, state, found, help) in [
         (
-            &"missing".into(),
-            &"ollama serve, or name its address with --base-url".into()
-        )
-    );
+            answering(list),
+            None,
+            "ready",
+            "serves qwen3-vl:8b, gemma3 at ",
+            None,
+        ),
+        (
+            answering(none),
+            None,
+            "missing",
+            "and serves no model yet",
+            Some("load a model in it"),
+        ),
+        (
+            answering(locked),
+            None,
+            "missing",
+            "and wants a key (HTTP 401)",
+            Some("export FABC_OLLAMA_KEY="),
+        ),
+        (
+            answering(locked),
+            key,
+            "missing",
+            "does not accept the key (HTTP 401), key: FABC_OLLAMA_KEY",
+            Some("export"),
+        ),
+        (
+            answering(page),
+            None,
+            "missing",
+            "lists no models",
+            Some("another program"),
+        ),
+        (
+            nowhere,
+            None,
+            "missing",
+            "nothing answers at ",
+            Some(
+                "ollama serve, or name its address with --base-url (from its documentation of 2026-11-2",
+            ),
+        ),
+    ] {
+        let ollama = ollama_at(address, key);
+        let text = ollama.to_string();
+        assert_eq!(ollama["state"], state, "{text}");
+        assert!(ollama["found"].as_str().unwrap().contains(found), "{text}");
+        match help {
+            Some(help) => assert!(ollama["help"].as_str().unwrap().starts_with(help), "{text}"),
+            None => assert_eq!(
+                ollama["models"],
+                serde_json::json!(["qwen3-vl:8b", "gemma3"])
+            ),
+        }
+        assert!(!text.contains("canary"), "{text}");
+    }
 }
 
 #[cfg(unix)]

@@ -1,10 +1,12 @@
 //! Whole rollouts with pictures through a LiteLLM proxy, in front of `fabc serve` or with scripted answers.
 
 use super::support::{fabc, finish, project};
+use fab_providers::catalogue::Catalogue;
 use serde_json::Value;
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::net::{TcpListener, TcpStream};
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread;
@@ -13,11 +15,16 @@ use std::time::{Duration, Instant};
 /// A key that the proxy accepts: long enough, and not a real one.
 const KEY: &str = "sk-fabc-peer-test-0123456789abcdef";
 
-/// A process that is ended with the test.
+/// A process that is ended with the test, and with it those that it started in its group.
 struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
+        let group = format!("-{}", self.0.id());
+        let _ = Command::new("kill")
+            .args(["-9", "--", &group])
+            .stderr(Stdio::null())
+            .status();
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -78,7 +85,22 @@ fn serve(folder: &Path) -> (Running, String) {
     (Running(child), line.trim().to_owned())
 }
 
-/// Starts the proxy in front of an address, and returns the proxy's own.
+/// Returns the line that `fabc doctor` prints for a proxy, with values in place of its capitals.
+fn start_line(port: u16) -> String {
+    let catalogue = Catalogue::builtin();
+    let mut providers = catalogue.providers().iter();
+    let litellm = providers
+        .find(|provider| provider.name == "litellm")
+        .unwrap();
+    assert!(litellm.start_run, "this test runs the line");
+    let line = litellm.start.as_ref().unwrap();
+    let line = line
+        .replace("sk-YOURS", KEY)
+        .replace("FILE.yaml", "proxy.yaml");
+    format!("{line} --port {port}")
+}
+
+/// Starts the proxy in front of an address as `fabc doctor` says, and returns the proxy's own.
 fn proxy(folder: &Path, behind: &str) -> (Running, String) {
     let scripted = |name: &str, reply: &str| {
         format!(
@@ -102,17 +124,14 @@ fn proxy(folder: &Path, behind: &str) -> (Running, String) {
         .unwrap()
         .port();
     let log = fs::File::create(folder.join("proxy.log")).unwrap();
-    let child = Command::new(environment().join("bin/litellm"))
-        .args([
-            "--config",
-            "proxy.yaml",
-            "--host",
-            "127.0.0.1",
-            "--port",
-            &port.to_string(),
-        ])
+    let programs = environment().join("bin");
+    let path = std::env::var("PATH").unwrap_or_default();
+    let child = Command::new("sh")
+        .args(["-c", &start_line(port)])
+        .process_group(0)
         .current_dir(folder)
-        .env("LITELLM_MASTER_KEY", KEY)
+        .env("PATH", format!("{}:{path}", programs.display()))
+        .env_remove("LITELLM_MASTER_KEY")
         .env("LITELLM_LOCAL_MODEL_COST_MAP", "True")
         .stdout(log.try_clone().unwrap())
         .stderr(log)
@@ -140,6 +159,7 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let (_serve, behind) = serve(folder.path());
     let (_proxy, address) = proxy(folder.path(), &behind);
+    let stderr = std::cell::RefCell::new(String::new());
     let run = |out: &str, more: &[&str]| {
         let task = project("tasks/double_triangle.fab");
         let mut command = fabc(folder.path());
@@ -157,6 +177,7 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
         }
         let said = finish(command.args(more));
         let report = serde_json::from_str::<Value>(&said.stdout);
+        stderr.borrow_mut().clone_from(&said.stderr);
         (
             said.code,
             report.unwrap_or_else(|_| panic!("{}", said.stderr)),
@@ -199,4 +220,14 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
         "{report}"
     );
     assert_eq!(report["faults"]["server_failed"], 3, "{report}");
+
+    let (code, report) = scripted("unknown", "litellm:unknown");
+    assert_eq!((code, &report["outcome"]), (2, &"model_failed".into()));
+    assert!(
+        stderr
+            .borrow()
+            .contains("the server does not serve `unknown`; it serves `geometric`"),
+        "{}",
+        stderr.borrow()
+    );
 }

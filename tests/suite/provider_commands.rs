@@ -244,3 +244,51 @@ fn a_prompt_is_shown_as_one_model_would_be_sent_it() {
     );
     assert!(shown(&["--marks"]).contains("1 at ("));
 }
+
+#[test]
+#[ignore = "long"]
+fn a_variable_that_names_a_proxy_is_named_where_the_proxy_answers() {
+    use std::io::{Read, Write};
+    let folder = tempfile::tempdir().unwrap();
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let proxy = format!("http://{}", listener.local_addr().unwrap());
+    std::thread::spawn(move || {
+        for stream in listener.incoming() {
+            let mut stream = stream.unwrap();
+            let _ = stream.read(&mut [0; 4096]);
+            let _ = stream.write_all(
+                b"HTTP/1.1 407 Proxy Authentication Required\r\ncontent-length: 0\r\nconnection: close\r\n\r\n",
+            );
+            // Closing with unread bytes would reset the connection.
+            while stream.read(&mut [0; 4096]).is_ok_and(|count| count > 0) {}
+        }
+    });
+    let task = project("tasks/double_straight.fab");
+    let arguments = [
+        "run",
+        &task,
+        "--model",
+        "compatible:a-model",
+        "--allow-unknown-price",
+        "--base-url",
+        "http://models.example/v1",
+    ];
+    let mut command = command(folder.path(), &arguments);
+    for name in [
+        "http_proxy",
+        "no_proxy",
+        "NO_PROXY",
+        "ALL_PROXY",
+        "all_proxy",
+    ] {
+        command.env_remove(name);
+    }
+    command.env("HTTP_PROXY", &proxy);
+    let output = command.process().output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("the proxy named by `HTTP_PROXY` wants a user name and a password"),
+        "{said}"
+    );
+}

@@ -1,7 +1,7 @@
 //! `fabc doctor`: reports what is set up, what is missing, and the command that sets it up.
 //!
-//! Nothing is sent to any provider; servers on this machine are only connected to. Keys are looked up by name;
-//! their values are neither stored nor shown.
+//! Vendors are not called. Every other server with a known address is asked which models it serves, which costs nothing;
+//! a key is sent only where a run would send it. Keys are shown by name alone.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -9,11 +9,11 @@ use crate::verbs::runtime::setting::catalogue::FactsArguments;
 use crate::verbs::runtime::setting::catalogue::{self, UserFile};
 use crate::verbs::runtime::setting::remote;
 use clap::Args;
-use fab_providers::catalogue::{Catalogue, KeyNeed, Provider};
-use fab_providers::remote::Key;
+use fab_base::interrupt::Interrupt;
+use fab_providers::catalogue::{Catalogue, KeyNeed, Provider, RunsOn};
+use fab_providers::remote::{BaseUrl, Key, NotListed, Settings, served_models};
 use serde::Serialize;
 use serde_json::json;
-use std::net::{SocketAddr, TcpStream};
 use std::path::Path;
 use std::time::Duration;
 
@@ -27,8 +27,11 @@ pub struct DoctorArguments {
     pub json: bool,
 }
 
-/// Time limit for connecting to a server on this machine.
-const CONNECT_TIME: Duration = Duration::from_millis(300);
+/// Time limit for a server's list of models.
+const LIST_TIME: Duration = Duration::from_secs(2);
+
+/// How many models are listed for a server; JSON has all.
+const MAX_LISTED: usize = 8;
 
 /// One item that was checked.
 #[derive(Serialize)]
@@ -42,6 +45,9 @@ struct Finding {
     found: String,
     /// The line that sets it up or repairs it.
     help: Option<String>,
+    /// The models that a server says it serves.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    models: Vec<String>,
 }
 
 #[derive(Clone, Copy, PartialEq, Serialize)]
@@ -72,6 +78,7 @@ impl Finding {
             state: Readiness::Ready,
             found: found.into(),
             help: None,
+            models: Vec::new(),
         }
     }
 
@@ -264,25 +271,6 @@ fn look(provider: &Provider, keys: &Keys, io: &Io) -> Finding {
     let with = key
         .as_ref()
         .map_or(String::new(), |key| format!(", key: {key}"));
-    if let Some(address) = provider.on_loopback() {
-        return match answers(address) {
-            true => Finding::ready(
-                About::Provider,
-                name,
-                format!("something answers at {address}{with}"),
-            ),
-            false => {
-                let start = provider.start.as_deref().unwrap_or("start its server");
-                let help = format!("{start}, or name its address with --base-url");
-                Finding::missing(
-                    About::Provider,
-                    name,
-                    format!("nothing answers at {address}{with}"),
-                    help,
-                )
-            }
-        };
-    }
     let Some(base_url) = &provider.base_url else {
         let found = format!("any server that speaks its interface{with}");
         return Finding::missing(
@@ -292,21 +280,118 @@ fn look(provider: &Provider, keys: &Keys, io: &Io) -> Finding {
             "name its address with --base-url",
         );
     };
+    if provider.runs_on != Some(RunsOn::Vendor) {
+        return match ask(provider, base_url, io) {
+            Ok(listed) => served(provider, base_url, listed, &with, keys),
+            Err(why) => Finding::broken(About::Provider, name, why),
+        };
+    }
     match (key, provider.key) {
         (Some(key), _) => Finding::ready(About::Provider, name, format!("key: {key}; not tried")),
         (None, KeyNeed::Optional) => {
             Finding::ready(About::Provider, name, format!("{base_url}, without a key"))
         }
         (None, KeyNeed::Required) => {
-            let variable = provider.key_env.first().map_or("its key", String::as_str);
-            let place = keys
-                .path
-                .as_ref()
-                .map_or(String::new(), |path| format!(", or write it into {path}"));
-            let help = format!("export {variable}=…{place}");
+            let help = export(provider, keys);
             Finding::missing(About::Provider, name, "no key", help)
         }
     }
+}
+
+/// Asks a server for its models; fails if it cannot be asked as it is set up.
+fn ask(
+    provider: &Provider,
+    base_url: &str,
+    io: &Io,
+) -> Result<Result<Vec<String>, NotListed>, String> {
+    let base_url = BaseUrl::parse(base_url).map_err(|error| error.to_string())?;
+    let key = remote::key(&provider.key_env, io).map_err(|error| error.to_string())?;
+    let settings = Settings {
+        key: key.filter(|_| base_url.keeps_secrets()),
+        timeout: LIST_TIME,
+        ..Settings::new(&provider.name, "", provider.wire, base_url)
+    };
+    Ok(served_models(&settings, &[], &Interrupt::default()))
+}
+
+/// Says what a server answered to the question for its models.
+fn served(
+    provider: &Provider,
+    base_url: &str,
+    listed: Result<Vec<String>, NotListed>,
+    with: &str,
+    keys: &Keys,
+) -> Finding {
+    let name = provider.name.as_str();
+    let missing =
+        |found: String, help: String| Finding::missing(About::Provider, name, found, help);
+    let elsewhere = "or name its address with --base-url";
+    match listed {
+        Ok(models) if models.is_empty() => missing(
+            format!("answers at {base_url} and serves no model yet{with}"),
+            "load a model in it".to_owned(),
+        ),
+        Ok(models) => {
+            let shown: Vec<&str> = models.iter().take(MAX_LISTED).map(String::as_str).collect();
+            let more = match models.len() - shown.len() {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            let found = format!("serves {}{more} at {base_url}{with}", shown.join(", "));
+            Finding {
+                models,
+                ..Finding::ready(About::Provider, name, found)
+            }
+        }
+        Err(NotListed::Unauthorised { status }) if with.is_empty() => missing(
+            format!("answers at {base_url} and wants a key (HTTP {status})"),
+            export(provider, keys),
+        ),
+        Err(NotListed::Unauthorised { status }) => missing(
+            format!("answers at {base_url} and does not accept the key (HTTP {status}){with}"),
+            export(provider, keys),
+        ),
+        Err(NotListed::Absent) => missing(
+            format!("nothing answers at {base_url}{with}"),
+            match &provider.start {
+                Some(start) => format!("{start}, {elsewhere}{}", not_run(provider)),
+                None => format!("start its server, {elsewhere}"),
+            },
+        ),
+        Err(NotListed::Other(why)) => missing(
+            format!("something answers at {base_url} and lists no models ({why}){with}"),
+            format!("another program may have its port: start it at a free one, {elsewhere}"),
+        ),
+        Err(NotListed::Unreachable(why)) => missing(
+            format!(
+                "no list of models came from {base_url} within {} s ({why}){with}",
+                LIST_TIME.as_secs()
+            ),
+            format!("look into its log, {elsewhere}"),
+        ),
+    }
+}
+
+/// Says so if no test runs the command that starts a provider's server, with the day of its source.
+fn not_run(provider: &Provider) -> String {
+    // The oldest layer is the one that has the command.
+    match provider.sources.last() {
+        Some(source) if !provider.start_run => {
+            format!(
+                " (from its documentation of {}, not run by us)",
+                source.as_of
+            )
+        }
+        _ => String::new(),
+    }
+}
+
+/// Returns the line that sets a provider's key.
+fn export(provider: &Provider, keys: &Keys) -> String {
+    let variable = provider.key_env.first().map_or("its key", String::as_str);
+    let place = keys.path.as_ref();
+    let place = place.map_or(String::new(), |path| format!(", or write it into {path}"));
+    format!("export {variable}=…{place}")
 }
 
 /// Returns the source from which a provider's key would be taken.
@@ -322,10 +407,6 @@ fn key(provider: &Provider, keys: &Keys, io: &Io) -> Option<String> {
     variable
         .map(|name| format!("{name} (environment)"))
         .or_else(|| in_file().map(|name| format!("{name} (file of keys)")))
-}
-
-fn answers(address: SocketAddr) -> bool {
-    TcpStream::connect_timeout(&address, CONNECT_TIME).is_ok()
 }
 
 fn text(findings: &[Finding]) -> String {

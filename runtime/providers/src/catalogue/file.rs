@@ -47,6 +47,7 @@ pub(super) struct ProviderForm {
     pub models_of: Option<String>,
     pub start: Option<String>,
     pub reasoning: Option<ReasoningFacts>,
+    pub start_run: Option<bool>,
     as_of: Date,
     source: String,
 }

@@ -5,7 +5,6 @@
 use super::date::Date;
 use super::facts::ReasoningFacts;
 use serde::{Deserialize, Serialize};
-use std::net::{Ipv4Addr, SocketAddr};
 
 /// A provider of models.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -29,6 +28,8 @@ pub struct Provider {
     /// How it takes `reasoning`, unless a model's own facts say otherwise.
     #[serde(skip_serializing_if = "ReasoningFacts::is_empty")]
     pub reasoning: ReasoningFacts,
+    /// Whether a test of fabc runs that command.
+    pub start_run: bool,
     /// Sources of these facts, newest layer first.
     pub sources: Vec<Source>,
 }
@@ -106,19 +107,5 @@ impl Provider {
     /// Returns the name of the provider whose models it offers: its own, or another's.
     pub fn owner(&self) -> &str {
         self.models_of.as_ref().unwrap_or(&self.name)
-    }
-
-    /// Returns the address of its server, if that is a loopback address.
-    pub fn on_loopback(&self) -> Option<SocketAddr> {
-        let host = self
-            .base_url
-            .as_ref()?
-            .strip_prefix("http://")?
-            .split('/')
-            .next()?;
-        let port = host
-            .strip_prefix("127.0.0.1:")
-            .or(host.strip_prefix("localhost:"))?;
-        Some((Ipv4Addr::LOCALHOST, port.parse().ok()?).into())
     }
 }

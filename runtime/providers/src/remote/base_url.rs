@@ -1,7 +1,7 @@
 //! The base URL of a provider's interface.
 //!
 //! In: a URL written by a person. Out: the addresses for calls. A URL that contains a secret is refused, and no message
-//! repeats any of it.
+//! repeats any of it. So is a URL that already ends in an endpoint: the message gives the base that was meant.
 
 use super::Wire;
 use reqwest::Url;
@@ -18,12 +18,24 @@ const SECRET_NAMES: [&str; 7] = [
     "credential",
 ];
 
+/// Endpoints that are pasted at the end of a base URL; longer ones first. The last three are Ollama's own interface.
+const ENDPOINTS: [&[&str]; 8] = [
+    &["chat", "completions"],
+    &["completions"],
+    &["responses"],
+    &["messages"],
+    &["models"],
+    &["api", "chat"],
+    &["api", "generate"],
+    &["api", "tags"],
+];
+
 /// The address up to the version, such as `https://api.openai.com/v1`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BaseUrl(Url);
 
 /// Why a base URL is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BaseUrlError {
     /// It cannot be parsed, or is not an HTTP address.
     #[error(
@@ -42,6 +54,16 @@ pub enum BaseUrlError {
          the environment or in the file of keys"
     )]
     KeyInQuery,
+    /// It ends in an endpoint, which would be appended once more.
+    #[error(
+        "the base URL ends in `/{endpoint}`, and fabc appends the endpoint itself; write `{meant}`"
+    )]
+    Endpoint {
+        /// The end that is too much.
+        endpoint: String,
+        /// The URL without it.
+        meant: String,
+    },
 }
 
 impl BaseUrl {
@@ -64,6 +86,10 @@ impl BaseUrl {
             return Err(BaseUrlError::KeyInQuery);
         }
         url.set_fragment(None);
+        if let Some(endpoint) = cut_endpoint(&mut url) {
+            let meant = url.to_string();
+            return Err(BaseUrlError::Endpoint { endpoint, meant });
+        }
         Ok(BaseUrl(url))
     }
 
@@ -87,6 +113,23 @@ impl BaseUrl {
 
     /// Returns the endpoint for questions to a model.
     pub(super) fn endpoint(&self, wire: Wire, model: &str) -> Url {
+        self.below(wire, wire.path(model))
+    }
+
+    /// Returns the endpoint that lists the models.
+    pub(super) fn models(&self, wire: Wire) -> Url {
+        self.below(wire, vec!["models".to_owned()])
+    }
+
+    /// Returns the base that a server without anything unusual has: its root and the version.
+    pub(super) fn usual(&self, wire: Wire) -> String {
+        let mut url = self.0.clone();
+        url.set_query(None);
+        url.set_path(wire.version_segment());
+        url.to_string()
+    }
+
+    fn below(&self, wire: Wire, path: Vec<String>) -> Url {
         let mut url = self.0.clone();
         let is_bare = url.path().trim_matches('/').is_empty();
         if let Ok(mut segments) = url.path_segments_mut() {
@@ -94,10 +137,24 @@ impl BaseUrl {
             if is_bare {
                 segments.push(wire.version_segment());
             }
-            segments.extend(wire.path(model));
+            segments.extend(path);
         }
         url
     }
+}
+
+/// Removes an endpoint from the end of a URL, and returns it.
+fn cut_endpoint(url: &mut Url) -> Option<String> {
+    let path = url.path().trim_end_matches('/').to_owned();
+    let segments: Vec<&str> = path.split('/').skip(1).collect();
+    let is_call = |segment: &&str| segment.contains(":generateContent");
+    let cut = match segments.as_slice() {
+        [.., "models", last] if is_call(last) => 2,
+        segments => ENDPOINTS.iter().find(|end| segments.ends_with(end))?.len(),
+    };
+    let (base, endpoint) = segments.split_at(segments.len() - cut);
+    url.set_path(&base.join("/"));
+    Some(endpoint.join("/"))
 }
 
 impl fmt::Display for BaseUrl {
@@ -146,6 +203,47 @@ mod tests {
             ),
         ] {
             assert_eq!(endpoint(base, wire), expected);
+        }
+    }
+
+    #[test]
+    fn a_pasted_endpoint_is_refused_with_the_base_that_was_meant() {
+        for (text, endpoint, meant) in [
+            (
+                "http://h:8000/v1/chat/completions",
+                "chat/completions",
+                "http://h:8000/v1",
+            ),
+            (
+                "https://h/v1/chat/completions/",
+                "chat/completions",
+                "https://h/v1",
+            ),
+            (
+                "https://h/v1/responses?a=1",
+                "responses",
+                "https://h/v1?a=1",
+            ),
+            ("https://h/v1/messages", "messages", "https://h/v1"),
+            ("https://h/v1/models", "models", "https://h/v1"),
+            ("http://h:11434/api/chat", "api/chat", "http://h:11434/"),
+            (
+                "https://h/v1beta/models/gemini-4:generateContent",
+                "models/gemini-4:generateContent",
+                "https://h/v1beta",
+            ),
+        ] {
+            let error = BaseUrl::parse(text).expect_err(text);
+            let (endpoint, meant) = (endpoint.to_owned(), meant.to_owned());
+            assert_eq!(error, BaseUrlError::Endpoint { endpoint, meant }, "{text}");
+        }
+        for text in [
+            "https://h/api",
+            "https://h/api/v1",
+            "https://h/openai/deployments/models-x",
+            "https://h/responses/v1",
+        ] {
+            assert!(BaseUrl::parse(text).is_ok(), "{text}");
         }
     }
 

@@ -1,8 +1,8 @@
 //! Provider models, called over HTTP.
 //!
 //! In: a [`Request`]. Out: a [`Reply`], bought once and cached, or a named fault. [`wire`] knows the providers' message
-//! formats, `transport` sends one message, `retry` decides what is tried again, `gate` limits concurrency, `answers`
-//! caches paid answers. Every message is reported to [`Calls`] before it is sent, and again when it ends. The maker of
+//! formats, `transport` sends one message, `exchange` and `causes` say why a call failed, `retry` decides what is tried
+//! again, `gate` limits concurrency, `answers` caches paid answers. Every message is reported to [`Calls`] before it is sent, and again when it ends. The maker of
 //! the [`Settings`] decides about facts and prices.
 
 pub mod settings;
@@ -10,6 +10,8 @@ pub mod wire;
 
 mod answers;
 mod base_url;
+mod causes;
+mod exchange;
 mod gate;
 mod hidden;
 mod hints;
@@ -17,6 +19,7 @@ mod key;
 mod omit;
 mod redact;
 mod retry;
+mod served;
 mod status;
 mod transport;
 
@@ -28,21 +31,25 @@ pub use hidden::Lengths;
 pub use key::{Key, KeyError};
 pub use redact::Redactor;
 pub use retry::{Pause, RealTime, Retry, most_calls};
+pub use served::{NotListed, served_models};
 pub use settings::{Pricing, Settings};
 
 use answers::{Claim, Lookup};
+use exchange::{Came, Exchange, Message, Sent};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Call, CallEnd, Calls, Fault, Usage, Usd};
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
 use gate::Load;
-use reqwest::Url;
 use reqwest::header::{CONTENT_TYPE, HeaderMap, HeaderName, HeaderValue};
 use retry::{Next, QuestionCalls};
+use served::Served;
+use settings::Parameter;
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use transport::{Incoming, Proxy, Transport, TransportError};
+use wire::error::ErrorBody;
 use wire::{Answer, Encoded};
 
 /// How often a waiting thread checks whether the user stopped it.
@@ -52,9 +59,11 @@ const INTERRUPT_POLL: Duration = Duration::from_millis(50);
 pub struct Remote {
     name: String,
     settings: Settings,
-    endpoint: Url,
+    sent: Sent,
     transport: Transport,
     shared: Shared,
+    /// The models that the server lists, asked once, after the first failure that the list may explain.
+    served: OnceLock<Served>,
 }
 
 /// The common parts of a run's models.
@@ -108,12 +117,14 @@ pub struct SetupError {
 struct FailedCall {
     fault: Fault,
     billing: Billing,
-    why: String,
+    came: Came,
     cost: Option<Usd>,
     usage: Option<Usage>,
     wait: Option<Duration>,
     /// The lengths to ask with once more, if hidden reasoning cut the answer off.
     again: Option<Lengths>,
+    /// The parameter that the provider refuses.
+    omit: Option<Parameter>,
 }
 
 impl Remote {
@@ -132,22 +143,31 @@ impl Remote {
                 why: "its name or its base URL contains a key; leave it out".to_owned(),
             });
         }
-        let proxy = if settings.base_url.is_loopback() {
-            Proxy::None
-        } else {
-            Proxy::OfTheSystem
-        };
+        let proxy = Proxy::to(&settings.base_url);
         let transport = Transport::new(redactor, settings.timeout, proxy);
         let transport = transport.map_err(|why| SetupError {
             model: name.clone(),
             why,
         })?;
+        let sent = Sent {
+            base_url: settings.base_url.clone(),
+            wire: settings.wire,
+            provider: settings.provider.clone(),
+            model: settings.model.clone(),
+            key_names: settings.key_names.clone(),
+            key: settings.key.as_ref().map(|key| key.name().to_owned()),
+            start: settings.start.clone(),
+            timeout: settings.timeout,
+            proxy: proxy.variable(&endpoint),
+            url: endpoint,
+        };
         Ok(Remote {
             name,
             settings,
-            endpoint,
+            sent,
             transport,
             shared,
+            served: OnceLock::new(),
         })
     }
 
@@ -187,7 +207,7 @@ impl Remote {
         claim: &Claim<'_>,
         calls: &mut dyn Calls,
     ) -> Result<Reply, ModelError> {
-        let headers = self.headers(&encoded);
+        let headers = headers(&self.settings, &encoded.headers);
         let key = request.key();
         let mut lengths = self.lengths(request);
         let mut at_most = self.at_most(request, lengths);
@@ -206,9 +226,9 @@ impl Remote {
             let body = &encoded.body;
             let came = self
                 .transport
-                .post(&self.endpoint, &headers, body, interrupt);
+                .post(&self.sent.url, &headers, body, interrupt);
             let ended = match came {
-                Ok(incoming) => match self.read(&incoming, &encoded, lengths) {
+                Ok(incoming) => match self.read(incoming, &encoded, lengths) {
                     Ok(answer) => {
                         pass.tell(Load::Answered);
                         claim.keep(&answer.text, answer.usage);
@@ -222,19 +242,19 @@ impl Remote {
                     }
                     Err(ended) => ended,
                 },
-                Err(TransportError::Failed {
-                    fault,
-                    billing,
-                    why,
-                }) => FailedCall {
-                    fault,
-                    billing,
-                    why,
-                    cost: None,
-                    usage: None,
-                    wait: None,
-                    again: None,
-                },
+                Err(TransportError::Failed(nothing)) => {
+                    let (fault, billing) = nothing.obstacle.fault();
+                    FailedCall {
+                        fault,
+                        billing,
+                        came: Came::Nothing(nothing),
+                        cost: None,
+                        usage: None,
+                        wait: None,
+                        again: None,
+                        omit: None,
+                    }
+                }
                 Err(TransportError::Interrupted) => {
                     calls.end(&CallEnd::Failed {
                         fault: Fault::ConnectionCut,
@@ -250,9 +270,10 @@ impl Remote {
                 pass.tell(Load::TooMuch);
             }
             drop(pass);
+            let Message { headline, details } = self.message(&ended);
             calls.end(&CallEnd::Failed {
                 fault: ended.fault,
-                why: &ended.why,
+                why: &format!("{headline}{details}"),
                 billing: ended.billing,
                 cost: ended.cost,
                 usage: ended.usage,
@@ -271,8 +292,8 @@ impl Remote {
                     }
                     let seconds = wait.as_secs_f64();
                     (self.shared.tell.0)(&format!(
-                        "{}: {}: {}; asked again in {seconds:.1} s",
-                        self.name, ended.fault, ended.why
+                        "{}: {}: {headline}; asked again in {seconds:.1} s",
+                        self.name, ended.fault
                     ));
                     retry.pause.pause(wait, interrupt);
                 }
@@ -280,79 +301,82 @@ impl Remote {
                     return Err(ModelError::Failed {
                         model: self.name.clone(),
                         fault: ended.fault,
-                        why: format!("{} ({tried})", ended.why),
+                        why: format!("{headline} ({tried}){details}"),
                     });
                 }
             }
         }
     }
 
-    /// Reads a reply; the result holds no key.
-    fn read(
-        &self,
-        incoming: &Incoming,
-        sent: &Encoded,
-        lengths: Lengths,
-    ) -> Result<Answer, FailedCall> {
+    /// Describes a failed call; the result holds no key.
+    fn message(&self, ended: &FailedCall) -> Message {
+        let mut exchange = Exchange {
+            sent: &self.sent,
+            came: &ended.came,
+            fault: ended.fault,
+            served: None,
+            omit: ended.omit,
+        };
+        if causes::asks_for_list(&exchange) {
+            let ask = || served::ask(&self.settings, &self.transport, &self.shared.interrupt);
+            exchange.served = Some(self.served.get_or_init(ask));
+        }
+        let message = exchange.message();
         // A key that the server split over two pieces of text is whole once they are joined.
-        let hide = |text: String| self.transport.redactor().text(&text);
-        match self.decode(incoming, sent, lengths) {
-            Ok(answer) => Ok(Answer {
-                text: hide(answer.text),
-                ..answer
-            }),
-            Err(ended) => Err(FailedCall {
-                why: hide(ended.why),
-                ..ended
-            }),
+        let redactor = self.transport.redactor();
+        Message {
+            headline: redactor.text(&message.headline),
+            details: redactor.text(&message.details),
         }
     }
 
-    fn decode(
+    /// Reads a reply; the answer holds no key.
+    fn read(
         &self,
-        incoming: &Incoming,
+        incoming: Incoming,
         sent: &Encoded,
         lengths: Lengths,
     ) -> Result<Answer, FailedCall> {
         if !(200..300).contains(&incoming.status) {
-            let refusal = status::judge(incoming.status, &incoming.body);
-            let named = match (refusal.fault, incoming.status) {
+            let refusal = status::judge(incoming.status, &ErrorBody::of_bytes(&incoming.body));
+            let omit = match (refusal.fault, incoming.status) {
                 (Fault::BadRequest, 400 | 422) => omit::refused(&incoming.body, &sent.body),
                 _ => None,
             };
-            let remedy = named.map_or(String::new(), |parameter| {
-                format!("; `--omit {}` leaves it out", parameter.name())
-            });
             return Err(FailedCall {
                 fault: refusal.fault,
                 billing: refusal.billing,
-                why: refusal.why + &remedy,
                 cost: None,
                 usage: None,
                 wait: refusal.wait.max(incoming.wait),
                 again: None,
+                omit,
+                came: Came::reply(incoming, None),
             });
         }
         match self.settings.wire.decode(&incoming.body) {
-            // A text has tokens: a count of zero is no report.
             Ok(answer) => Ok(Answer {
+                // A key that the server split over two pieces of text is whole once they are joined.
+                text: self.transport.redactor().text(&answer.text),
+                // A text has tokens: a count of zero is no report.
                 usage: answer
                     .usage
                     .filter(|it| it.input_tokens > 0 && it.output_tokens > 0),
-                ..answer
             }),
             Err(failure) => {
                 let starved = hidden::starved(&failure, lengths);
                 let again = starved.as_ref().and_then(|starved| starved.again);
                 let usage = failure.usage.filter(|it| it.input_tokens > 0);
+                let why = starved.map_or(failure.why, |starved| starved.why);
                 Err(FailedCall {
                     fault: failure.fault,
                     billing: Billing::Possibly,
                     cost: self.cost(usage),
                     usage,
-                    why: starved.map_or(failure.why, |starved| starved.why),
                     wait: incoming.wait,
                     again,
+                    omit: None,
+                    came: Came::reply(incoming, Some(why)),
                 })
             }
         }
@@ -362,32 +386,13 @@ impl Remote {
         self.settings.pricing.cost(usage?)
     }
 
-    fn headers(&self, encoded: &Encoded) -> HeaderMap {
-        let mut headers = HeaderMap::new();
-        headers.insert(CONTENT_TYPE, HeaderValue::from_static("application/json"));
-        for (name, value) in &encoded.headers {
-            headers.insert(
-                HeaderName::from_static(name),
-                HeaderValue::from_static(value),
-            );
-        }
-        if let Some(key) = &self.settings.key {
-            let (name, before) = self.settings.wire.key_header();
-            let value = format!("{before}{}", key.expose());
-            let mut value = HeaderValue::try_from(value).expect("a key is ASCII that can be seen");
-            value.set_sensitive(true);
-            headers.insert(HeaderName::from_static(name), value);
-        }
-        headers
-    }
-
     /// Hashes everything that an answer depends on, so that starts, repetitions and later steps have their own answers.
     fn cache_key(&self, request: &Request, encoded: &Encoded) -> String {
         let body = String::from_utf8_lossy(&encoded.body);
         let mut parts = vec![
             "answer of a provider".to_owned(),
             self.settings.provider.clone(),
-            self.endpoint.to_string(),
+            self.sent.url.to_string(),
             self.settings.model.clone(),
             request.repetition.to_string(),
             request.step.to_string(),
@@ -402,6 +407,26 @@ impl Remote {
         );
         Cache::key(parts.iter().map(String::as_str).chain([body.as_ref()]))
     }
+}
+
+/// Returns the headers of a call: the key, and the wire format's own.
+fn headers(settings: &Settings, own: &[(&'static str, &'static str)]) -> HeaderMap {
+    let mut headers = HeaderMap::new();
+    headers.insert(CONTENT_TYPE, HeaderValue::from_static("application/json"));
+    for (name, value) in own {
+        headers.insert(
+            HeaderName::from_static(name),
+            HeaderValue::from_static(value),
+        );
+    }
+    if let Some(key) = &settings.key {
+        let (name, before) = settings.wire.key_header();
+        let value = format!("{before}{}", key.expose());
+        let mut value = HeaderValue::try_from(value).expect("a key is ASCII that can be seen");
+        value.set_sensitive(true);
+        headers.insert(HeaderName::from_static(name), value);
+    }
+    headers
 }
 
 impl Model for Remote {

@@ -25,6 +25,10 @@ pub struct Settings {
     pub base_url: BaseUrl,
     /// The API key, if needed.
     pub key: Option<Key>,
+    /// The names that a key is looked for under; for messages.
+    pub key_names: Vec<String>,
+    /// The command that starts the provider's server; for messages.
+    pub start: Option<String>,
     /// Whether it accepts pictures; `None`: unknown.
     pub pictures: Option<bool>,
     /// Whether it accepts several pictures in one message; `None`: unknown.
@@ -62,6 +66,8 @@ impl Settings {
             wire,
             base_url,
             key: None,
+            key_names: Vec::new(),
+            start: None,
             pictures: None,
             several_pictures: None,
             structured_output: None,
@@ -82,6 +88,8 @@ impl Settings {
     pub fn of(profile: &Profile, base_url: BaseUrl, today: Date) -> Settings {
         let (provider, facts) = (&profile.provider, &profile.facts);
         Settings {
+            key_names: provider.key_env.clone(),
+            start: provider.start.clone(),
             pictures: facts.vision,
             several_pictures: facts.several_pictures,
             structured_output: facts.structured_output,

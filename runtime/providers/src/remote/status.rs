@@ -1,7 +1,7 @@
 //! Interprets HTTP statuses other than success.
 //!
-//! In: the status, and the body without any key. Out: a [`Refusal`]: the fault, whether the call may be billed, a
-//! message, and the wait that the body asks for.
+//! In: the status, and the body without any key. Out: a [`Refusal`]: the fault, whether the call may be billed, and the
+//! wait that the body asks for. `causes` says why.
 
 use super::wire::error::ErrorBody;
 use fab_model::calls::{Billing, Fault};
@@ -12,22 +12,22 @@ use std::time::Duration;
 pub(super) struct Refusal {
     pub fault: Fault,
     pub billing: Billing,
-    pub why: String,
     pub wait: Option<Duration>,
 }
 
 /// Interprets a status other than success.
-pub(super) fn judge(status: u16, body: &[u8]) -> Refusal {
-    let error = ErrorBody::of_bytes(body);
+pub(super) fn judge(status: u16, error: &ErrorBody) -> Refusal {
     let fault = match status {
         // These statuses are unambiguous; a body may only distinguish quota from rate, or a filter from a fault.
         401 => Fault::NotAuthorised,
         402 => Fault::QuotaExhausted,
         408 => Fault::TimedOut,
-        403 => among(&error, &[Fault::QuotaExhausted, Fault::ContentFiltered])
+        403 => among(error, &[Fault::QuotaExhausted, Fault::ContentFiltered])
             .unwrap_or(Fault::NotAuthorised),
-        429 => among(&error, &[Fault::QuotaExhausted]).unwrap_or(Fault::RateLimited),
+        429 => among(error, &[Fault::QuotaExhausted]).unwrap_or(Fault::RateLimited),
         504 => Fault::TimedOut,
+        // llama.cpp answers 500 to a picture that its model cannot take; asking again does not help.
+        500 if error.says(&["image input is not supported"]) => Fault::BadRequest,
         500..=599 => Fault::ServerFailed,
         409 => Fault::ServerFailed,
         _ => {
@@ -36,24 +36,18 @@ pub(super) fn judge(status: u16, body: &[u8]) -> Refusal {
                 Fault::ContentFiltered,
                 Fault::NotAuthorised,
             ];
-            among(&error, &meant).unwrap_or(Fault::BadRequest)
+            among(error, &meant).unwrap_or(Fault::BadRequest)
         }
     };
     let billing = match status {
+        _ if fault == Fault::BadRequest => Billing::No,
         // The provider may have done the work before its front end gave up.
         408 | 409 | 500..=502 | 504..=528 | 530..=599 => Billing::Possibly,
         _ => Billing::No,
     };
-    let why = match status {
-        300..=399 => {
-            "the base URL leads elsewhere, and a key is not sent after a redirection; give the right one".to_owned()
-        }
-        _ => error.words(),
-    };
     Refusal {
         fault,
         billing,
-        why: format!("HTTP {status}: {why}"),
         wait: error.wait,
     }
 }

@@ -1,26 +1,32 @@
 //! Sends one message and waits for the reply.
 //!
-//! In: an address, headers, a body. Out: status, wait and body without any key; or a [`TransportError`]. A message
-//! is sent once: no redirect is followed, nothing is retried. An interrupt ends the wait at once.
+//! In: an address, headers, a body. Out: status, some headers and body without any key; or a [`TransportError`]. A
+//! message is sent once: no redirect is followed, nothing is retried. An interrupt ends the wait at once.
 
+use super::BaseUrl;
 use super::INTERRUPT_POLL;
 use super::hints;
 use super::redact::Redactor;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Fault};
-use reqwest::header::HeaderMap;
-use reqwest::{Client, Url};
+use reqwest::header::{CONTENT_TYPE, HeaderMap, LOCATION};
+use reqwest::{Client, RequestBuilder, Url};
+use rustls::CertificateError;
 use std::error::Error;
 use std::future::Future;
+use std::io;
 use std::sync::LazyLock;
 use std::time::{Duration, SystemTime};
 use tokio::runtime::{Builder, Runtime};
 
 /// Time limit for connecting.
-const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
+pub(super) const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// The largest reply accepted, bytes.
-const MAX_REPLY_BYTES: usize = 16 * 1024 * 1024;
+pub(super) const MAX_REPLY_BYTES: usize = 16 * 1024 * 1024;
+
+/// The UTF-8 byte order mark, which readers of JSON may ignore (RFC 8259, section 8.1).
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// The async runtime of the whole process; calls block their own threads.
 static RUNTIME: LazyLock<Result<Runtime, String>> = LazyLock::new(|| {
@@ -44,9 +50,12 @@ pub(super) struct Transport {
 /// A reply.
 pub(super) struct Incoming {
     pub status: u16,
+    pub content_type: Option<String>,
+    /// Where a redirect leads.
+    pub location: Option<String>,
     /// The wait that the headers ask for.
     pub wait: Option<Duration>,
-    /// The body, without any key.
+    /// The body, without any key and without a byte order mark.
     pub body: Vec<u8>,
 }
 
@@ -55,11 +64,108 @@ pub(super) enum TransportError {
     /// The user stopped it.
     Interrupted,
     /// Something failed.
-    Failed {
-        fault: Fault,
-        billing: Billing,
-        why: String,
-    },
+    Failed(NoReply),
+}
+
+/// What failed, and the system's words for it.
+pub(super) struct NoReply {
+    pub obstacle: Obstacle,
+    pub words: String,
+}
+
+/// What prevented a reply.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Obstacle {
+    /// Nothing listens at the port.
+    Refused,
+    /// The host's name cannot be resolved.
+    UnknownHost,
+    /// The network has no way there.
+    Unrouted,
+    /// The connection was not accepted in time.
+    ConnectTimeout,
+    /// The certificate is signed by nobody that this machine trusts.
+    UntrustedCertificate,
+    /// The certificate is not valid now.
+    ExpiredCertificate,
+    /// The certificate is for another name.
+    CertificateOfAnotherName,
+    /// The server answers TLS with something else.
+    NoTls,
+    /// TLS failed in another way.
+    Tls,
+    /// The connection could not be made for another reason.
+    Unconnected,
+    /// The reply was not complete in time.
+    Timeout,
+    /// What came is not HTTP.
+    NoHttp,
+    /// The connection ended before the reply did.
+    Cut,
+    /// The reply is longer than the limit.
+    TooLong,
+}
+
+impl Obstacle {
+    /// Returns the fault, and whether the call may be billed.
+    pub(super) fn fault(self) -> (Fault, Billing) {
+        match self {
+            Obstacle::Timeout => (Fault::TimedOut, Billing::Possibly),
+            Obstacle::NoHttp | Obstacle::Cut => (Fault::ConnectionCut, Billing::Possibly),
+            Obstacle::TooLong => (Fault::InvalidReply, Billing::Possibly),
+            _ => (Fault::Unreachable, Billing::No),
+        }
+    }
+
+    fn of(error: &reqwest::Error) -> Obstacle {
+        let causes = std::iter::successors(error.source(), |&cause| cause.source());
+        let io: Vec<&io::Error> = causes.filter_map(|cause| cause.downcast_ref()).collect();
+        let kind = |kind| io.iter().any(|error| error.kind() == kind);
+        let tls = io
+            .iter()
+            .find_map(|error| innermost(error).get_ref()?.downcast_ref::<rustls::Error>());
+        let is_connect = error.is_connect() || error.is_builder();
+        if let Some(tls) = tls {
+            Obstacle::of_tls(tls)
+        } else if error.is_dns() {
+            Obstacle::UnknownHost
+        } else if error.is_timeout() {
+            match is_connect {
+                true => Obstacle::ConnectTimeout,
+                false => Obstacle::Timeout,
+            }
+        } else if is_connect && kind(io::ErrorKind::ConnectionRefused) {
+            Obstacle::Refused
+        } else if kind(io::ErrorKind::NetworkUnreachable) || kind(io::ErrorKind::HostUnreachable) {
+            Obstacle::Unrouted
+        } else if is_connect {
+            Obstacle::Unconnected
+        } else if chain(error).contains("invalid HTTP") {
+            Obstacle::NoHttp
+        } else {
+            Obstacle::Cut
+        }
+    }
+
+    fn of_tls(error: &rustls::Error) -> Obstacle {
+        use CertificateError::{
+            Expired, ExpiredContext, NotValidForName, NotValidForNameContext, NotValidYet,
+            NotValidYetContext,
+        };
+        match error {
+            rustls::Error::InvalidCertificate(why) => match why {
+                Expired | ExpiredContext { .. } | NotValidYet | NotValidYetContext { .. } => {
+                    Obstacle::ExpiredCertificate
+                }
+                NotValidForName | NotValidForNameContext { .. } => {
+                    Obstacle::CertificateOfAnotherName
+                }
+                _ => Obstacle::UntrustedCertificate,
+            },
+            rustls::Error::InvalidMessage(_) => Obstacle::NoTls,
+            _ => Obstacle::Tls,
+        }
+    }
 }
 
 /// Whether the system's proxy is used.
@@ -67,6 +173,42 @@ pub(super) enum TransportError {
 pub(super) enum Proxy {
     OfTheSystem,
     None,
+}
+
+impl Proxy {
+    /// Returns the proxy for a base URL; this computer is contacted without one.
+    pub(super) fn to(base_url: &BaseUrl) -> Proxy {
+        match base_url.is_loopback() {
+            true => Proxy::None,
+            false => Proxy::OfTheSystem,
+        }
+    }
+
+    /// Returns the variable that names the proxy for an address, by the rules that most clients share.
+    pub(super) fn variable(self, url: &Url) -> Option<String> {
+        let set = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
+        let either = |name: &str| {
+            let names = [name.to_owned(), name.to_lowercase()];
+            names.into_iter().find(|name| set(name).is_some())
+        };
+        let host = url.host_str().unwrap_or_default();
+        let exempt = set("NO_PROXY").or_else(|| set("no_proxy"));
+        let is_exempt = exempt.is_some_and(|list| {
+            let mut entries = list
+                .split(',')
+                .map(|entry| entry.trim().trim_start_matches('.'));
+            entries.any(|entry| {
+                entry == "*"
+                    || host
+                        .strip_suffix(entry)
+                        .is_some_and(|rest| rest.is_empty() || rest.ends_with('.'))
+            })
+        });
+        if self == Proxy::None || is_exempt {
+            return None;
+        }
+        either(&format!("{}_PROXY", url.scheme().to_uppercase())).or_else(|| either("ALL_PROXY"))
+    }
 }
 
 impl Transport {
@@ -92,7 +234,7 @@ impl Transport {
         };
         let client = builder
             .build()
-            .map_err(|error| chain(error.without_url()))?;
+            .map_err(|error| chain(&error.without_url()))?;
         Ok(Transport {
             client,
             runtime,
@@ -114,62 +256,87 @@ impl Transport {
         body: &[u8],
         interrupt: &Interrupt,
     ) -> Result<Incoming, TransportError> {
-        let exchange = self.exchange(url, headers, body);
+        let request = self.client.post(url.clone()).headers(headers.clone());
+        self.send(request.body(body.to_vec()), MAX_REPLY_BYTES, interrupt)
+    }
+
+    /// Asks for something short: the reply may have at most `max_bytes`, and take at most `timeout`.
+    pub(super) fn get(
+        &self,
+        url: &Url,
+        headers: &HeaderMap,
+        (max_bytes, timeout): (usize, Duration),
+        interrupt: &Interrupt,
+    ) -> Result<Incoming, TransportError> {
+        let request = self.client.get(url.clone()).headers(headers.clone());
+        let timeout = timeout.min(self.timeout);
+        self.send(request.timeout(timeout), max_bytes, interrupt)
+    }
+
+    fn send(
+        &self,
+        request: RequestBuilder,
+        max_bytes: usize,
+        interrupt: &Interrupt,
+    ) -> Result<Incoming, TransportError> {
+        let exchange = self.exchange(request, max_bytes);
         let whole = self.runtime.block_on(unless_raised(exchange, interrupt));
-        whole.unwrap_or(Err(TransportError::Interrupted))
+        let whole = whole.ok_or(TransportError::Interrupted)?;
+        whole.map_err(TransportError::Failed)
     }
 
     async fn exchange(
         &self,
-        url: &Url,
-        headers: &HeaderMap,
-        body: &[u8],
-    ) -> Result<Incoming, TransportError> {
-        let request = self.client.post(url.clone()).headers(headers.clone());
-        let sent = request.body(body.to_vec()).send().await;
+        request: RequestBuilder,
+        max_bytes: usize,
+    ) -> Result<Incoming, NoReply> {
+        let sent = request.send().await;
         let mut response = sent.map_err(|error| self.failed(error))?;
         let status = response.status().as_u16();
         let wait = hints::wait(response.headers(), SystemTime::now());
+        let header = |name| {
+            let value = response.headers().get(name)?.to_str().ok()?;
+            Some(self.redactor.text(value))
+        };
+        let content_type = header(CONTENT_TYPE);
+        let location = header(LOCATION);
         let mut body = Vec::new();
         while let Some(chunk) = response.chunk().await.map_err(|error| self.failed(error))? {
             body.extend_from_slice(&chunk);
-            if body.len() > MAX_REPLY_BYTES {
-                return Err(TransportError::Failed {
-                    fault: Fault::InvalidReply,
-                    billing: Billing::Possibly,
-                    why: format!("the reply is longer than the limit of {MAX_REPLY_BYTES} bytes"),
+            if body.len() > max_bytes {
+                return Err(NoReply {
+                    obstacle: Obstacle::TooLong,
+                    words: format!("more than {max_bytes} bytes"),
                 });
             }
         }
+        let body = body.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&body);
         Ok(Incoming {
             status,
+            content_type,
+            location,
             wait,
-            body: self.redactor.body(&body),
+            body: self.redactor.body(body),
         })
     }
 
-    fn failed(&self, error: reqwest::Error) -> TransportError {
-        let (fault, billing) = if error.is_connect() || error.is_builder() {
-            (Fault::Unreachable, Billing::No)
-        } else if error.is_timeout() {
-            (Fault::TimedOut, Billing::Possibly)
-        } else {
-            (Fault::ConnectionCut, Billing::Possibly)
-        };
-        let why = self.redactor.text(&chain(error.without_url()));
-        let why = match fault {
-            Fault::TimedOut => format!(
-                "no complete reply within {:.1} s: {why}",
-                self.timeout.as_secs_f64()
-            ),
-            _ => why,
-        };
-        TransportError::Failed {
-            fault,
-            billing,
-            why,
+    fn failed(&self, error: reqwest::Error) -> NoReply {
+        NoReply {
+            obstacle: Obstacle::of(&error),
+            words: self.redactor.text(&chain(&error.without_url())),
         }
     }
+}
+
+/// Returns the innermost of I/O errors within each other.
+///
+/// An I/O error's `source` is that of the error inside it, not the error inside.
+fn innermost(error: &io::Error) -> &io::Error {
+    let mut error = error;
+    while let Some(inner) = error.get_ref().and_then(|inner| inner.downcast_ref()) {
+        error = inner;
+    }
+    error
 }
 
 /// Waits for a result; `None` as soon as the interrupt is raised.
@@ -186,7 +353,7 @@ async fn unless_raised<F: Future>(future: F, interrupt: &Interrupt) -> Option<F:
 }
 
 /// Formats an error with its causes, outermost first.
-fn chain(error: reqwest::Error) -> String {
+fn chain(error: &reqwest::Error) -> String {
     let mut words = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {

@@ -5,6 +5,7 @@
 mod answer_cache;
 mod caps;
 mod connections;
+mod failure_messages;
 mod faults;
 mod hidden_reasoning;
 mod interrupts;

@@ -1,7 +1,7 @@
 //! A scripted provider, and test doubles that record reports and waits.
 
 use axum::body::{Body, Bytes};
-use axum::http::{self, HeaderMap, Uri};
+use axum::http::{self, HeaderMap, Method, Uri};
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usage, Usd};
 use fab_model::{Message, ModelRole, Request, Speaker};
@@ -67,7 +67,11 @@ impl Provider {
             .unwrap();
         let received: Arc<Mutex<Vec<Received>>> = Arc::default();
         let record = received.clone();
-        let answer = move |uri: Uri, headers: HeaderMap, body: Bytes| async move {
+        let answer = move |method: Method, uri: Uri, headers: HeaderMap, body: Bytes| async move {
+            // Failures are explained with the list of models, which no answer depends on.
+            if method == Method::GET {
+                return http::Response::new(Body::from(r#"{"data":[{"id":"a-model"}]}"#));
+            }
             let number = {
                 let mut record = record.lock().unwrap();
                 record.push(Received {
@@ -102,7 +106,7 @@ impl Provider {
         self.url.clone()
     }
 
-    /// Returns every request received, oldest first.
+    /// Returns every question received, oldest first.
     pub fn received(&self) -> Vec<Received> {
         self.received.lock().unwrap().clone()
     }

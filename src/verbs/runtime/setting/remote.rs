@@ -79,7 +79,9 @@ impl Providers {
                 profile.provider.name
             )));
         };
-        let address = BaseUrl::parse(address).map_err(|error| Failure::usage(error.to_string()))?;
+        // The message may repeat the URL, which must not show a key that was pasted into it.
+        let address = BaseUrl::parse(address)
+            .map_err(|error| Failure::usage(Redactor::of(&self.keys).text(&error.to_string())))?;
         let arguments = &self.arguments;
         let key = match purpose {
             Purpose::Asking => self.key_of(profile)?,
@@ -172,7 +174,7 @@ impl Providers {
 }
 
 /// Finds the first of the named keys, in the environment or else in the file of keys.
-fn key(names: &[String], io: &Io) -> Result<Option<Key>, Failure> {
+pub fn key(names: &[String], io: &Io) -> Result<Option<Key>, Failure> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let file = catalogue::keys_file(io).filter(UserFile::counts);
     let path = file.as_ref().map(|file| file.path.as_path());

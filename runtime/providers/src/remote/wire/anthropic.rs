@@ -81,13 +81,16 @@ enum Format<'a> {
     JsonSchema { schema: &'a Value },
 }
 
+/// The version that accepts sampling parameters; it also lists models.
+pub(super) const OLDER_VERSION: &str = "2023-06-01";
+
 /// Returns the API version that supports the request's settings.
 ///
 /// The current version has no sampling parameters and answers 400 to them; the previous one accepts them for models
 /// that still have them.
 pub(super) fn version(stated: &SentSettings<'_>) -> &'static str {
     if stated.temperature.is_some() || stated.top_p.is_some() {
-        "2023-06-01"
+        OLDER_VERSION
     } else {
         "2026-10-21"
     }

@@ -4,6 +4,7 @@
 //! a message, and how long to wait if the provider says so.
 
 use super::Failure;
+use fab_base::shown::shown;
 use fab_model::calls::{Fault, Usage};
 use serde_json::Value;
 use std::time::Duration;
@@ -11,43 +12,68 @@ use std::time::Duration;
 /// The longest provider message that is repeated, characters.
 const MAX_MESSAGE: usize = 400;
 
+/// The longest identifier that is repeated, characters.
+const MAX_NAME: usize = 60;
+
+/// How much of a body is searched for words, bytes.
+const MAX_SEARCHED: usize = 16 * 1024;
+
 /// A provider's error.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::remote) struct ErrorBody {
-    message: String,
+    /// Its message on one line; empty if it has none, or is not JSON.
+    pub(in crate::remote) message: String,
+    /// Its whole message, or a body that is not JSON; lower case.
+    said: String,
+    /// The beginning of the body, lower case.
+    text: String,
     /// All its identifiers: types, codes, reasons, quotas; lower case.
     names: Vec<String>,
     /// A numeric code, meant as an HTTP status.
     code: Option<u16>,
+    /// The parameter that it objects to.
+    pub(in crate::remote) parameter: Option<String>,
     /// The longest wait that it asks for.
     pub(in crate::remote) wait: Option<Duration>,
 }
 
 impl ErrorBody {
-    /// Reads a whole body; if it is not JSON, it is taken as a message.
+    /// Reads a whole body; if it is not JSON, only its text is searched.
     pub(in crate::remote) fn of_bytes(bytes: &[u8]) -> ErrorBody {
-        match serde_json::from_slice::<Value>(bytes) {
-            Ok(value) => {
-                let first = value.get(0).unwrap_or(&value);
-                ErrorBody::of(first.get("error").unwrap_or(first))
-            }
-            Err(_) => ErrorBody {
-                message: shortened(&String::from_utf8_lossy(bytes)),
-                names: Vec::new(),
-                code: None,
-                wait: None,
-            },
+        let searched = &bytes[..bytes.len().min(MAX_SEARCHED)];
+        let text = String::from_utf8_lossy(searched).to_lowercase();
+        let Ok(value) = serde_json::from_slice::<Value>(bytes) else {
+            return ErrorBody {
+                said: text.clone(),
+                text,
+                ..ErrorBody::default()
+            };
+        };
+        let first = value.get(0).unwrap_or(&value);
+        let error = ["error", "detail"].iter().find_map(|name| first.get(name));
+        ErrorBody {
+            text,
+            ..ErrorBody::of(error.unwrap_or(first))
         }
     }
 
     /// Reads the value of `error`.
     pub(in crate::remote) fn of(error: &Value) -> ErrorBody {
-        let message = error["message"].as_str().or(error.as_str());
+        // FastAPI lists what it finds wrong with a request.
+        let message = |value: &Value| {
+            let text = value["message"].as_str().or(value["msg"].as_str());
+            text.or(value.as_str()).map(str::to_owned)
+        };
+        let message = message(error)
+            .or_else(|| message(error.get(0)?))
+            .unwrap_or_default();
+        let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
         let mut body = ErrorBody {
-            message: shortened(message.unwrap_or_default()),
-            names: Vec::new(),
+            said: message.to_lowercase(),
+            message: shown(&message, MAX_MESSAGE),
             code: code(&error["code"]),
-            wait: None,
+            parameter: error["param"].as_str().map(|name| shown(name, MAX_NAME)),
+            ..ErrorBody::default()
         };
         body.take_names(error);
         for detail in error["details"].as_array().into_iter().flatten() {
@@ -72,20 +98,24 @@ impl ErrorBody {
         }
     }
 
-    /// Returns the message to repeat.
-    pub(in crate::remote) fn words(&self) -> String {
+    /// Returns whether the body contains one of the parts, which are lower case.
+    pub(in crate::remote) fn says(&self, parts: &[&str]) -> bool {
+        parts.iter().any(|part| self.text.contains(part))
+    }
+
+    /// Returns the message, or else an identifier.
+    fn words(&self) -> String {
         match (self.message.is_empty(), self.names.first()) {
             (false, _) => self.message.clone(),
-            (true, Some(name)) => name.clone(),
-            (true, None) => "it does not say why".to_owned(),
+            (true, Some(name)) => format!("an error named `{}`", shown(name, MAX_NAME)),
+            (true, None) => "an error without a message".to_owned(),
         }
     }
 
     /// Returns the fault, if it is more specific than the HTTP status.
     pub(in crate::remote) fn fault(&self) -> Option<Fault> {
         let named = |part: &str| self.names.iter().any(|name| name.contains(part));
-        let said = self.message.to_lowercase();
-        let says = |part: &str| said.contains(part);
+        let says = |part: &str| self.said.contains(part);
         let is_limit = named("rate_limit") || named("resource_exhausted");
         let is_spent = named("insufficient_quota")
             || named("billing")
@@ -139,14 +169,4 @@ fn code(value: &Value) -> Option<u16> {
         Value::String(text) => text.parse().ok(),
         _ => None,
     }
-}
-
-/// Returns a text on one line, shortened for an error message.
-fn shortened(text: &str) -> String {
-    let mut words = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    if let Some((end, _)) = words.char_indices().nth(MAX_MESSAGE) {
-        words.truncate(end);
-        words.push('…');
-    }
-    words
 }

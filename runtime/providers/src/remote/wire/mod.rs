@@ -18,6 +18,7 @@ use fab_model::calls::{Fault, Usage};
 use fab_model::{Reasoning, Request};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
+use serde_json::error::Category;
 
 /// The longest name of an answer's end that is repeated, characters.
 const MAX_REASON: usize = 60;
@@ -121,6 +122,14 @@ impl Wire {
         }
     }
 
+    /// Returns the header that a call without a question needs.
+    pub(super) fn version_header(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Wire::Anthropic => Some(("anthropic-version", anthropic::OLDER_VERSION)),
+            _ => None,
+        }
+    }
+
     /// Returns the version segment for addresses whose base URL names none.
     pub(super) fn version_segment(self) -> &'static str {
         match self {
@@ -211,9 +220,14 @@ impl Failure {
     fn invalid(error: &serde_json::Error) -> Failure {
         // The parser's own message may quote its input at any length.
         let (line, column) = (error.line(), error.column());
-        let why = format!(
-            "the reply is not what the interface promises, at line {line}, column {column}"
-        );
+        let why = match error.classify() {
+            Category::Data => format!(
+                "the reply has another form than the interface promises, at line {line}, column {column}"
+            ),
+            Category::Eof if column == 0 => "the reply is empty".to_owned(),
+            Category::Eof => "the reply is not complete JSON".to_owned(),
+            _ => "the reply is not JSON".to_owned(),
+        };
         Failure::new(Fault::InvalidReply, why, None)
     }
 }

@@ -1,0 +1,158 @@
+//! Tests of the table of causes, with those that cannot be played without another machine.
+
+use super::*;
+use crate::remote::BaseUrl;
+use crate::remote::exchange::{Came, Sent};
+use crate::remote::transport::{Incoming, NoReply};
+use std::time::Duration;
+
+fn sent(base_url: &str, proxy: Option<&str>) -> Sent {
+    let base_url = BaseUrl::parse(base_url).expect("a base URL");
+    Sent {
+        url: base_url.endpoint(Wire::OpenaiChat, "a-model"),
+        base_url,
+        wire: Wire::OpenaiChat,
+        provider: "vllm".to_owned(),
+        model: "a-model".to_owned(),
+        key_names: vec!["FABC_VLLM_KEY".to_owned()],
+        key: None,
+        start: Some("vllm serve MODEL".to_owned()),
+        timeout: Duration::from_secs(300),
+        proxy: proxy.map(str::to_owned),
+    }
+}
+
+fn message(sent: &Sent, came: &Came, fault: Fault) -> String {
+    let exchange = Exchange {
+        sent,
+        came,
+        fault,
+        served: None,
+        omit: None,
+    };
+    let message = exchange.message();
+    format!("{}{}", message.headline, message.details)
+}
+
+#[test]
+fn each_way_to_miss_another_machine_says_what_to_do() {
+    let proxy = Some("HTTPS_PROXY");
+    for (name, base, proxy, obstacle, words) in [
+        (
+            "another_machine_refuses",
+            "http://10.0.0.5:8000/v1",
+            None,
+            Obstacle::Refused,
+            "Connection refused (os error 111)",
+        ),
+        (
+            "unknown_host",
+            "https://api.opnai.com/v1",
+            None,
+            Obstacle::UnknownHost,
+            "dns error: Name or service not known",
+        ),
+        (
+            "unrouted",
+            "http://10.0.0.5:8000/v1",
+            None,
+            Obstacle::Unrouted,
+            "Network is unreachable (os error 101)",
+        ),
+        (
+            "connect_timeout",
+            "http://10.0.0.5:8000/v1",
+            None,
+            Obstacle::ConnectTimeout,
+            "operation timed out",
+        ),
+        (
+            "certificate_of_another_name",
+            "https://gpu-box/v1",
+            None,
+            Obstacle::CertificateOfAnotherName,
+            "certificate not valid for name",
+        ),
+        (
+            "no_common_tls",
+            "https://gpu-box/v1",
+            None,
+            Obstacle::Tls,
+            "peer is incompatible",
+        ),
+        (
+            "too_long",
+            "http://10.0.0.5:8000/v1",
+            None,
+            Obstacle::TooLong,
+            "more than 16777216 bytes",
+        ),
+        (
+            "proxy_that_is_not_there",
+            "https://api.openai.com/v1",
+            proxy,
+            Obstacle::Refused,
+            "Connection refused (os error 111)",
+        ),
+        (
+            "proxy_that_is_not_used",
+            "http://127.0.0.1:8000/v1",
+            None,
+            Obstacle::Refused,
+            "Connection refused (os error 111)",
+        ),
+        (
+            "proxy_that_does_not_pass_it_on",
+            "https://api.openai.com/v1",
+            proxy,
+            Obstacle::Unconnected,
+            "tunnel error: unsuccessful",
+        ),
+    ] {
+        let came = Came::Nothing(NoReply {
+            obstacle,
+            words: words.to_owned(),
+        });
+        let (fault, _) = obstacle.fault();
+        insta::assert_snapshot!(name, message(&sent(base, proxy), &came, fault));
+    }
+}
+
+#[test]
+fn a_proxy_that_wants_a_login_is_named() {
+    let incoming = Incoming {
+        status: 407,
+        content_type: Some("text/html".to_owned()),
+        location: None,
+        wait: None,
+        body: b"<html>Proxy Authentication Required</html>".to_vec(),
+    };
+    let sent = sent("http://models.example/v1", Some("http_proxy"));
+    let came = Came::reply(incoming, None);
+    insta::assert_snapshot!(
+        "proxy_that_wants_a_login",
+        message(&sent, &came, Fault::BadRequest)
+    );
+}
+
+#[test]
+fn every_sentence_has_only_known_fields() {
+    let sent = sent("http://10.0.0.5:8000/v1", None);
+    let came = Came::Nothing(NoReply {
+        obstacle: Obstacle::Cut,
+        words: String::new(),
+    });
+    let exchange = Exchange {
+        sent: &sent,
+        came: &came,
+        fault: Fault::ConnectionCut,
+        served: None,
+        omit: None,
+    };
+    for row in CAUSES {
+        for sentence in [row.cause, row.help] {
+            let filled = filled(sentence, &exchange);
+            assert!(!filled.contains(['{', '}']), "{filled}");
+        }
+    }
+}

@@ -1,0 +1,461 @@
+//! What each failure says: a scripted server plays it, and the message is a snapshot.
+//!
+//! A case is a row of [`replies`], of [`servers`], or of [`connections`]; its snapshot is named after it. Ports are written as `PORT`.
+
+use crate::support::*;
+use fab_model::{Model, ModelError};
+use fab_providers::remote::{BaseUrl, Key, NotListed, Wire, served_models};
+use rustls::pki_types::{CertificateDer, PrivateKeyDer};
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+/// A failure that a server plays.
+struct Case {
+    name: &'static str,
+    /// The reply to a question, from the status line.
+    reply: Vec<u8>,
+    /// The body of the reply to `GET /models`; without one, the server has no such path.
+    models: Option<&'static str>,
+    wire: Wire,
+    /// The names that a key is looked for under, and whether the first one is set.
+    keys: (&'static [&'static str], KeySent),
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum KeySent {
+    Yes,
+    No,
+}
+
+const A_MODEL: &str = r#"{"object":"list","data":[{"id":"a-model"}]}"#;
+
+/// Makes a case: the reply's status with its reason, content type and body.
+fn case(name: &'static str, status: &str, kind: &str, body: impl AsRef<[u8]>) -> Case {
+    let body = body.as_ref();
+    let kind = match kind {
+        "" => String::new(),
+        "json" => "content-type: application/json\r\n".to_owned(),
+        "html" => "content-type: text/html\r\n".to_owned(),
+        kind => format!("content-type: {kind}\r\n"),
+    };
+    let head = format!(
+        "HTTP/1.1 {status}\r\n{kind}content-length: {}\r\nconnection: close\r\n\r\n",
+        body.len()
+    );
+    Case {
+        name,
+        reply: [head.as_bytes(), body].concat(),
+        models: None,
+        wire: Wire::OpenaiChat,
+        keys: (&["A_KEY"], KeySent::Yes),
+    }
+}
+
+impl Case {
+    fn lists(self, models: &'static str) -> Case {
+        Case {
+            models: Some(models),
+            ..self
+        }
+    }
+
+    fn wire(self, wire: Wire) -> Case {
+        Case { wire, ..self }
+    }
+
+    fn keys(self, names: &'static [&'static str], sent: KeySent) -> Case {
+        Case {
+            keys: (names, sent),
+            ..self
+        }
+    }
+
+    fn header(mut self, line: &str) -> Case {
+        let at = self.reply.windows(2).position(|pair| pair == b"\r\n");
+        let at = at.unwrap() + 2;
+        self.reply
+            .splice(at..at, format!("{line}\r\n").into_bytes());
+        self
+    }
+}
+
+/// Replies, from the general text of the protocol to single servers.
+fn replies() -> Vec<Case> {
+    let utf16: Vec<u8> = "\u{feff}{\"choices\":[]}"
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let nginx = |reason: &str| {
+        format!(
+            "<html>\r\n<head><title>{reason}</title></head>\r\n<body>\r\n<center><h1>{reason}</h1></center>\r\n<hr><center>nginx/1.26.3</center>\r\n</body>\r\n</html>\r\n"
+        )
+    };
+    let chat = |message: &str, end: &str| {
+        format!(
+            r#"{{"object":"chat.completion","choices":[{{"index":0,"message":{message},"finish_reason":"{end}"}}],"usage":{{"prompt_tokens":412,"completion_tokens":64}}}}"#
+        )
+    };
+    let said = |text: &str| format!(r#"{{"role":"assistant","content":"{text}"}}"#);
+    vec![
+        // Keys.
+        case("401_without_a_key", "401 Unauthorized", "json", r#"{"error":"Unauthorized"}"#)
+            .keys(&["FABC_VLLM_KEY"], KeySent::No),
+        case("401_without_a_key_of_two_names", "401 Unauthorized", "json", r#"{"error":{"message":"missing key"}}"#)
+            .keys(&["GOOGLE_API_KEY", "GEMINI_API_KEY"], KeySent::No)
+            .wire(Wire::Gemini),
+        case("401_with_a_wrong_key", "401 Unauthorized", "json", format!(r#"{{"error":{{"message":"Incorrect API key provided: {CANARY}. You can find your API key in your account.","type":"invalid_request_error","param":null,"code":"invalid_api_key"}}}}"#))
+            .keys(&["OPENAI_API_KEY"], KeySent::Yes)
+            .wire(Wire::OpenaiResponses),
+        case("400_with_a_wrong_key_of_two_names", "400 Bad Request", "json", r#"{"error":{"code":400,"message":"API key not valid. Please pass a valid API key.","status":"INVALID_ARGUMENT","details":[{"reason":"API_KEY_INVALID"}]}}"#)
+            .keys(&["GOOGLE_API_KEY", "GEMINI_API_KEY"], KeySent::Yes)
+            .wire(Wire::Gemini),
+        case("403_without_the_right", "403 Forbidden", "json", r#"{"error":{"message":"You have insufficient permissions for this operation.","type":"permission_error"}}"#),
+        case("403_not_for_this_model", "403 Forbidden", "json", r#"{"error":{"message":"key not allowed to access model. This key can only access models=['small']. Tried to access a-model","type":"key_model_access_denied","param":"model","code":"403"}}"#),
+        case("403_from_a_country_that_is_not_served", "403 Forbidden", "json", r#"{"error":{"code":"unsupported_country_region_territory","message":"Country, region, or territory not supported"}}"#),
+        case("403_from_a_firewall", "403 Forbidden", "html", nginx("403 Forbidden")),
+        // Money and limits.
+        case("402_without_credit", "402 Payment Required", "json", r#"{"error":{"message":"Insufficient credits","code":402}}"#),
+        case("429_too_many_calls", "429 Too Many Requests", "json", r#"{"error":{"message":"Rate limit reached for a-model: Limit 3, Used 3, Requested 1.","type":"requests","code":"rate_limit_exceeded"}}"#),
+        case("429_quota_used_up", "429 Too Many Requests", "json", r#"{"error":{"message":"You exceeded your current quota, please check your plan and billing details.","type":"insufficient_quota","code":"insufficient_quota"}}"#),
+        // The model.
+        case("404_model_not_served", "404 Not Found", "json", r#"{"error":{"message":"The model `a-model` does not exist.","type":"NotFoundError","param":"model","code":404}}"#)
+            .lists(r#"{"object":"list","data":[{"id":"Qwen/Qwen3-VL-8B-Instruct"},{"id":"my-lora"}]}"#),
+        case("404_one_of_many_models_not_served", "404 Not Found", "json", r#"{"error":{"message":"no such model: a-model"}}"#)
+            .lists(r#"{"data":[{"id":"m1"},{"id":"m2"},{"id":"m3"},{"id":"m4"},{"id":"m5"},{"id":"m6"},{"id":"m7"},{"id":"m8"},{"id":"m9"},{"id":"m10"},{"id":"m11"},{"id":"m12"},{"id":"m13"},{"id":"m14"}]}"#),
+        case("400_model_not_served", "400 Bad Request", "json", r#"{"error":{"message":"Invalid model name passed in model=a-model. Call `/v1/models` to view available models for your key.","type":"invalid_request_error","param":null,"code":"400"}}"#)
+            .lists(r#"{"data":[{"id":"geometric"}]}"#),
+        case("404_no_model_loaded", "404 Not Found", "json", r#"{"error":{"message":"model 'a-model' not found","type":"not_found_error","param":null,"code":null}}"#)
+            .lists(r#"{"object":"list","data":null}"#),
+        case("404_model_missing_and_no_list", "404 Not Found", "json", r#"{"type":"error","error":{"type":"not_found_error","message":"model: a-model not found"}}"#)
+            .wire(Wire::Anthropic),
+        case("404_model_listed_and_not_usable", "404 Not Found", "json", r#"{"error":{"message":"Model a-model not found for this endpoint"}}"#)
+            .lists(A_MODEL),
+        // The address.
+        case("404_no_interface", "404 Not Found", "html", nginx("404 Not Found")),
+        case("404_wrong_path_in_json", "404 Not Found", "json", r#"{"detail":"Not Found"}"#),
+        case("404_without_a_responses_interface", "404 Not Found", "text/plain", "404 page not found")
+            .lists(A_MODEL)
+            .wire(Wire::OpenaiResponses),
+        case("404_without_this_interface", "404 Not Found", "json", r#"{"detail":"Not Found"}"#)
+            .lists(A_MODEL)
+            .wire(Wire::Anthropic),
+        case("405_no_posts", "405 Method Not Allowed", "json", r#"{"detail":"Method Not Allowed"}"#),
+        case("307_to_another_host", "307 Temporary Redirect", "", "")
+            .header("location: https://me:canary-pass@models.example/v1/chat/completions?token=canary-token"),
+        case("302_to_a_login_page", "302 Found", "html", "")
+            .header("location: /login?next=%2Fv1"),
+        case("301_without_a_place", "301 Moved Permanently", "", ""),
+        case("200_login_page", "200 OK", "text/html; charset=utf-8", "<!DOCTYPE html>\n<html><head><title>Sign in</title></head><body>Welcome to the guest network</body></html>"),
+        case("400_http_sent_to_https", "400 Bad Request", "html", "<html>\r\n<head><title>400 The plain HTTP request was sent to HTTPS port</title></head></html>"),
+        case("200_another_service", "200 OK", "text/plain", "OK"),
+        case("200_list_of_models", "200 OK", "json", A_MODEL),
+        case("200_ollamas_own_interface", "200 OK", "json", r#"{"model":"a-model","created_at":"2026-11-20T10:00:00Z","message":{"role":"assistant","content":"fold"},"done":true}"#),
+        case("200_chat_where_responses_were_asked", "200 OK", "json", chat(&said("fold"), "stop"))
+            .wire(Wire::OpenaiResponses),
+        // The question.
+        case("413_too_long", "413 Request Entity Too Large", "html", nginx("413 Request Entity Too Large")),
+        case("400_longer_than_the_context", "400 Bad Request", "json", r#"{"error":{"message":"This model's maximum context length is 4096 tokens. However, you requested 5120 tokens (4096 in the messages, 1024 in the completion).","type":"BadRequestError","param":null,"code":400}}"#),
+        case("400_no_pictures", "400 Bad Request", "json", r#"{"error":{"message":"At most 0 image(s) may be provided in one prompt.","type":"BadRequestError","param":"image","code":400}}"#),
+        case("500_no_projector", "500 Internal Server Error", "json", r#"{"error":{"code":500,"message":"image input is not supported - hint: if this is unexpected, you may need to provide the mmproj","type":"server_error"}}"#),
+        case("400_parameter_refused", "400 Bad Request", "json", r#"{"error":{"message":"Unsupported value: 'temperature' does not support 0.2 with this model. Only the default (1) value is supported.","type":"invalid_request_error","param":"temperature","code":"unsupported_value"}}"#),
+        case("422_list_of_what_is_wrong", "422 Unprocessable Entity", "json", r#"{"detail":[{"type":"missing","loc":["body","messages"],"msg":"Field required"}]}"#),
+        case("400_filtered", "400 Bad Request", "json", r#"{"error":{"code":"content_policy_violation","message":"Your request was rejected by our safety system"}}"#),
+        case("400_with_control_characters", "400 Bad Request", "text/plain", "bad\x1b[2J request\x07 \u{202e}kcab\r\n\tat line 1"),
+        case("400_without_a_word", "400 Bad Request", "", ""),
+        // The server.
+        case("408_gateway_waited", "408 Request Timeout", "", ""),
+        case("500_failed", "500 Internal Server Error", "text/plain", "Internal Server Error"),
+        case("500_out_of_memory", "500 Internal Server Error", "json", r#"{"error":{"message":"CUDA out of memory. Tried to allocate 2.00 GiB","type":"InternalServerError","code":500}}"#),
+        case("502_bad_gateway", "502 Bad Gateway", "html", nginx("502 Bad Gateway")),
+        case("503_loading", "503 Service Unavailable", "json", r#"{"error":{"code":503,"message":"Loading model","type":"unavailable_error"}}"#),
+        case("503_overloaded", "503 Service Unavailable", "json", r#"{"error":{"message":"The server is busy","type":"server_error"}}"#),
+        case("504_gateway_waited", "504 Gateway Timeout", "text/plain", "upstream request timeout"),
+        case("529_overloaded", "529 ", "json", r#"{"type":"error","error":{"type":"overloaded_error","message":"Overloaded"}}"#)
+            .wire(Wire::Anthropic),
+        case("200_with_an_error_in_it", "200 OK", "json", r#"{"error":{"message":"Upstream error from provider","code":502}}"#),
+        // What is no answer.
+        case("200_stream", "200 OK", "text/event-stream", "data: {\"choices\":[{\"delta\":{\"content\":\"fo\"}}]}\n\ndata: [DONE]\n\n"),
+        case("200_stream_of_ollama", "200 OK", "application/x-ndjson", "{\"message\":{\"content\":\"fo\"},\"done\":false}\n{\"message\":{\"content\":\"ld\"},\"done\":true}\n"),
+        case("200_compressed", "200 OK", "json", b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\x03\xabVJ\xce\xc8\xccKN-V\xb2\x8a\x8e\xad\x05\x00"),
+        case("200_utf_16", "200 OK", "json", utf16),
+        case("200_empty", "200 OK", "json", ""),
+        case("200_cut_json", "200 OK", "json", r#"{"object":"chat.completion","choices":[{"index":0,"message":{"role":"assistant","content":"fol"#),
+        case("200_without_choices", "200 OK", "json", r#"{"object":"chat.completion"}"#),
+        case("200_choices_of_another_form", "200 OK", "json", r#"{"choices":"none"}"#),
+        case("200_no_text", "200 OK", "json", chat(&said(""), "stop")),
+        case("200_truncated", "200 OK", "json", chat(&said("fold the left"), "length")),
+        case("200_declined", "200 OK", "json", chat(r#"{"role":"assistant","content":null,"refusal":"I cannot help with that."}"#, "stop")),
+        case("200_filtered", "200 OK", "json", chat(&said("fold"), "content_filter")),
+        case("200_tool_call", "200 OK", "json", chat(r#"{"role":"assistant","content":null,"tool_calls":[{"id":"1"}]}"#, "tool_calls")),
+    ]
+}
+
+/// What single servers answer in their own words.
+fn servers() -> Vec<Case> {
+    vec![
+        // vLLM 0.33.0, PyPI's source package: vllm/entrypoints/serve/middleware/authenticate.py.
+        case("vllm_key", "401 Unauthorized", "json", r#"{"error":"Unauthorized"}"#)
+            .keys(&["FABC_VLLM_KEY"], KeySent::No),
+        // vllm/entrypoints/serve/engine/serving.py and protocol.py (ErrorInfo).
+        case("vllm_model", "404 Not Found", "json", r#"{"error":{"message":"The model `a-model` does not exist. Valid aliases: Qwen/Qwen3-VL-8B-Instruct.","type":"NotFoundError","param":"model","code":404}}"#)
+            .lists(r#"{"object":"list","data":[{"id":"Qwen/Qwen3-VL-8B-Instruct","object":"model","owned_by":"vllm","root":"Qwen/Qwen3-VL-8B-Instruct","parent":null,"max_model_len":4096}]}"#),
+        // vllm/renderers/params.py.
+        case("vllm_context", "400 Bad Request", "json", r#"{"error":{"message":"This model's maximum context length is 4096 tokens. However, your prompt contains 90000 characters (more than 65536 characters, which is the upper bound for 4096 input tokens). Please reduce the length of the input prompt.","type":"BadRequestError","param":"input_text","code":400}}"#),
+        // vllm/multimodal/processing/context.py.
+        case("vllm_pictures", "400 Bad Request", "json", r#"{"error":{"message":"At most 1 image(s) may be provided in one prompt. Set `--limit-mm-per-prompt` to increase this limit.","type":"BadRequestError","param":"image","code":400}}"#),
+        // Ollama's own form of an error is a string (ollama 0.6.3 from PyPI, ollama/_types.py: ResponseError).
+        case("ollama_model", "404 Not Found", "json", r#"{"error":"model \"a-model\" not found, try pulling it first"}"#)
+            .lists(r#"{"object":"list","data":null}"#),
+        case("ollama_load", "500 Internal Server Error", "json", r#"{"error":"model requires more system memory (11.2 GiB) than is available (7.6 GiB)"}"#),
+        // llama.cpp, as served by xllamacpp 2026.10.11549 from PyPI; `peer_llamacpp` plays these with the server itself.
+        case("llamacpp_context", "400 Bad Request", "json", r#"{"error":{"code":400,"message":"request (9026 tokens) exceeds the available context size (2048 tokens), try increasing it","type":"exceed_context_size_error","n_prompt_tokens":9026,"n_ctx":2048}}"#),
+        case("llamacpp_path", "404 Not Found", "json", r#"{"error":{"message":"File Not Found","type":"not_found_error","code":404}}"#),
+    ]
+}
+
+/// What a listener does with a connection.
+type Act = fn(TcpStream);
+
+/// Connections that come to nothing: what the listener does, and the beginning of the base URL.
+fn connections() -> Vec<(&'static str, &'static str, Act)> {
+    vec![
+        ("no_tls", "https://localhost", |mut stream| {
+            let mut greeting = [0; 64];
+            let _ = stream.read(&mut greeting);
+            say(&mut stream, "HTTP/1.1 400 Bad Request\r\n\r\n");
+        }),
+        ("self_signed", "https://localhost", |stream| {
+            greet(stream, include_bytes!("certificates/self_signed.der"));
+        }),
+        ("expired", "https://localhost", |stream| {
+            greet(stream, include_bytes!("certificates/expired.der"));
+        }),
+        (
+            "tls_where_http_was_meant",
+            "http://localhost",
+            |mut stream| {
+                read_request(&mut stream);
+                let _ = stream.write_all(b"\x15\x03\x01\x00\x02\x02\x46");
+            },
+        ),
+        ("another_service", "http://localhost", |mut stream| {
+            read_request(&mut stream);
+            say(&mut stream, "SSH-2.0-OpenSSH_9.9\r\n\r\n");
+        }),
+        ("cut_before_the_reply", "http://localhost", |mut stream| {
+            read_request(&mut stream);
+        }),
+        ("cut_within_the_reply", "http://localhost", |mut stream| {
+            read_request(&mut stream);
+            say(
+                &mut stream,
+                "HTTP/1.1 200 OK\r\ncontent-length: 99\r\n\r\n{\"choices\"",
+            );
+        }),
+        ("silent", "http://localhost", |mut stream| {
+            read_request(&mut stream);
+            thread::sleep(Duration::from_millis(500));
+        }),
+    ]
+}
+
+/// Begins a TLS session with a certificate, and waits for the other side to end it.
+fn greet(mut stream: TcpStream, certificate: &'static [u8]) {
+    let key = PrivateKeyDer::try_from(&include_bytes!("certificates/key.der")[..]).unwrap();
+    let provider = Arc::new(rustls::crypto::ring::default_provider());
+    let config = rustls::ServerConfig::builder_with_provider(provider)
+        .with_safe_default_protocol_versions()
+        .unwrap()
+        .with_no_client_auth()
+        .with_single_cert(vec![CertificateDer::from(certificate)], key)
+        .unwrap();
+    let mut session = rustls::ServerConnection::new(Arc::new(config)).unwrap();
+    while session.is_handshaking() && session.complete_io(&mut stream).is_ok() {}
+}
+
+/// Runs `act` on every connection to a new port, which is returned.
+fn listen(act: impl Fn(TcpStream) + Send + 'static) -> u16 {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    thread::spawn(move || {
+        for stream in listener.incoming() {
+            act(stream.unwrap());
+        }
+    });
+    port
+}
+
+fn play(case: &Case) -> u16 {
+    let (reply, models) = (case.reply.clone(), case.models);
+    listen(move |mut stream| {
+        let head = read_request(&mut stream);
+        let reply = match (head.starts_with("GET "), models) {
+            (false, _) => reply.clone(),
+            (true, Some(models)) => self::case("", "200 OK", "json", models).reply,
+            (true, None) => self::case("", "404 Not Found", "", "").reply,
+        };
+        let _ = stream.write_all(&reply);
+    })
+}
+
+/// Reads head and body, and returns the head.
+fn read_request(stream: &mut TcpStream) -> String {
+    let mut bytes = Vec::new();
+    let mut chunk = [0; 4096];
+    loop {
+        let text = String::from_utf8_lossy(&bytes).to_lowercase();
+        if let Some(head) = text.find("\r\n\r\n") {
+            let length = text[..head].split("content-length: ").nth(1);
+            let length = length.and_then(|rest| rest.lines().next()?.trim().parse().ok());
+            if bytes.len() >= head + 4 + length.unwrap_or(0) {
+                return String::from_utf8_lossy(&bytes[..head]).into_owned();
+            }
+        }
+        match stream.read(&mut chunk) {
+            Ok(0) | Err(_) => return String::new(),
+            Ok(count) => bytes.extend_from_slice(&chunk[..count]),
+        }
+    }
+}
+
+/// Asks once, and returns the message with `PORT` in place of the port.
+fn message(trial: &mut Trial, port: u16) -> String {
+    trial.settings.retry.calls = 1;
+    let mut notes = Notes::new();
+    let error = trial.model().ask(&request(), &mut notes).unwrap_err();
+    assert!(matches!(error, ModelError::Failed { .. }), "{error}");
+    let message = error.to_string();
+    assert!(!message.contains("canary"), "{message}");
+    let Some(Told::Failed { why, .. }) = notes.ends().pop() else {
+        panic!("{:?}", notes.told);
+    };
+    let (headline, details) = why.split_once('\n').unwrap();
+    assert!(
+        message.contains(headline) && message.ends_with(details),
+        "{why}"
+    );
+    message.replace(&port.to_string(), "PORT")
+}
+
+fn trial(base: &str) -> Trial {
+    let mut trial = Trial::of(base);
+    trial.settings.key_names = vec!["A_KEY".to_owned()];
+    trial
+}
+
+#[test]
+fn each_reply_says_what_happened_and_what_to_do() {
+    let cases: Vec<Case> = replies().into_iter().chain(servers()).collect();
+    assert!(cases.len() >= 40);
+    for case in &cases {
+        let port = play(case);
+        let mut trial = trial(&format!("http://127.0.0.1:{port}/v1"));
+        let (names, sent) = case.keys;
+        trial.settings.wire = case.wire;
+        trial.settings.key_names = names.iter().map(|name| (*name).to_owned()).collect();
+        trial.settings.key = match sent {
+            KeySent::Yes => Some(Key::new(names[0], CANARY).unwrap()),
+            KeySent::No => None,
+        };
+        insta::assert_snapshot!(case.name, message(&mut trial, port));
+    }
+}
+
+#[test]
+fn each_connection_that_fails_says_what_happened_and_what_to_do() {
+    for (name, base, act) in connections() {
+        let port = listen(act);
+        let mut trial = trial(&format!("{base}:{port}/v1"));
+        if name == "silent" {
+            trial.settings.timeout = Duration::from_millis(200);
+        }
+        let message = message(&mut trial, port);
+        // The system's words for a certificate's time have the time of the test in them.
+        let message = match message.split_once(": verification time ") {
+            Some((before, after)) => format!("{before}: …{}", &after[after.find("\n").unwrap()..]),
+            None => message,
+        };
+        insta::assert_snapshot!(name, message);
+    }
+}
+
+#[test]
+fn a_base_url_that_is_not_the_usual_one_is_doubted() {
+    let nothing = case("", "404 Not Found", "json", r#"{"detail":"Not Found"}"#);
+    let port = play(&nothing);
+    let mut trial = trial(&format!("http://127.0.0.1:{port}/llm/api"));
+    insta::assert_snapshot!("404_wrong_path", message(&mut trial, port));
+}
+
+#[test]
+fn a_server_that_is_not_there_comes_with_the_command_that_starts_it() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    drop(listener);
+    let mut trial = trial(&format!("http://127.0.0.1:{port}/v1"));
+    insta::assert_snapshot!("refused", message(&mut trial, port));
+    trial.settings.start = Some("llama-server --model MODEL.gguf".to_owned());
+    insta::assert_snapshot!("refused_and_startable", message(&mut trial, port));
+}
+
+#[test]
+fn the_list_of_models_is_asked_for_once() {
+    let case = replies()
+        .into_iter()
+        .find(|case| case.name == "404_model_not_served")
+        .unwrap();
+    let asked = Arc::new(std::sync::Mutex::new(Vec::new()));
+    let seen = asked.clone();
+    let port = listen(move |mut stream| {
+        let head = read_request(&mut stream);
+        seen.lock()
+            .unwrap()
+            .push(head.lines().next().unwrap().to_owned());
+        let _ = stream.write_all(&case.reply);
+    });
+    let model = trial(&format!("http://127.0.0.1:{port}/v1")).model();
+    for _ in 0..3 {
+        model.ask(&request(), &mut Notes::new()).unwrap_err();
+    }
+    let asked = asked.lock().unwrap();
+    let lists = asked
+        .iter()
+        .filter(|line| line.starts_with("GET /v1/models "));
+    assert_eq!((lists.count(), asked.len()), (1, 4), "{asked:?}");
+}
+
+#[test]
+fn a_list_of_models_that_never_ends_is_given_up() {
+    let port = listen(|mut stream| {
+        read_request(&mut stream);
+        say(&mut stream, "HTTP/1.1 200 OK\r\n\r\n");
+        let piece = " ".repeat(1 << 20);
+        for _ in 0..40 {
+            say(&mut stream, &piece);
+        }
+    });
+    let trial = trial(&format!("http://127.0.0.1:{port}/v1"));
+    let listed = served_models(&trial.settings, &[], &trial.shared.interrupt);
+    assert!(
+        matches!(listed, Err(NotListed::Unreachable(_))),
+        "{listed:?}"
+    );
+}
+
+#[test]
+fn a_byte_order_mark_before_an_answer_is_passed_over() {
+    let body = format!("\u{feff}{}", good_body("there"));
+    let port = play(&case("", "200 OK", "json", body));
+    let trial = trial(&format!("http://127.0.0.1:{port}/v1"));
+    let reply = trial.model().ask(&request(), &mut Notes::new()).unwrap();
+    assert_eq!(reply.text, "there");
+}
+
+#[test]
+fn a_pasted_endpoint_is_refused_with_the_base_that_was_meant() {
+    let error = BaseUrl::parse("http://localhost:8000/v1/chat/completions").unwrap_err();
+    insta::assert_snapshot!("pasted_endpoint", error.to_string());
+}
