@@ -10,10 +10,12 @@ mod common;
 use common::workspace;
 use fab_compiler::diag::{self, Color};
 use fab_compiler::fix::{self, Fixed};
-use fab_compiler::{LoadError, Loader};
+use fab_compiler::{Compiled, LoadError, Loader};
 use std::collections::BTreeMap;
 use std::fs;
+use std::num::NonZero;
 use std::ops::Range;
+use std::thread;
 
 /// One text, and the files of a folder.
 struct Beside {
@@ -117,9 +119,9 @@ const SLIPS: &[(&str, &str)] = &[
     ("0.", "."),
     (".", ","),
     (".0", ".0.0"),
-    ("0", "_000"),
-    ("0", ",000"),
-    ("0", "0_0"),
+    ("000", "_000"),
+    ("000", ",000"),
+    ("00", "0_0"),
     ("5", "5,0"),
     ("deg", "°"),
     ("deg", " degrees"),
@@ -147,17 +149,22 @@ const SLIPS: &[(&str, &str)] = &[
     ("a", "A"),
 ];
 
-/// Returns the text with one to four slips, the first of them given; pairs of quotes may both be written wrong.
-fn with_slips(text: &str, first: usize, seed: u64) -> String {
+/// Where a text is changed by one slip, and what is written there.
+type Slip = Vec<(Range<usize>, &'static str)>;
+
+/// Returns one to four slips that do not overlap, the first of the given kind; both quotes of a pair may be wrong.
+fn slips(text: &str, first: usize, seed: u64) -> Vec<Slip> {
     let mut chance = Chance(seed);
-    let mut text = text.to_owned();
-    for number in 0..=chance.below(4) {
-        let slip = if number == 0 {
+    let mut slips: Vec<Slip> = Vec::new();
+    // More often few: of several slips, one mostly keeps the file from compiling.
+    let n_more = chance.below(4).min(chance.below(4));
+    for number in 0..=n_more {
+        let kind = if number == 0 {
             first
         } else {
             chance.below(SLIPS.len())
         };
-        let (right, wrong) = SLIPS[slip % SLIPS.len()];
+        let (right, wrong) = SLIPS[kind % SLIPS.len()];
         let places: Vec<usize> = text.match_indices(right).map(|(at, _)| at).collect();
         if places.is_empty() {
             continue;
@@ -168,10 +175,31 @@ fn with_slips(text: &str, first: usize, seed: u64) -> String {
         } else {
             index + 1
         };
-        // From the end, so earlier positions stay valid.
-        for at in places[index..end].iter().rev() {
-            text.replace_range(*at..at + right.len(), wrong);
+        let places = places[index..end].iter();
+        let slip: Slip = places.map(|at| (*at..at + right.len(), wrong)).collect();
+        let overlap = |(place, _): &(Range<usize>, &str)| {
+            let earlier = slips.iter().flatten();
+            earlier
+                .clone()
+                .any(|(it, _)| it.start < place.end && place.start < it.end)
+        };
+        if !slip.iter().any(overlap) {
+            slips.push(slip);
         }
+    }
+    slips
+}
+
+/// Returns a text with those slips whose bit is set.
+fn with_slips(text: &str, slips: &[Slip], bits: usize) -> String {
+    let chosen = slips.iter().enumerate();
+    let chosen = chosen.filter(|(index, _)| bits >> index & 1 == 1);
+    let mut changes: Vec<_> = chosen.flat_map(|(_, slip)| slip).collect();
+    changes.sort_by_key(|(place, _)| place.start);
+    let mut text = text.to_owned();
+    // From the end, so earlier positions stay valid.
+    for (place, wrong) in changes.into_iter().rev() {
+        text.replace_range(place.clone(), wrong);
     }
     text
 }
@@ -228,7 +256,7 @@ fn content(text: &str) -> Vec<String> {
 }
 
 /// Counts the findings that are alike.
-fn counts(compiled: &fab_compiler::Compiled) -> BTreeMap<(&'static str, &str), usize> {
+fn counts(compiled: &Compiled) -> BTreeMap<(&'static str, &str), usize> {
     let mut counts = BTreeMap::new();
     for it in &compiled.diagnostics {
         *counts
@@ -238,80 +266,181 @@ fn counts(compiled: &fab_compiler::Compiled) -> BTreeMap<(&'static str, &str), u
     counts
 }
 
+/// A shipped file, as it is.
+struct Shipped {
+    /// Its name in the folder of shipped tasks.
+    name: String,
+    text: String,
+    compiled: Compiled,
+    /// A file that uses it and declares tasks that can run by themselves, and the hashes of their programs.
+    user: String,
+    programs: Vec<String>,
+}
+
+const SHIPPED: &str = "tasks";
+
+/// Compiles a file with one text in place of a shipped one.
+fn compiled(entry: &str, name: &str, text: &str) -> Compiled {
+    let loader = Beside {
+        folder: SHIPPED,
+        name: name.to_owned(),
+        text: text.to_owned(),
+    };
+    fab_compiler::compile(entry, &loader).unwrap()
+}
+
+impl Shipped {
+    /// Returns every shipped file.
+    fn all() -> Vec<Shipped> {
+        let mut files = BTreeMap::new();
+        for folder in ["", "lib/", "real/"] {
+            for entry in fs::read_dir(workspace().join(SHIPPED).join(folder)).unwrap() {
+                let path = entry.unwrap().path();
+                if path.extension().is_some_and(|it| it == "fab") {
+                    let name = format!("{folder}{}", path.file_name().unwrap().to_string_lossy());
+                    let text = fs::read_to_string(path).unwrap();
+                    let compiled = compiled(&name, &name, &text);
+                    files.insert(name, (text, compiled));
+                }
+            }
+        }
+        let uses =
+            |compiled: &Compiled, name: &str| compiled.sources.iter().any(|it| it.name == name);
+        let all = files.iter().map(|(name, (text, compiled))| {
+            let others = files.iter().map(|(name, (_, compiled))| (name, compiled));
+            let mut users = [(name, compiled)].into_iter().chain(others);
+            let user = users.find(|(_, it)| uses(it, name) && !it.programs.is_empty());
+            let (user, its) = user.expect("some shipped task uses each library");
+            Shipped {
+                name: name.clone(),
+                text: text.clone(),
+                compiled: compiled.clone(),
+                user: user.clone(),
+                programs: hashes(its).expect("the shipped tasks have no errors"),
+            }
+        });
+        all.collect()
+    }
+
+    /// Returns the programs that a text in place of this file gives; `None` if there is an error.
+    fn programs_of(&self, text: &str) -> Option<Vec<String>> {
+        hashes(&compiled(&self.user, &self.name, text))
+    }
+}
+
+/// Returns the hash of each program, which covers its prompts; `None` if there is an error.
+fn hashes(compiled: &Compiled) -> Option<Vec<String>> {
+    let hashes = || compiled.programs.iter().map(|it| it.hash()).collect();
+    (!compiled.has_errors()).then(hashes)
+}
+
+/// What was tried, and what was wrong.
+#[derive(Default)]
+struct Outcome {
+    n_changed: usize,
+    n_compared: usize,
+    wrong: Vec<String>,
+}
+
 #[test]
-fn a_fixed_task_keeps_every_number_name_and_text() {
-    slips_are_fixed_without_harm(0..12);
+fn a_fixed_task_keeps_every_number_name_and_text_and_its_programs() {
+    slips_are_fixed_without_harm(300);
 }
 
 #[test]
 #[ignore = "long"]
-fn many_fixed_tasks_keep_every_number_name_and_text() {
-    slips_are_fixed_without_harm(100..400);
+fn many_fixed_tasks_keep_every_number_name_and_text_and_their_programs() {
+    slips_are_fixed_without_harm(10_000);
 }
 
-/// Fixes each shipped task with the slips of each seed.
-fn slips_are_fixed_without_harm(seeds: Range<u64>) {
-    let (mut n_cases, mut n_changed) = (0, 0);
-    let mut wrong = Vec::new();
-    for folder in ["tasks", "tasks/lib"] {
-        for entry in fs::read_dir(workspace().join(folder)).unwrap() {
-            let path = entry.unwrap().path();
-            if path.extension().is_none_or(|it| it != "fab") {
-                continue;
-            }
-            let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            let original = fs::read_to_string(&path).unwrap();
-            for seed in seeds.clone() {
-                let text = with_slips(&original, n_cases, seed);
-                n_cases += 1;
-                let (once, fixed_once) = fixed(folder, &name, &text);
-                n_changed += usize::from(once != text);
-                let mut fail = |why: &str| {
-                    wrong.push(format!(
-                        "{folder}/{name}, seed {seed}: {why}\n{}",
-                        changes(&text, &once)
-                    ))
-                };
-                if content(&text) != content(&once) {
-                    fail("a number, name or text changes");
-                }
-                if fixed(folder, &name, &once).0 != once {
-                    fail("fixing again changes it again");
-                }
-                let loader = Beside {
-                    folder,
-                    name: name.clone(),
-                    text: text.clone(),
-                };
-                let compiled = fab_compiler::compile(&name, &loader).unwrap();
-                let before = counts(&compiled);
-                // The slips kept these from being looked for.
-                let loader = Beside {
-                    folder,
-                    name: name.clone(),
-                    text: original.clone(),
-                };
-                let unharmed = fab_compiler::compile(&name, &loader).unwrap();
-                let uncovered = counts(&unharmed);
-                let after = counts(&fixed_once.compiled);
-                if after.iter().any(|(key, count)| {
-                    before
-                        .get(key)
-                        .max(uncovered.get(key))
-                        .is_none_or(|it| it < count)
-                }) {
-                    fail("a finding is added");
-                }
-            }
+/// Fixes shipped files with slips, each kind of slip as often as the others.
+fn slips_are_fixed_without_harm(n_cases: usize) {
+    let files = Shipped::all();
+    let n_threads = thread::available_parallelism().map_or(1, NonZero::get);
+    let tried = &|first: usize| {
+        let mut outcome = Outcome::default();
+        for case in (first..n_cases).step_by(n_threads) {
+            slip_is_fixed_without_harm(&files[case % files.len()], case, &mut outcome);
         }
-    }
+        outcome
+    };
+    let (mut n_changed, mut n_compared, mut wrong) = (0, 0, Vec::new());
+    thread::scope(|scope| {
+        let threads: Vec<_> = (0..n_threads)
+            .map(|first| scope.spawn(move || tried(first)))
+            .collect();
+        for thread in threads {
+            let outcome = thread.join().unwrap();
+            n_changed += outcome.n_changed;
+            n_compared += outcome.n_compared;
+            wrong.extend(outcome.wrong);
+        }
+    });
     assert!(
         wrong.is_empty(),
         "{} cases\n{}",
         wrong.len(),
         wrong.join("\n")
     );
-    assert!(n_changed > 20, "only {n_changed} texts are changed");
+    assert!(
+        n_changed > n_cases / 4,
+        "only {n_changed} texts are changed"
+    );
+    assert!(n_compared > n_cases / 8, "only {n_compared} can run");
+}
+
+fn slip_is_fixed_without_harm(file: &Shipped, case: usize, outcome: &mut Outcome) {
+    let name = &file.name;
+    let slips = slips(&file.text, case, case as u64);
+    let text = with_slips(&file.text, &slips, usize::MAX);
+    let (once, fixed_once) = fixed(SHIPPED, name, &text);
+    if once == text {
+        return;
+    }
+    outcome.n_changed += 1;
+    let wrong = &mut outcome.wrong;
+    let mut fail = |why: &str| {
+        let changes = changes(&text, &once);
+        wrong.push(format!("{name}, case {case}: {why}\n{changes}"));
+    };
+    if content(&text) != content(&once) {
+        fail("a number, name or text changes");
+    }
+    if fixed(SHIPPED, name, &once).0 != once {
+        fail("fixing again changes it again");
+    }
+    let before = compiled(name, name, &text);
+    // The slips kept the file's own findings from being looked for.
+    let [had, uncovered, after] = [&before, &file.compiled, &fixed_once.compiled].map(counts);
+    if after.iter().any(|(key, count)| {
+        had.get(key)
+            .max(uncovered.get(key))
+            .is_none_or(|it| it < count)
+    }) {
+        fail("a finding is added");
+    }
+    if fixed_once.compiled.has_errors() {
+        return;
+    }
+    let Some(programs) = file.programs_of(&once) else {
+        return;
+    };
+    if !before.has_errors() {
+        outcome.n_compared += 1;
+        if file.programs_of(&text) != Some(programs) {
+            fail("the programs change");
+        }
+        return;
+    }
+    outcome.n_compared += 1;
+    // Every slip is undone, or stays because it means something: `<` in place of `>`.
+    let undone = |bits: usize| match bits {
+        0 => file.programs == programs,
+        _ => file.programs_of(&with_slips(&file.text, &slips, bits)) == Some(programs.clone()),
+    };
+    if !(0..1 << slips.len()).any(undone) {
+        fail("the programs are not those of the file without some slips");
+    }
 }
 
 /// Shows the lines that differ.

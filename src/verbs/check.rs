@@ -7,8 +7,9 @@ use crate::io::Io;
 use crate::{shipped, sources, watch};
 use clap::Args;
 use clap::ValueHint;
-use fab_compiler::diag;
+use fab_compiler::diag::{self, Severity};
 use fab_program::Program;
+use fix::Effect;
 use serde_json::{Value, json};
 
 /// Arguments of `check`.
@@ -20,6 +21,12 @@ pub struct CheckArguments {
     /// Apply the corrections that are certain to these files; report the rest.
     #[arg(long)]
     pub fix: bool,
+    /// With `--fix`: show the changes as a unified diff and write nothing.
+    #[arg(long, requires = "fix")]
+    pub diff: bool,
+    /// Exit with code 1 if there is a warning.
+    #[arg(long)]
+    pub deny_warnings: bool,
     /// Run again whenever a file that was read changes, until Ctrl-C.
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
@@ -43,11 +50,20 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     let mut tasks = Vec::new();
     let mut errors = Vec::new();
     let mut left_out = 0;
+    let mut n_warnings = 0;
     let found = arguments.files.iter().map(|file| shipped::find(file, io));
     let mut found: Vec<Result<String, Failure>> = found.collect();
-    if arguments.fix {
-        // A file may use one that is named after it, so all are fixed before any is reported.
-        fix::run(&mut found, io);
+    let effect = match arguments.diff {
+        true => Effect::Show,
+        false => Effect::Write,
+    };
+    // A file may use one that is named after it, so all are fixed before any is reported.
+    let diff = match arguments.fix {
+        true => fix::run(&mut found, effect, io),
+        false => String::new(),
+    };
+    if effect == Effect::Show && !arguments.json && !diff.is_empty() {
+        io.data(diff.trim_end_matches('\n'));
     }
     for (file, found) in arguments.files.iter().zip(found) {
         let named = diag::visible(file);
@@ -64,6 +80,8 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
                 continue;
             }
         };
+        let severities = compiled.diagnostics.iter().map(|it| it.severity);
+        n_warnings += severities.filter(|it| *it == Severity::Warning).count();
         if compiled.has_errors() && exit == Exit::Done {
             exit = Exit::Author;
         }
@@ -107,10 +125,19 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
             ));
         }
     }
+    if arguments.deny_warnings && n_warnings > 0 && exit == Exit::Done {
+        let count = fix::counted(n_warnings, "warning");
+        io.talk(&format!(
+            "error: {count}, and `--deny-warnings` allows none"
+        ));
+        exit = Exit::Author;
+    }
     if arguments.json {
-        io.json(
-            &json!({ "diagnostics": diagnostics, "diagnostics_left_out": left_out, "tasks": tasks, "errors": errors }),
-        );
+        let mut document = json!({ "diagnostics": diagnostics, "diagnostics_left_out": left_out, "tasks": tasks, "errors": errors });
+        if effect == Effect::Show {
+            document["diff"] = json!(diff);
+        }
+        io.json(&document);
     }
     Ok(exit)
 }

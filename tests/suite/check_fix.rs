@@ -38,6 +38,17 @@ fn a_file_that_was_not_named_is_not_changed() {
     assert!(read(folder, "task.fab").contains("more = centroid"));
     assert_eq!(read(folder, "lib/base.fab"), library);
 
+    // A diff shows what would be written, also where one file needs another to be fixed, and writes nothing.
+    let arguments = ["check", "--fix", "--diff", "task.fab", "lib/base.fab"];
+    let said = finish(fabc(folder).args(arguments));
+    assert_eq!(
+        (said.code, said.stderr.as_str()),
+        (1, "lib/base.fab: 1 change, not made\n")
+    );
+    let diff = "--- lib/base.fab\n+++ lib/base.fab\n@@ -";
+    assert!(said.stdout.starts_with(diff), "{}", said.stdout);
+    assert_eq!(read(folder, "lib/base.fab"), library);
+
     // The task is reported after its library is fixed, although it is named before it.
     let said = finish(fabc(folder).args(["check", "--fix", "task.fab", "lib/base.fab"]));
     assert_eq!(
@@ -45,6 +56,67 @@ fn a_file_that_was_not_named_is_not_changed() {
         (0, "lib/base.fab: 1 change\n")
     );
     assert!(read(folder, "lib/base.fab").contains("45deg"));
+}
+
+#[test]
+fn a_diff_is_shown_and_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    with_slip(folder, "task.fab");
+    let diff = "--- task.fab\n+++ task.fab\n@@ -1,4 +1,4 @@\n use \"lib/base.fab\"\n task tried extends base {\n\
+        -    keypoints { more := centroid(cloth) }\n+    keypoints { more = centroid(cloth) }\n }\n";
+    let said = finish(fabc(folder).args(["check", "--fix", "--diff", "task.fab"]));
+    assert_eq!(
+        (said.code, said.stderr.as_str()),
+        (1, "task.fab: 1 change, not made\n")
+    );
+    // The report after it is about the file as it is.
+    assert!(
+        said.stdout.starts_with(&format!("{diff}error[F")),
+        "{}",
+        said.stdout
+    );
+    assert_eq!(read(folder, "task.fab"), SLIP);
+
+    let said = finish(fabc(folder).args(["check", "--fix", "--diff", "--json", "task.fab"]));
+    let value: serde_json::Value = serde_json::from_str(&said.stdout).unwrap();
+    assert_eq!(value["diff"], diff);
+    assert_eq!(value["diagnostics"].as_array().map(Vec::len), Some(1));
+    assert_eq!(read(folder, "task.fab"), SLIP);
+
+    // Without a change there is no diff; without `--fix` there is nothing to show.
+    let said = finish(fabc(folder).args(["check", "--fix", "--diff", "lib/base.fab"]));
+    assert_eq!((said.code, said.stderr.as_str()), (0, ""));
+    assert!(
+        said.stdout.starts_with("lib/base.fab: task"),
+        "{}",
+        said.stdout
+    );
+    let said = finish(fabc(folder).args(["check", "--diff", "task.fab"]));
+    assert_eq!(said.code, 64);
+}
+
+#[test]
+fn denied_warnings_end_with_code_1() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    with_slip(folder, "task.fab");
+    let check = |condition: &str, option: &[&str]| {
+        let check = format!("check a {{ {condition} }} else \"A.\"");
+        let text = SLIP.replace("keypoints { more := centroid(cloth) }", &check);
+        fs::write(folder.join("task.fab"), text).unwrap();
+        let arguments = [&["check", "task.fab"], option].concat();
+        let said = finish(fabc(folder).args(arguments));
+        (said.code, said.stderr)
+    };
+    let denied = &["--deny-warnings"][..];
+    let far = "distance(pick, place) > 20px";
+    let never = "distance(pick, pick) > 20px";
+    assert_eq!(check(never, &[]), (0, String::new()));
+    let message = "error: 1 warning, and `--deny-warnings` allows none\n";
+    assert_eq!(check(never, denied), (1, message.to_owned()));
+    assert_eq!(check(far, denied), (0, String::new()));
+    assert_eq!(check("nonsense", denied).0, 1);
 }
 
 #[test]
@@ -64,6 +136,21 @@ fn a_read_only_file_is_not_changed() {
         "task.fab: not changed, because it is read-only; it has 1 certain correction\n"
     );
     assert_eq!(read(folder, "task.fab"), SLIP);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_with_two_names_may_be_named_by_both() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    with_slip(folder, "task.fab");
+    fs::hard_link(folder.join("task.fab"), folder.join("same.fab")).unwrap();
+    let said = finish(fabc(folder).args(["check", "--fix", "task.fab", "same.fab"]));
+    assert_eq!(
+        (said.code, said.stderr.as_str()),
+        (0, "same.fab: 1 change\ntask.fab: 1 change\n")
+    );
+    assert!(read(folder, "same.fab").contains("more = centroid"));
 }
 
 #[cfg(unix)]

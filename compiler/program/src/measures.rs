@@ -374,7 +374,7 @@ pub(crate) fn mirror(of: [f64; 2], about: [f64; 2]) -> [f64; 2] {
 }
 
 /// Returns the angle between two directions, degrees; 0 if one has no length.
-pub(crate) fn angle_deg(a: [f64; 2], b: [f64; 2]) -> f64 {
+pub fn angle_deg(a: [f64; 2], b: [f64; 2]) -> f64 {
     let cross = a[0] * b[1] - a[1] * b[0];
     libm::atan2(cross.abs(), dot(a, b)).to_degrees()
 }
@@ -383,7 +383,7 @@ pub(crate) fn angle_deg(a: [f64; 2], b: [f64; 2]) -> f64 {
 /// squared lengths. This needs no root and no trigonometry. The larger an angle, the smaller its cosine.
 ///
 /// Sides that differ only by rounding are equal, so that 45 degrees are not less than 45 degrees.
-pub(crate) fn angle_sides(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> [f64; 2] {
+pub fn angle_sides(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> [f64; 2] {
     let along = dot(a, b);
     let along = along * along.abs();
     let size = dot(a, a) * dot(b, b);

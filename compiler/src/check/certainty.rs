@@ -25,7 +25,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
             (Some(when), Some(span), _) if never(&[(when, true)], program) => {
                 warn(
                     format!("{name} never applies"),
-                    when,
+                    (when, true),
                     span,
                     program,
                     context,
@@ -34,7 +34,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
             (_, _, Some(span)) if never(&both(true), program) => {
                 warn(
                     format!("{name} can never pass"),
-                    holds,
+                    (holds, true),
                     span,
                     program,
                     context,
@@ -43,7 +43,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
             (_, _, Some(span)) if never(&both(false), program) => {
                 warn(
                     format!("{name} can never fail"),
-                    holds,
+                    (holds, false),
                     span,
                     program,
                     context,
@@ -62,7 +62,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
         if never(&[(when, true)], program) {
             warn(
                 format!("{name} is never said"),
-                when,
+                (when, true),
                 guard.span(),
                 program,
                 context,
@@ -70,7 +70,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
         } else if never(&[(when, false)], program) {
             warn(
                 format!("{name} is always said"),
-                when,
+                (when, false),
                 guard.span(),
                 program,
                 context,
@@ -81,7 +81,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
 
 fn warn(
     what: String,
-    condition: &Condition,
+    condition: (&Condition, bool),
     span: Span,
     program: &Program,
     context: &mut Context<'_, '_>,

@@ -1,28 +1,39 @@
-//! Applies the edits that are certain, and writes the files that change.
+//! Applies the edits that are certain, and writes or shows the files that change.
 
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::shipped;
 use crate::sources::{self, Disk};
 use fab_base::files;
-use fab_compiler::Compiled;
 use fab_compiler::fix::{self, Fixed};
+use fab_compiler::{Compiled, LoadError, Loader, diag};
+use similar::TextDiff;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, OpenOptions};
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+/// What is done with new texts.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Effect {
+    /// The files are written.
+    Write,
+    /// The changes are shown as a unified diff.
+    Show,
+}
+
 /// Fixes files until no certain edit remains in any; a file that cannot be read or written becomes its failure.
+/// Returns the changes as a unified diff.
 ///
 /// Other files that they use are not changed: they may belong to other tasks, whose author is not asking. The user is
 /// told of each file that is not changed although it could be.
 ///
 /// - `found`: the paths of the named files, or why there is none.
-pub fn run(found: &mut [Result<String, Failure>], io: &Io) {
-    let mut changes: BTreeMap<String, usize> = BTreeMap::new();
+pub fn run(found: &mut [Result<String, Failure>], effect: Effect, io: &Io) -> String {
+    let mut changes = Changes::default();
     // What a file needs may depend on one that is fixed after it. Such chains are not longer than the list.
     for _ in 0..=found.len() {
-        let before: usize = changes.values().sum();
+        let before = changes.count();
         for file in found.iter_mut() {
             if let Ok(name) = file
                 && let Err(failure) = fix_one(name, &mut changes, io)
@@ -30,20 +41,44 @@ pub fn run(found: &mut [Result<String, Failure>], io: &Io) {
                 *file = Err(failure);
             }
         }
-        if changes.values().sum::<usize>() == before {
+        if changes.count() == before {
             break;
         }
     }
-    for (name, count) in &changes {
-        io.talk(&format!("{name}: {}", counted(*count, "change")));
+    let mut diff = String::new();
+    for (path, change) in &changes.0 {
+        let name = &change.name;
+        let count = counted(change.n_repaired, "change");
+        match effect {
+            Effect::Show => {
+                diff += &change.diff();
+                io.talk(&format!("{name}: {count}, not made"));
+            }
+            Effect::Write => match change.write(path) {
+                Ok(()) => io.talk(&format!("{name}: {count}")),
+                Err(error) => {
+                    let failed = || Failure::environment(format!("cannot write `{name}`: {error}"));
+                    for file in found.iter_mut().filter(|file| is_of(file, path)) {
+                        *file = Err(failed());
+                    }
+                }
+            },
+        }
     }
-    let named = found.iter().flatten().filter_map(real);
-    let named: BTreeSet<PathBuf> = named.collect();
+    report_unchanged(found, &changes, io);
+    diff
+}
+
+/// Tells the user which files could be changed, and why they are not.
+fn report_unchanged(found: &[Result<String, Failure>], changes: &Changes, io: &Io) {
+    let named: BTreeSet<PathBuf> = found.iter().flatten().filter_map(real).collect();
     let mut unchanged: BTreeMap<String, (&str, usize)> = BTreeMap::new();
     for file in found.iter().flatten() {
-        let Ok(compiled) = judged(file) else {
+        let loader = changes.over(file);
+        let Ok(mut compiled) = fab_compiler::compile(file, &loader) else {
             continue;
         };
+        fix::demote(file, &loader, &mut compiled);
         for (name, count) in certain(&compiled) {
             let is_named = real(name).is_some_and(|path| named.contains(&path));
             if !is_named {
@@ -61,18 +96,94 @@ pub fn run(found: &mut [Result<String, Failure>], io: &Io) {
     }
 }
 
-/// Fixes and writes one file, and adds the number of its changes.
-fn fix_one(file: &str, changes: &mut BTreeMap<String, usize>, io: &Io) -> Result<(), Failure> {
+/// Fixes one file, on top of the changes so far, and adds its own.
+fn fix_one(file: &str, changes: &mut Changes, io: &Io) -> Result<(), Failure> {
     let may_change = |name: &str| name == file && !is_read_only(Path::new(file));
-    let Fixed { files, .. } = fix::fix(file, &Disk::beside(file), &may_change)
-        .map_err(|error| Failure::environment(error.message))?;
+    let failed = |error: LoadError| Failure::environment(error.message);
+    let loader = changes.over(file);
+    let before = loader.load(file).map_err(failed)?;
+    let Fixed { files, .. } = fix::fix(file, &loader, &may_change).map_err(failed)?;
     for (name, fixed) in files {
         shipped::check_own(&name, io)?;
-        write(Path::new(&name), &fixed.text)
-            .map_err(|error| Failure::environment(format!("cannot write `{name}`: {error}")))?;
-        *changes.entry(name).or_default() += fixed.n_repaired;
+        let path = real(&name).ok_or_else(|| Failure::environment(format!("`{name}` is gone")))?;
+        let change = changes.0.entry(path).or_insert_with(|| Change {
+            name,
+            before: before.clone(),
+            after: String::new(),
+            n_repaired: 0,
+        });
+        change.after = fixed.text;
+        change.n_repaired += fixed.n_repaired;
     }
     Ok(())
+}
+
+/// What changes in one file.
+struct Change {
+    /// Its name on the command line.
+    name: String,
+    before: String,
+    after: String,
+    n_repaired: usize,
+}
+
+impl Change {
+    fn diff(&self) -> String {
+        let name = diag::visible(&self.name);
+        TextDiff::from_lines(&self.before, &self.after)
+            .unified_diff()
+            .header(&name, &name)
+            .to_string()
+    }
+
+    /// Writes the new text, unless somebody else has written the file meanwhile.
+    fn write(&self, path: &Path) -> Result<(), String> {
+        let found = fs::read(path).map_err(|error| error.to_string())?;
+        // Another name of the same file may have been written already.
+        if found == self.after.as_bytes() {
+            return Ok(());
+        }
+        if found != self.before.as_bytes() {
+            return Err("it has changed since it was read".to_owned());
+        }
+        files::rewrite(path, self.after.as_bytes()).map_err(|error| error.to_string())
+    }
+}
+
+/// The changed files, by their real paths.
+#[derive(Default)]
+struct Changes(BTreeMap<PathBuf, Change>);
+
+impl Changes {
+    fn count(&self) -> usize {
+        self.0.values().map(|change| change.n_repaired).sum()
+    }
+
+    /// Returns a loader for one entry that sees the changes.
+    fn over(&self, entry: &str) -> Changed<'_> {
+        Changed {
+            changes: self,
+            disk: Disk::beside(entry),
+        }
+    }
+}
+
+/// The files on disk, as they will be.
+struct Changed<'a> {
+    changes: &'a Changes,
+    disk: Disk,
+}
+
+impl Loader for Changed<'_> {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        let text = self.disk.load(name)?;
+        let change = real(name).and_then(|path| self.changes.0.get(&path));
+        Ok(change.map_or(text, |change| change.after.clone()))
+    }
+}
+
+fn is_of(file: &Result<String, Failure>, path: &Path) -> bool {
+    file.as_ref().ok().and_then(real).as_deref() == Some(path)
 }
 
 fn real(path: impl AsRef<Path>) -> Option<PathBuf> {
@@ -96,7 +207,8 @@ fn certain(compiled: &Compiled) -> BTreeMap<&str, usize> {
     counts
 }
 
-fn counted(count: usize, what: &str) -> String {
+/// Formats a count with its noun.
+pub fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
@@ -113,32 +225,4 @@ fn is_read_only(path: &Path) -> bool {
     };
     let opened = OpenOptions::new().append(true).open(path);
     is_marked || opened.is_err_and(|error| is_refused(error.kind()))
-}
-
-/// Writes a file; keeps its links, symbolic and hard, and its permissions.
-fn write(path: &Path, text: &str) -> std::io::Result<()> {
-    let path = fs::canonicalize(path)?;
-    let information = fs::metadata(&path)?;
-    if has_other_names(&information) {
-        // Renaming would leave the old text under the other names.
-        let mut file = OpenOptions::new().write(true).open(&path)?;
-        file.write_all(text.as_bytes())?;
-        file.set_len(text.len() as u64)?;
-        return file.sync_all();
-    }
-    files::write_whole(&path, text.as_bytes())?;
-    fs::set_permissions(&path, information.permissions())
-}
-
-/// Returns whether a file has several hard links.
-#[cfg(unix)]
-fn has_other_names(information: &fs::Metadata) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    information.nlink() > 1
-}
-
-/// Returns whether a file has several hard links; the standard library cannot tell here.
-#[cfg(not(unix))]
-fn has_other_names(_information: &fs::Metadata) -> bool {
-    false
 }
