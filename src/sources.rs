@@ -215,7 +215,7 @@ pub fn findings(compiled: &Compiled, color: diag::Color) -> String {
 pub fn compile_tasks(file: &str, wanted: Option<&str>, io: &Io) -> Result<Vec<Program>, Failure> {
     let compiled = compile(file)?;
     if !compiled.diagnostics.is_empty() {
-        io.talk(&findings(&compiled, io.talk_color()));
+        io.painted_talk(&findings(&compiled, io.talk_color()));
     }
     runnable(compiled, file, wanted)
 }
@@ -284,7 +284,7 @@ pub fn compile_tasks_for(
     let compiled = fab_compiler::compile_for(file, &Disk::beside(file), Some(grid))
         .map_err(|error| Failure::environment(error.message))?;
     if compiled.has_errors() {
-        io.talk(&findings(&compiled, io.talk_color()));
+        io.painted_talk(&findings(&compiled, io.talk_color()));
     }
     runnable(compiled, file, wanted)
 }
