@@ -5,7 +5,7 @@
 //! folder, except into a folder `lib` beside it.
 
 use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported, is_hidden, turns_writing};
-use crate::loader::{Listed, LoadError, Loader};
+use crate::loader::{Listed, LoadError, Loader, Wanted};
 use crate::path;
 use crate::syntax;
 use fab_grammar::ast::{Experts, Name, Task};
@@ -131,8 +131,8 @@ impl<'a> Loaded<'a> {
     /// Returns what lies where a task names a file.
     ///
     /// - `path`: relative to the entry's folder.
-    pub fn look(&self, path: &str) -> Listed {
-        self.loader.look(path)
+    pub fn look(&self, path: &str, wanted: Wanted) -> Listed {
+        self.loader.look(path, wanted)
     }
 
     /// Returns whether any file uses a constant or a keypoint of this name, or may do so in text that did not parse.

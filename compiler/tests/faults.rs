@@ -15,7 +15,7 @@
 mod common;
 
 use fab_compiler::diag::{self, CODES, Color, Diagnostic, Severity};
-use fab_compiler::{Compiled, Listed, LoadError, Loader, line_and_column};
+use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, line_and_column};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
@@ -333,7 +333,7 @@ impl Loader for Fixtures {
     }
 
     /// The files below `listed`; other fixtures name files that need not be there.
-    fn look(&self, path: &str) -> Listed {
+    fn look(&self, path: &str, _wanted: Wanted) -> Listed {
         match path.strip_prefix("listed/") {
             None => Listed::Unknown,
             Some("224.png") => Listed::Picture {
@@ -365,7 +365,7 @@ impl Loader for Edited {
         }
     }
 
-    fn look(&self, path: &str) -> Listed {
-        Fixtures.look(path)
+    fn look(&self, path: &str, wanted: Wanted) -> Listed {
+        Fixtures.look(path, wanted)
     }
 }
