@@ -8,7 +8,7 @@
 //!     #                        ^^^^^ error[F0203]: expected a length on the table, found an angle
 //! ```
 //!
-//! The carets mark the columns; an empty span has one caret. For a span inside a text, over several lines, or in
+//! `# help: …` below it states one of its helps. The carets mark the columns; an empty span has one caret. For a span inside a text, over several lines, or in
 //! another file, a comment anywhere says `# at FILE:LINE:COLUMN error[…]: …` instead. All findings must be expected,
 //! and all expectations found.
 
@@ -42,7 +42,17 @@ fn every_fault_is_reported_as_its_fixture_says() {
         let surplus = found
             .difference(&expected)
             .map(|finding| format!("  found    {finding:?}"));
-        let differences: Vec<String> = missing.chain(surplus).collect();
+        let helps = helps(&text).into_iter().filter(|(place, help)| {
+            let mut all = compiled.diagnostics.iter();
+            !all.any(|it| {
+                let source = compiled.sources.get(it.span.file);
+                source.name == name
+                    && line_and_column(&source.text, it.span.start) == *place
+                    && it.help.contains(help)
+            })
+        });
+        let helps = helps.map(|((line, _), help)| format!("  expected help, line {line}: {help}"));
+        let differences: Vec<String> = missing.chain(surplus).chain(helps).collect();
         if !differences.is_empty() {
             let shown = diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Plain);
             wrong.push(format!("{name}:\n{}\n{shown}", differences.join("\n")));
@@ -262,6 +272,26 @@ fn expectations(name: &str, text: &str) -> BTreeSet<Finding> {
                 code,
                 message,
             });
+        }
+    }
+    found
+}
+
+/// Reads the helps of a fixture, each with the line and the column of its finding.
+fn helps(text: &str) -> Vec<((usize, usize), String)> {
+    let (mut judged, mut column) = (0, 0);
+    let mut found = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let comment = line.trim_start().strip_prefix('#').map(str::trim_start);
+        match comment {
+            None => judged = index + 1,
+            Some(comment) if comment.starts_with('^') => {
+                column = line.chars().take_while(|it| *it != '^').count() + 1;
+            }
+            Some(comment) => {
+                let help = comment.strip_prefix("help: ");
+                found.extend(help.map(|help| ((judged, column), help.to_owned())));
+            }
         }
     }
     found
