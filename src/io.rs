@@ -246,6 +246,14 @@ impl Io {
     /// programs get the bytes as they are.
     pub(crate) fn data(&self, text: &str) {
         match self.streams.terminals[1] {
+            true => self.write_data(&visible(text)),
+            false => self.write_data(text),
+        }
+    }
+
+    /// Does the same as [`Io::data`] for a text with the command's own colours, whose foreign parts are visible.
+    pub(crate) fn painted_data(&self, text: &str) {
+        match self.streams.terminals[1] {
             true => self.write_data(&shown(text, self.data_color())),
             false => self.write_data(text),
         }
@@ -281,7 +289,15 @@ impl Io {
 
     /// Writes a line of talk to stderr; hidden characters, such as those of a provider's error, are made visible.
     pub(crate) fn talk(&self, text: &str) {
-        let text = shown(text, self.talk_color());
+        self.write_talk(&visible(text));
+    }
+
+    /// Does the same as [`Io::talk`] for a text with the command's own colours, whose foreign parts are visible.
+    pub(crate) fn painted_talk(&self, text: &str) {
+        self.write_talk(&shown(text, self.talk_color()));
+    }
+
+    fn write_talk(&self, text: &str) {
         let _ = lock(&self.streams.stderr).write(&format!("{text}\n"));
     }
 
@@ -665,9 +681,21 @@ mod tests {
     }
 
     #[test]
-    fn talk_of_foreign_words_is_visible() {
-        let io = Io::new(".");
-        io.talk("error: \x1b[2Jno such model");
-        assert_eq!(io.captured().stderr, "error: \\u{1b}[2Jno such model\n");
+    fn foreign_words_are_visible_and_a_terminal_does_not_take_their_colours() {
+        for is_terminal in [false, true] {
+            let mut io = Io::new(".");
+            let streams = Arc::get_mut(&mut io.streams).unwrap();
+            streams.terminals = [false, is_terminal, is_terminal];
+            io.talk("error: \x1b[2Jbad \x1b[31m key");
+            let seen = "error: \\u{1b}[2Jbad \\u{1b}[31m key\n";
+            assert_eq!(io.captured().stderr, seen);
+            io.data("bad \x1b[31m key");
+            let seen = match is_terminal {
+                true => "bad \\u{1b}[31m key\n",
+                // A program gets the bytes as they are.
+                false => "bad \x1b[31m key\n",
+            };
+            assert_eq!(io.captured().stdout, seen);
+        }
     }
 }

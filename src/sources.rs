@@ -4,7 +4,8 @@ use crate::exit::Failure;
 use crate::io::Io;
 use clap::Args;
 use clap::ValueHint;
-use fab_compiler::{Compiled, Listed, LoadError, Loader, diag};
+use fab_base::npy;
+use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, diag};
 use fab_program::Program;
 use serde::Deserialize;
 use serde::Serialize;
@@ -69,16 +70,16 @@ impl Loader for Disk {
     }
 }
 
-/// The bytes of a PNG file up to its size: the signature, the first chunk's length and name, width and height.
-const PNG_HEAD: usize = 24;
+/// The largest file that a check looks into, bytes; as much as a start may have.
+const MAX_LOOKED_AT: u64 = 64 << 20;
 
-/// A loader that also looks for the files that tasks name.
+/// A loader that also looks into the files that tasks name.
 ///
 /// Only `fabc check` looks: other verbs read what they need, and say themselves what is missing.
 struct Looking {
     disk: Disk,
     /// What was found, because each task that inherits a file asks again.
-    found: RefCell<BTreeMap<String, Listed>>,
+    found: RefCell<BTreeMap<(String, Wanted), Listed>>,
 }
 
 impl Loader for Looking {
@@ -86,42 +87,95 @@ impl Loader for Looking {
         self.disk.load(name)
     }
 
-    fn look(&self, path: &str) -> Listed {
+    fn look(&self, path: &str, wanted: Wanted) -> Listed {
         let mut found = self.found.borrow_mut();
-        let look = || listed(&self.disk.folder, &self.disk.folder.join(path));
-        found.entry(path.to_owned()).or_insert_with(look).clone()
+        let look = || listed(&self.disk.folder, &self.disk.folder.join(path), wanted);
+        let found = found.entry((path.to_owned(), wanted));
+        found.or_insert_with(look).clone()
     }
 }
 
-/// Returns what a path in a folder leads to, and a picture's size from its head.
-fn listed(folder: &Path, path: &Path) -> Listed {
-    let head = || -> Result<Vec<u8>, String> {
-        let path = inside(folder, path)?;
-        let information = fs::metadata(&path).map_err(|error| error.to_string())?;
-        // A device or a pipe may never answer.
-        if !information.is_file() {
-            return Err("it is no regular file".to_owned());
+/// Returns what a path in a folder leads to, after reading it as what it is wanted for.
+fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Listed {
+    let read = || -> Result<Listed, String> {
+        let bytes = read_at_most(MAX_LOOKED_AT, &inside(folder, path)?)?;
+        match wanted {
+            Wanted::CameraPicture | Wanted::Picture => {
+                let [width, height] = png_size(&bytes)?;
+                Ok(Listed::Picture { width, height })
+            }
+            Wanted::Positions => are_positions(&bytes).map(|()| Listed::Other),
+            Wanted::Demonstrations => are_json_lines(&bytes).map(|()| Listed::Other),
         }
-        let mut head = Vec::new();
-        let file = File::open(&path).map_err(|error| error.to_string())?;
-        let read = file.take(PNG_HEAD as u64).read_to_end(&mut head);
-        read.map_err(|error| error.to_string())?;
-        Ok(head)
     };
-    match head() {
-        Err(why) => Listed::Nothing(why),
-        Ok(head) => png_size(&head).map_or(Listed::Other, |[width, height]| Listed::Picture {
-            width,
-            height,
-        }),
+    read().unwrap_or_else(Listed::Nothing)
+}
+
+/// Returns the width and height of a PNG file; the error says why it is none, or is damaged.
+///
+/// Every chunk is read, because a file that was cut has a right head. The pixels are not unpacked.
+fn png_size(bytes: &[u8]) -> Result<[u32; 2], String> {
+    let rest = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n");
+    let mut rest = rest.ok_or("it is no PNG picture")?;
+    let mut size = None;
+    let mut has_pixels = false;
+    let number = |bytes: &[u8]| bytes.first_chunk().map(|it| u32::from_be_bytes(*it));
+    loop {
+        // A chunk is its length, its name, its data, and a sum of name and data.
+        let length = number(rest).ok_or("the picture is cut off")? as usize;
+        let named = rest
+            .get(4..)
+            .and_then(|it| it.get(..length.checked_add(4)?));
+        let named = named.ok_or("the picture is cut off")?;
+        let after = rest.get(length + 8..).unwrap_or_default();
+        if number(after).ok_or("the picture is cut off")? != crc32(named) {
+            return Err("the picture is damaged".to_owned());
+        }
+        let (name, data) = named.split_at(4);
+        match name {
+            b"IHDR" => size = number(data).zip(data.get(4..).and_then(number)),
+            b"IDAT" => has_pixels = true,
+            b"IEND" => break,
+            _ => {}
+        }
+        rest = &after[4..];
+    }
+    let size = size.filter(|(width, height)| has_pixels && *width > 0 && *height > 0);
+    size.map(|(width, height)| [width, height])
+        .ok_or_else(|| "the picture has no pixels".to_owned())
+}
+
+/// Returns the sum that PNG writes behind each chunk (CRC-32, ISO 3309).
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |sum: u32, _| (sum >> 1) ^ if sum & 1 == 1 { 0xedb8_8320 } else { 0 };
+    let sums = |sum: u32, byte: &u8| (0..8).fold(sum ^ u32::from(*byte), step);
+    !bytes.iter().fold(u32::MAX, sums)
+}
+
+/// Checks that bytes are finite particle positions.
+fn are_positions(bytes: &[u8]) -> Result<(), String> {
+    let (shape, numbers) = npy::decode_floats(bytes)?;
+    match shape.as_slice() {
+        [_, 3] if numbers.iter().all(|number| number.is_finite()) => Ok(()),
+        [_, 3] => Err("a coordinate in it is no number".to_owned()),
+        _ => Err(format!("it has the shape {shape:?}, not (particles, 3)")),
     }
 }
 
-/// Returns the width and height that the head of a PNG file states; `None` if it is none.
-fn png_size(head: &[u8]) -> Option<[u32; 2]> {
-    let number = |at: usize| Some(u32::from_be_bytes(head.get(at..at + 4)?.try_into().ok()?));
-    let is_png = head.starts_with(b"\x89PNG\r\n\x1a\n") && head.get(12..16)? == b"IHDR";
-    is_png.then_some([number(16)?, number(20)?])
+/// Checks that bytes are lines with a JSON object each, the first of which states the format.
+fn are_json_lines(bytes: &[u8]) -> Result<(), String> {
+    let text = std::str::from_utf8(bytes).map_err(|error| error.to_string())?;
+    if text.is_empty() {
+        return Err("it is empty".to_owned());
+    }
+    for (line, number) in text.lines().zip(1..) {
+        let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(line)
+            .map_err(|error| format!("line {number} is no JSON object: {error}"))?;
+        if number == 1 && !object.contains_key("format") {
+            return Err("its first line does not state a `format`".to_owned());
+        }
+    }
+    Ok(())
 }
 
 /// Compiles a file, and looks for the files that its tasks name.
@@ -178,6 +232,10 @@ fn inside_or_library(folder: &Path, path: &Path) -> Result<PathBuf, String> {
 
 /// Reads a regular file of at most [`MAX_BYTES`]; the error says why it cannot.
 pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
+    read_at_most(MAX_BYTES, path)
+}
+
+fn read_at_most(max_bytes: u64, path: &Path) -> Result<Vec<u8>, String> {
     let information = fs::metadata(path).map_err(|error| error.to_string())?;
     if information.is_dir() {
         return Err("it is a directory, not a file".to_owned());
@@ -188,10 +246,10 @@ pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
     }
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| error.to_string())?;
-    let read = file.take(MAX_BYTES + 1).read_to_end(&mut bytes);
+    let read = file.take(max_bytes + 1).read_to_end(&mut bytes);
     read.map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(format!("it is longer than {MAX_BYTES} bytes"));
+    if bytes.len() as u64 > max_bytes {
+        return Err(format!("it is longer than {max_bytes} bytes"));
     }
     Ok(bytes)
 }
@@ -215,7 +273,7 @@ pub fn findings(compiled: &Compiled, color: diag::Color) -> String {
 pub fn compile_tasks(file: &str, wanted: Option<&str>, io: &Io) -> Result<Vec<Program>, Failure> {
     let compiled = compile(file)?;
     if !compiled.diagnostics.is_empty() {
-        io.talk(&findings(&compiled, io.talk_color()));
+        io.painted_talk(&findings(&compiled, io.talk_color()));
     }
     runnable(compiled, file, wanted)
 }
@@ -284,7 +342,7 @@ pub fn compile_tasks_for(
     let compiled = fab_compiler::compile_for(file, &Disk::beside(file), Some(grid))
         .map_err(|error| Failure::environment(error.message))?;
     if compiled.has_errors() {
-        io.talk(&findings(&compiled, io.talk_color()));
+        io.painted_talk(&findings(&compiled, io.talk_color()));
     }
     runnable(compiled, file, wanted)
 }
@@ -427,14 +485,22 @@ mod tests {
     #[test]
     fn a_check_looks_for_the_files_that_a_task_names() {
         let (root, folder) = folders();
-        let head = |width: u32, height: u32| {
-            let mut bytes = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec();
-            bytes.extend(width.to_be_bytes());
-            bytes.extend(height.to_be_bytes());
-            bytes
+        let chunk = |named: &[u8]| {
+            let length = (named.len() - 4) as u32;
+            [&length.to_be_bytes(), named, &crc32(named).to_be_bytes()].concat()
         };
-        fs::write(folder.join("right.png"), head(224, 224)).expect("a file");
-        fs::write(folder.join("wide.png"), head(640, 480)).expect("a file");
+        let png = |width: u32, height: u32| {
+            let head = [b"IHDR", &width.to_be_bytes()[..], &height.to_be_bytes()].concat();
+            let chunks = [&head[..], b"IDAT pixels", b"IEND"].map(chunk).concat();
+            [b"\x89PNG\r\n\x1a\n", &chunks[..]].concat()
+        };
+        let right = png(224, 224);
+        let mut damaged = right.clone();
+        damaged[45] ^= 1;
+        fs::write(folder.join("right.png"), &right).expect("a file");
+        fs::write(folder.join("wide.png"), png(640, 480)).expect("a file");
+        fs::write(folder.join("cut.png"), &right[..right.len() - 6]).expect("a file");
+        fs::write(folder.join("damaged.png"), damaged).expect("a file");
         fs::write(folder.join("text.png"), "not a picture").expect("a file");
         fs::create_dir(folder.join("folder.png")).expect("a folder");
         symlink(root.path().join("secret.fab"), folder.join("link.png")).expect("a link");
@@ -458,11 +524,80 @@ mod tests {
             ("right.png", &[][..]),
             ("wide.png", &["F0008"]),
             ("text.png", &["F0007"]),
+            ("cut.png", &["F0007"]),
+            ("damaged.png", &["F0007"]),
             ("folder.png", &["F0007"]),
             ("link.png", &["F0007"]),
             ("missing.png", &["F0007"]),
         ] {
             assert_eq!(found(path), expected, "{path}");
+        }
+    }
+
+    #[test]
+    fn a_check_looks_into_starts_and_demonstrations() {
+        let (_root, folder) = folders();
+        let floats = |shape: &[u64], value: f32| {
+            let count = shape.iter().product::<u64>();
+            npy::encode_floats(shape, (0..count).map(|_| value))
+        };
+        let right = floats(&[4, 3], 0.5);
+        let rows: [(&str, Wanted, &[u8], Option<&str>); 9] = [
+            ("right.npy", Wanted::Positions, &right, None),
+            (
+                "text.npy",
+                Wanted::Positions,
+                b"positions",
+                Some("it does not begin as a .npy file does"),
+            ),
+            (
+                "cut.npy",
+                Wanted::Positions,
+                &right[..right.len() - 9],
+                Some("it is cut off"),
+            ),
+            (
+                "flat.npy",
+                Wanted::Positions,
+                &floats(&[6, 2], 0.5),
+                Some("it has the shape [6, 2], not (particles, 3)"),
+            ),
+            (
+                "nan.npy",
+                Wanted::Positions,
+                &floats(&[4, 3], f32::NAN),
+                Some("a coordinate in it is no number"),
+            ),
+            (
+                "right.jsonl",
+                Wanted::Demonstrations,
+                b"{\"format\": 1}\n{}\n",
+                None,
+            ),
+            (
+                "empty.jsonl",
+                Wanted::Demonstrations,
+                b"",
+                Some("it is empty"),
+            ),
+            (
+                "text.jsonl",
+                Wanted::Demonstrations,
+                b"garbage\n",
+                Some("line 1 is no JSON object: expected value at line 1 column 1"),
+            ),
+            (
+                "other.jsonl",
+                Wanted::Demonstrations,
+                b"{}\n",
+                Some("its first line does not state a `format`"),
+            ),
+        ];
+        for (name, wanted, bytes, why) in rows {
+            let path = folder.join(name);
+            fs::write(&path, bytes).expect("a file");
+            let expected = why.map_or(Listed::Other, |why| Listed::Nothing(why.to_owned()));
+            assert_eq!(listed(&folder, &path, wanted), expected, "{name}");
         }
     }
 }

@@ -4,7 +4,7 @@
 //! book. The caller writes the files.
 
 use crate::diag::{self, CODES, Code, CodeEntry, Color, GROUPS};
-use crate::{Listed, LoadError, Loader};
+use crate::{Listed, LoadError, Loader, Wanted};
 
 /// The name of an example's file.
 const FILE: &str = "example.fab";
@@ -153,7 +153,7 @@ impl Loader for Files<'_> {
         }
     }
 
-    fn look(&self, path: &str) -> Listed {
+    fn look(&self, path: &str, _wanted: Wanted) -> Listed {
         look(path)
     }
 }

@@ -8,7 +8,7 @@
 //! edited text, which must lack the finding and have no new one. An edit that fails either test becomes likely.
 
 use crate::diag::{Code, Diagnostic, Edit, Severity};
-use crate::{Compiled, Listed, LoadError, Loader, compile};
+use crate::{Compiled, Listed, LoadError, Loader, Wanted, compile};
 use fab_grammar::Span;
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -113,8 +113,8 @@ impl Loader for Overlay<'_> {
         }
     }
 
-    fn look(&self, path: &str) -> Listed {
-        self.loader.look(path)
+    fn look(&self, path: &str, wanted: Wanted) -> Listed {
+        self.loader.look(path, wanted)
     }
 }
 

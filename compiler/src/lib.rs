@@ -51,7 +51,7 @@ pub use check::MAX_INHERITED_BYTES;
 pub use fab_grammar::is_keyword;
 pub use fab_grammar::{FileId, Source, Sources, Span, line_and_column};
 pub use load::{MAX_FILES, MAX_TOTAL_BYTES, MAX_USE_DEPTH};
-pub use loader::{Listed, LoadError, Loader};
+pub use loader::{Listed, LoadError, Loader, Wanted};
 pub use merge::MAX_EXTENDS_DEPTH;
 
 use diag::{Diagnostic, Report, Severity};

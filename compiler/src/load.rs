@@ -5,7 +5,7 @@
 //! folder, except into a folder `lib` beside it.
 
 use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported, is_hidden, turns_writing};
-use crate::loader::{Listed, LoadError, Loader};
+use crate::loader::{Listed, LoadError, Loader, Wanted};
 use crate::path;
 use crate::syntax;
 use fab_grammar::ast::{Experts, Name, Task};
@@ -84,7 +84,7 @@ impl<'a> Loaded<'a> {
                 task_index: first_of_each_name(names),
                 experts_index: first_of_each_name(lists),
                 unparsed_words: file.unparsed_words(),
-                has_lost_name: file.has_lost_name(),
+                has_lost_name: file.has_lost_name() || splits_a_name(tree.text()),
                 tasks,
                 experts,
             });
@@ -131,8 +131,8 @@ impl<'a> Loaded<'a> {
     /// Returns what lies where a task names a file.
     ///
     /// - `path`: relative to the entry's folder.
-    pub fn look(&self, path: &str) -> Listed {
-        self.loader.look(path)
+    pub fn look(&self, path: &str, wanted: Wanted) -> Listed {
+        self.loader.look(path, wanted)
     }
 
     /// Returns whether any file uses a constant or a keypoint of this name, or may do so in text that did not parse.
@@ -206,6 +206,14 @@ pub(crate) fn read(
     Ok(texts)
 }
 
+/// Returns whether a hidden character stands inside of a name, which is then not the name that a reader sees.
+fn splits_a_name(text: &str) -> bool {
+    let is_part = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    text.match_indices(is_hidden).any(|(at, hidden)| {
+        text[..at].ends_with(is_part) && text[at + hidden.len()..].starts_with(is_part)
+    })
+}
+
 /// Adds to each file the files that it sees through others.
 fn close(reach: &mut [BTreeSet<FileId>]) {
     // Circular `use` is an error, but its files still see each other, so repeat until nothing changes.
@@ -249,7 +257,11 @@ impl Reading<'_> {
         self.report
             .count_further(parsed.faults.len() - n_reported, file);
         for fault in &parsed.faults[..n_reported] {
-            self.report.error(syntax::diagnose(fault, text));
+            // A hidden character is reported by itself.
+            let ends = [fault.span.start, fault.span.end];
+            if !ends.iter().any(|end| text[*end..].starts_with(is_hidden)) {
+                self.report.error(syntax::diagnose(fault, text));
+            }
         }
         self.hidden_characters(file);
         self.texts.faults.push(

@@ -11,10 +11,24 @@ pub trait Loader {
     /// Returns what lies where a task names a start, a picture or demonstrations.
     ///
     /// `path` is relative to the entry's folder, `/` between folders, and never leads out of it. Without a listing, the
-    /// files are not checked: a task may be compiled where they are not.
-    fn look(&self, _path: &str) -> Listed {
+    /// files are not checked: a task may be compiled where they are not. A file that is not what it is wanted for has
+    /// [`Listed::Nothing`] to read.
+    fn look(&self, _path: &str, _wanted: Wanted) -> Listed {
         Listed::Unknown
     }
+}
+
+/// What a file that a task names must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Wanted {
+    /// A PNG picture as large as the camera's, because arrows and points are given in its pixels.
+    CameraPicture,
+    /// A PNG picture of any size.
+    Picture,
+    /// Particle positions, `.npy` of shape `[particles, 3]`.
+    Positions,
+    /// Demonstrations, a JSON object in each line.
+    Demonstrations,
 }
 
 /// What lies where a task names a file.
@@ -22,7 +36,7 @@ pub trait Loader {
 pub enum Listed {
     /// The caller has no listing.
     Unknown,
-    /// No file that can be read; the reason, lower case, no full stop.
+    /// No file that can be read as what it is wanted for; the reason, lower case, no full stop.
     Nothing(String),
     /// A picture.
     Picture {

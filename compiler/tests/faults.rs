@@ -8,14 +8,14 @@
 //!     #                        ^^^^^ error[F0203]: expected a length on the table, found an angle
 //! ```
 //!
-//! The carets mark the columns; an empty span has one caret. For a span inside a text, over several lines, or in
+//! `# help: …` below it states one of its helps. The carets mark the columns; an empty span has one caret. For a span inside a text, over several lines, or in
 //! another file, a comment anywhere says `# at FILE:LINE:COLUMN error[…]: …` instead. All findings must be expected,
 //! and all expectations found.
 
 mod common;
 
 use fab_compiler::diag::{self, CODES, Color, Diagnostic, Severity};
-use fab_compiler::{Compiled, Listed, LoadError, Loader, line_and_column};
+use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, line_and_column};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
@@ -42,7 +42,17 @@ fn every_fault_is_reported_as_its_fixture_says() {
         let surplus = found
             .difference(&expected)
             .map(|finding| format!("  found    {finding:?}"));
-        let differences: Vec<String> = missing.chain(surplus).collect();
+        let helps = helps(&text).into_iter().filter(|(place, help)| {
+            let mut all = compiled.diagnostics.iter();
+            !all.any(|it| {
+                let source = compiled.sources.get(it.span.file);
+                source.name == name
+                    && line_and_column(&source.text, it.span.start) == *place
+                    && it.help.contains(help)
+            })
+        });
+        let helps = helps.map(|((line, _), help)| format!("  expected help, line {line}: {help}"));
+        let differences: Vec<String> = missing.chain(surplus).chain(helps).collect();
         if !differences.is_empty() {
             let shown = diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Plain);
             wrong.push(format!("{name}:\n{}\n{shown}", differences.join("\n")));
@@ -267,6 +277,26 @@ fn expectations(name: &str, text: &str) -> BTreeSet<Finding> {
     found
 }
 
+/// Reads the helps of a fixture, each with the line and the column of its finding.
+fn helps(text: &str) -> Vec<((usize, usize), String)> {
+    let (mut judged, mut column) = (0, 0);
+    let mut found = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let comment = line.trim_start().strip_prefix('#').map(str::trim_start);
+        match comment {
+            None => judged = index + 1,
+            Some(comment) if comment.starts_with('^') => {
+                column = line.chars().take_while(|it| *it != '^').count() + 1;
+            }
+            Some(comment) => {
+                let help = comment.strip_prefix("help: ");
+                found.extend(help.map(|help| ((judged, column), help.to_owned())));
+            }
+        }
+    }
+    found
+}
+
 /// Reads `FILE:LINE:COLUMN error[F0111]: …`.
 fn placed_expectation(text: &str) -> Option<Finding> {
     let (place, rest) = text.split_once(' ')?;
@@ -333,7 +363,7 @@ impl Loader for Fixtures {
     }
 
     /// The files below `listed`; other fixtures name files that need not be there.
-    fn look(&self, path: &str) -> Listed {
+    fn look(&self, path: &str, _wanted: Wanted) -> Listed {
         match path.strip_prefix("listed/") {
             None => Listed::Unknown,
             Some("224.png") => Listed::Picture {
@@ -365,7 +395,7 @@ impl Loader for Edited {
         }
     }
 
-    fn look(&self, path: &str) -> Listed {
-        Fixtures.look(path)
+    fn look(&self, path: &str, wanted: Wanted) -> Listed {
+        Fixtures.look(path, wanted)
     }
 }

@@ -109,6 +109,9 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
     };
     let (span, problem) = match node.kind() {
         Kind::NoOpen if previous.is_none_or(|head| lacking(head).is_none()) => {
+            if let Some(bracket) = other_bracket(parent) {
+                return Some(unexpected(node.tree(), bracket, vec!["`{`"]));
+            }
             let head = trimmed(previous.unwrap_or(node));
             let problem = Problem::MissingOpen {
                 block: block_word(parent),
@@ -120,9 +123,11 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
             (end, problem)
         }
         Kind::NoClose => {
-            let opened = parent.child(Kind::Open)?.span();
+            let blocks = std::iter::successors(Some(parent), |outer| robbed(*outer));
+            let block = blocks.last().unwrap_or(parent);
+            let opened = block.child(Kind::Open)?.span();
             let problem = Problem::MissingClose {
-                block: block_word(parent),
+                block: block_word(block),
                 opened,
             };
             (opened, problem)
@@ -157,6 +162,14 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
             (node.span(), Problem::LoneBraces)
         }
         Kind::Stray => return Some(stray(node)),
+        // The bracket in place of `{` was reported; the one that closes it is no other slip.
+        Kind::Junk | Kind::JunkSection | Kind::JunkCondition
+            if other_bracket(parent).is_some_and(|bracket| {
+                bracket.start == span.start || matches!(node.text().trim(), "]" | ")")
+            }) =>
+        {
+            return None;
+        }
         Kind::Junk | Kind::JunkSection => return junk(parent, previous, node),
         Kind::JunkCondition | Kind::JunkGuard => {
             let measured = measure(node.tree(), Rule::only_expr, span);
@@ -166,6 +179,42 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
         _ => return None,
     };
     Some(Fault { span, problem })
+}
+
+/// Returns the `[` or `(` that stands directly after the head of a block without `{`.
+fn other_bracket(block: Node<'_>) -> Option<Span> {
+    let text = block.tree().text();
+    // It comes right after the head; blocks may have many children.
+    let mut first = block.children().take(8);
+    let start = first.find(|it| it.kind() == Kind::NoOpen)?.range().start;
+    let start = start + (text[start..].len() - text[start..].trim_start().len());
+    let is_bracket = text[start..].starts_with(['[', '(']);
+    is_bracket.then(|| block.tree().span(start..start + 1))
+}
+
+/// How far a line may begin and still tell by its indentation where a block ends, bytes.
+const MOST_INDENT: usize = 256;
+
+/// Returns the inner block that took the `}` of a block that is never closed, as the indentation shows.
+fn robbed(outer: Node<'_>) -> Option<Node<'_>> {
+    let text = outer.tree().text();
+    // How far in the line of a byte begins, and whether the line begins there. Many blocks may be on one long line.
+    let margin = |at: usize| {
+        let near = &text[text.floor_char_boundary(at.saturating_sub(MOST_INDENT))..at];
+        let before = near.rsplit('\n').next().unwrap_or(near);
+        let words = before.trim_start();
+        (before.len() - words.len(), words.is_empty())
+    };
+    let (outer_margin, _) = margin(outer.child(Kind::Open)?.range().start);
+    let mut inner = outer.children();
+    inner.find(|block| {
+        let ends = [Kind::Open, Kind::Close].map(|kind| block.child(kind));
+        let [Some(open), Some(close)] = ends else {
+            return false;
+        };
+        margin(open.range().start).0 > outer_margin
+            && margin(close.range().start) == (outer_margin, true)
+    })
 }
 
 /// Reports a head without a name, and a check without a condition.
@@ -297,13 +346,16 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
     let begins =
         known.is_empty() && looks_like_statement(node.kind(), node.text().trim(), first, known);
     let statement = previous.filter(|before| is_statement(before.kind()) && !begins);
-    let continued = statement.filter(|before| before.is_cut());
+    let rule = block(parent.kind())?.line();
+    // A word that begins a line of this block begins a statement, even on the line of another one.
+    let is_own = || known.contains(&first) && measure(tree, rule, span).is_some();
+    let continued = statement.filter(|before| before.is_cut() && !is_own());
     let whole = Span {
         start: continued.map_or(span.start, |before| before.range().start),
         ..span
     };
     let strict = Strict {
-        rule: block(parent.kind())?.line(),
+        rule,
         begins: known,
     };
     let measured = measure(tree, strict.rule, whole);

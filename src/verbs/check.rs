@@ -91,7 +91,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
                 diagnostics.extend(found);
             }
         } else if !compiled.diagnostics.is_empty() {
-            io.data(&sources::findings(&compiled, io.data_color()));
+            io.painted_data(&sources::findings(&compiled, io.data_color()));
         }
         for (number, program) in compiled.programs.iter().enumerate() {
             let per_step = program.calls_per_step();

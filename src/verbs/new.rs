@@ -246,7 +246,7 @@ fn compile(
                 "`{name}` cannot name a task: `{path}` has one of this name; `my_{name}` would be right"
             )));
         }
-        io.talk(&sources::findings(&compiled, io.talk_color()));
+        io.painted_talk(&sources::findings(&compiled, io.talk_color()));
         return Err(Failure::environment(format!(
             "nothing is written, since the new task would not compile with `{path}`, which is not as fabc ships it; \
              choose another folder with `--in DIR`"

@@ -54,7 +54,7 @@ fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
         };
         if !compiled.diagnostics.is_empty() {
             let text = diag::to_text(&compiled.diagnostics, &compiled.sources, io.talk_color());
-            io.talk(text.trim_end());
+            io.painted_talk(text.trim_end());
         }
         if let Value::Array(found) = diag::to_json(&compiled.diagnostics, &compiled.sources) {
             diagnostics.extend(found);

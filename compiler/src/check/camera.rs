@@ -84,7 +84,7 @@ pub(crate) fn masks_see_cloth(
             continue;
         };
         let message = format!(
-            "`{}` ends {}mm from the camera, and a flat cloth is {}mm away",
+            "`{}` takes only depths below {}mm, and a flat cloth lies {}mm from the camera",
             keypoint.name,
             mm(below_m),
             mm(flat_m)

@@ -6,6 +6,7 @@ use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::calls::{CLOTHS, SPACING_M, particle_limits};
 use fab_grammar::ast::{Expr, Statement};
 use fab_program::Cloth;
+use fab_program::exact::written;
 use fab_program::vocabulary::ArgValue;
 
 /// Reads the cloth's size and how it lies at the start.
@@ -80,8 +81,8 @@ fn rounded(
     }
     let message = format!(
         "the cloth has {dimx} by {dimy} particles, so its sides are {}mm and {}mm",
-        side_mm(dimx),
-        side_mm(dimy)
+        written(side_mm(dimx), 3),
+        written(side_mm(dimy), 3)
     );
     let diagnostic = Diagnostic::new(Code::Rounded, statement.value().span(), message);
     context.remark(diagnostic.help(format!("`grid({dimx}, {dimy})` states this size exactly")));

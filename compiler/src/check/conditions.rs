@@ -304,9 +304,7 @@ fn order(
         .iter()
         .find(|row| row.misspelling == Some(sign.text()));
     Err(context.error(match meant {
-        Some(row) => diagnostic
-            .help(format!("write `{}`", row.name))
-            .edit(sign.span(), row.name),
+        Some(row) => not_a_sign(sign, row.name),
         None => {
             let orders = SIGNS
                 .iter()
@@ -317,6 +315,14 @@ fn order(
             ))
         }
     }))
+}
+
+/// Reports a sign that people write for another one, such as `≤` for `<=`.
+pub(super) fn not_a_sign(sign: Name<'_>, right: &str) -> Diagnostic {
+    let message = format!("`{}` is written `{right}` here", sign.text());
+    Diagnostic::new(Code::WrongExpression, sign.span(), message)
+        .help(format!("write `{right}`"))
+        .edit(sign.span(), right)
 }
 
 /// Reports why two values cannot be compared.
@@ -331,21 +337,30 @@ fn unlike(
     let new = |code, span, message: String| Diagnostic::new(code, span, message);
     if left_kind == right_kind {
         let both = format!("`{left_words}` and `{right_words}`");
+        let order = match compare.sign().text() {
+            sign @ ("<" | "<=" | ">" | ">=") => sign,
+            // What differs is apart.
+            "!=" => ">",
+            _ => "<",
+        };
         let (message, help) = match (&left.value, &right.value) {
             (Operand::Point(_), _) => (
                 format!("{both} are points, which cannot be compared"),
-                "write, for example, `distance(pick, place) < 10px`",
+                format!("write, for example, `distance({left_words}, {right_words}) {order} 10px`"),
             ),
             (Operand::Heading, _) => (
                 format!("{both} are directions, which cannot be compared"),
-                "write, for example, `angle_between(from center to pick, 90deg) < 45deg`",
+                format!(
+                    "write, for example, `angle_between({left_words}, {right_words}) {order} 45deg`"
+                ),
             ),
             (a, b) if a.is_constant() && b.is_constant() => {
-                (format!("{both} are both constants"), FORMS)
+                (format!("{both} are both constants"), FORMS.to_owned())
             }
             _ => (
                 format!("{both} cannot be compared, because neither is a constant"),
-                "one side must be a constant: a number, an angle such as `45deg`, or a word in quotes",
+                "one side must be a constant: a number, an angle such as `45deg`, or a word in quotes"
+                    .to_owned(),
             ),
         };
         return new(Code::WrongExpression, compare.span(), message).help(help);
@@ -358,12 +373,10 @@ fn unlike(
     };
     let diagnostic = match (&left.value, &right.value) {
         (_, Operand::Number(_)) if has_unit(left) => {
-            return no_unit(right.expr, left_kind, context)
-                .also(left.expr.span(), format!("this is {left_kind}"));
+            return without_unit(right, left, left_kind, context);
         }
         (Operand::Number(_), _) if has_unit(right) => {
-            return no_unit(left.expr, right_kind, context)
-                .also(right.expr.span(), format!("this is {right_kind}"));
+            return without_unit(left, right, right_kind, context);
         }
         _ => {
             let message = format!("{left_kind} is compared with {right_kind}");
@@ -377,5 +390,25 @@ fn unlike(
         _ => diagnostic
             .label(format!("expected {left_kind}"))
             .also(left.expr.span(), format!("this is {left_kind}")),
+    }
+}
+
+/// Reports a number without a unit beside a value that has one.
+fn without_unit(
+    number: &Side<'_>,
+    measured: &Side<'_>,
+    kind: &str,
+    context: &Context<'_, '_>,
+) -> Diagnostic {
+    let diagnostic = no_unit(number.expr, kind, context);
+    let diagnostic = diagnostic.also(measured.expr.span(), format!("this is {kind}"));
+    let unit = match &measured.value {
+        Operand::Length(length) => length.unit,
+        _ => "deg",
+    };
+    let written = context.written(number.expr.span());
+    match number.expr {
+        Expr::Quantity(_) => diagnostic.help(format!("write `{written}{unit}`")),
+        _ => diagnostic,
     }
 }

@@ -1,8 +1,9 @@
 //! `demos plan from "double_straight.demos.json"`.
 
 use super::context::{Context, Declared};
-use super::files::{self, Wanted};
+use super::files;
 use crate::diag::{Code, Diagnostic, Reported};
+use crate::loader::Wanted;
 use crate::merge::Merged;
 use fab_grammar::ast;
 use fab_program::{Demos, Read, Stage};
@@ -16,7 +17,12 @@ pub(crate) fn check<'a>(
     stages: &[Result<Stage, Reported>],
     context: &mut Context<'a, '_>,
 ) -> Declared<Demos> {
-    let file = files::named(part.file(), "demonstrations", Wanted::Any, context);
+    let file = files::named(
+        part.file(),
+        "demonstrations",
+        Wanted::Demonstrations,
+        context,
+    );
     let declared = || merged.stages.iter().map(|stage| stage.name().text());
     let Some(number) = declared().position(|name| name == part.stage().text()) else {
         if merged.stages.is_empty() {

@@ -1,8 +1,9 @@
 //! `example { say "…" reply "…" }` of a stage: questions with their answers.
 
 use super::context::Context;
-use super::files::{self, Wanted};
+use super::files;
 use crate::diag::{Code, Diagnostic, Reported};
+use crate::loader::Wanted;
 use crate::merge::once;
 use fab_grammar::ast::{self, ComponentOrText, Image, Reply, Sayings, Stage, Text};
 use fab_program::pointing::Notation;

@@ -5,7 +5,6 @@
 
 use super::arguments::{Bound, bind, form};
 use super::context::Context;
-use super::files::Wanted;
 use super::names::Meaning;
 use super::quantity::{
     measured, no_conversion, no_unit, not_whole, out_of_range, quantity_of, read, read_whole,
@@ -14,6 +13,7 @@ use super::quantity::{
 use super::{files, missing_action};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::calls::CLOTH_POINTS;
+use crate::loader::Wanted;
 use fab_grammar::ast::{Call, Expr, Name};
 use fab_program::Depends;
 use fab_program::exact::{normalised_deg, vector_of};
@@ -251,7 +251,7 @@ fn word_or_file(
         let word = word(expr, words, context);
         return word.map(ArgValue::Word);
     };
-    let file = files::named(text, "a start file", Wanted::Any, context)?;
+    let file = files::named(text, "a start file", Wanted::Positions, context)?;
     if !file.path.ends_with(ending) {
         let written = context.written(expr.span());
         let message = format!("{written} is not a `{ending}` file");

@@ -2,21 +2,10 @@
 
 use super::context::Context;
 use crate::diag::{Code, Diagnostic, Reported};
-use crate::loader::Listed;
+use crate::loader::{Listed, Wanted};
 use crate::path;
 use fab_grammar::ast::Text;
 use fab_program::FileRef;
-
-/// What a file that a task names must be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wanted {
-    /// A picture as large as the camera's, because arrows and points are given in its pixels.
-    CameraPicture,
-    /// A picture of any size.
-    Picture,
-    /// A file that is not looked into.
-    Any,
-}
 
 /// Returns the file that a text names. It must be in the entry's folder or below, and there if the caller can tell.
 pub(crate) fn named(
@@ -54,10 +43,10 @@ fn is_there(
         Diagnostic::new(Code::FileMissing, text.span(), message)
             .help("paths are relative to the file that contains them")
     };
-    match context.loaded.look(path) {
+    match context.loaded.look(path, wanted) {
         Listed::Unknown => Ok(()),
         Listed::Nothing(why) => Err(context.error(missing(why))),
-        Listed::Other if wanted != Wanted::Any => {
+        Listed::Other if matches!(wanted, Wanted::CameraPicture | Wanted::Picture) => {
             Err(context.error(missing("it is no PNG picture".to_owned())))
         }
         Listed::Picture { width, height } if wanted == Wanted::CameraPicture => {

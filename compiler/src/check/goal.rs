@@ -1,9 +1,11 @@
 //! `goal particle_distance < 40mm`: what counts as done.
 
+use super::conditions::not_a_sign;
 use super::context::Context;
 use super::quantity::read;
 use super::untouched_score;
 use crate::diag::{Code, Diagnostic, Reported, among};
+use crate::lang::conditions::SIGNS;
 use crate::lang::goal::{METRICS, MetricRow};
 use crate::merge::Merged;
 use fab_grammar::ast::{Expr, Name, Statement};
@@ -72,6 +74,10 @@ fn comparison(
     let mut reached = row.reached.into_iter();
     if let Some(comparison) = reached.find(|it| it.sign() == sign.text()) {
         return Ok(comparison);
+    }
+    let mut signs = SIGNS.iter();
+    if let Some(meant) = signs.find(|row| row.misspelling == Some(sign.text())) {
+        return Err(context.error(not_a_sign(sign, meant.name)));
     }
     let right = row.reached[0].sign();
     let side = if right == "<" { "below" } else { "above" };

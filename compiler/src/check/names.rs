@@ -31,6 +31,8 @@ pub(crate) struct Names<'a> {
     missing_base: Option<Reported>,
     /// Whether the block of actions may be in text that did not parse.
     may_have_fields: bool,
+    /// Names that would be declared but for an error.
+    lost: BTreeMap<&'a str, Reported>,
 }
 
 impl<'a> Names<'a> {
@@ -77,6 +79,7 @@ impl<'a> Names<'a> {
             seen_from: merged.task.name().span().file,
             missing_base: merged.missing_base,
             may_have_fields: merged.actions.is_none() && merged.is_damaged,
+            lost: BTreeMap::new(),
         }
     }
 
@@ -87,6 +90,7 @@ impl<'a> Names<'a> {
             seen_from,
             missing_base: None,
             may_have_fields: false,
+            lost: BTreeMap::new(),
         }
     }
 
@@ -113,6 +117,11 @@ impl<'a> Names<'a> {
             .collect()
     }
 
+    /// Records that a name is no longer declared because of an error that was reported.
+    pub fn lose(&mut self, name: &'a str, reported: Reported) {
+        self.lost.insert(name, reported);
+    }
+
     /// Returns the proof of an error that may hide the declaration of an unknown name: a missing task, or a part that
     /// did not parse.
     pub fn hidden(&self, name: &str, loaded: &Loaded<'_>) -> Option<Reported> {
@@ -121,6 +130,7 @@ impl<'a> Names<'a> {
         let parts = || name.split('.');
         self.missing_base
             .or_else(in_actions)
+            .or_else(|| self.lost.get(name).copied())
             .or_else(|| parts().find_map(|part| loaded.hidden(self.seen_from, part)))
     }
 }

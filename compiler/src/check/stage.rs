@@ -172,22 +172,31 @@ impl<'a> Builder<'_, 'a> {
         let system = once(stage.system(), "system", Sayings::span, context.report);
         let read = once(stage.read(), "read", ast::Read::span, context.report);
         let lines = [model.alone, show.alone, say.alone, system.alone, read.alone];
-        let model = required(
-            model.first,
-            "model",
-            "write `model vision` or `model text`",
-            stage,
-            context,
-        );
-        let say = required(
-            say.first,
-            "say",
-            "write `say` and components or a text",
-            stage,
-            context,
-        );
-        let how = "write `read action`, or `read NAME from \"…{NAME}\"`";
-        let read = required(read.first, "read", how, stage, context);
+        let lines_needed = [
+            (
+                "model",
+                model.first.is_none(),
+                "write `model vision` or `model text`",
+            ),
+            (
+                "say",
+                say.first.is_none(),
+                "write `say` and components or a text",
+            ),
+            (
+                "read",
+                read.first.is_none(),
+                "write `read action`, or `read NAME from \"…{NAME}\"`",
+            ),
+        ];
+        let lacks = lines_needed.iter().filter(|(_, is_missing, _)| *is_missing);
+        let lacks: Vec<(&str, &str)> = lacks.map(|(word, _, how)| (*word, *how)).collect();
+        // One error for all of them; it is made when the first is looked for.
+        let mut reported = None;
+        let mut report = || *reported.get_or_insert_with(|| self.lacking(&lacks, stage, context));
+        let model = model.first.ok_or_else(&mut report);
+        let say = say.first.ok_or_else(&mut report);
+        let read = read.first.ok_or_else(&mut report);
 
         let (role, settings) = match model {
             Ok(line) => self::model(line, context),
@@ -260,6 +269,55 @@ impl<'a> Builder<'_, 'a> {
             show: pictures.into_iter().collect::<Result<_, _>>()?,
             read: read?,
         })
+    }
+
+    /// Reports the lines that a stage must have and does not, all in one error.
+    ///
+    /// - `lacks`: each line's word, and how to write it.
+    fn lacking(
+        &self,
+        lacks: &[(&str, &str)],
+        stage: ast::Stage<'a>,
+        context: &mut Context<'a, '_>,
+    ) -> Reported {
+        let name = stage.name();
+        let words = among(lacks.iter().map(|(word, _)| *word));
+        let message = format!("the stage `{}` has no {words}", name.text());
+        let diagnostic = Diagnostic::new(Code::StageIncomplete, name.span(), message);
+        let replaced = self.merged.replaced_stages.get(name.text());
+        // Who states neither the model nor what is read means to add to the inherited stage.
+        let adds = ["model", "read"]
+            .iter()
+            .all(|line| lacks.iter().any(|(word, _)| word == line));
+        let diagnostic = match replaced.filter(|_| adds) {
+            Some((_, said)) => {
+                let own = stage.system().chain(stage.say()).flat_map(Sayings::list);
+                let added = own.filter_map(|saying| match saying {
+                    ComponentOrText::Component(part) => Some(part.text()),
+                    ComponentOrText::Text(_) => None,
+                });
+                let added = { added }.find(|part| !said.says(part)).unwrap_or("NAME");
+                let stage = name.text();
+                let way = match said.names().next_back() {
+                    Some(beside) => format!(
+                        "to add to what it says, write `say {added} in {stage} after {beside}`, outside of any stage"
+                    ),
+                    None => "it says no component to add another to, so state all of its lines"
+                        .to_owned(),
+                };
+                diagnostic.help(format!("this replaces the whole inherited stage; {way}"))
+            }
+            None => lacks.iter().fold(diagnostic, |it, (_, how)| it.help(*how)),
+        };
+        let reported = context.missing(stage.is_damaged(), name.span().file, diagnostic);
+        if let Some((before, _)) = replaced
+            && stage.read().next().is_none()
+        {
+            for read in before.read() {
+                context.names.lose(read.name().text(), reported);
+            }
+        }
+        reported
     }
 
     /// Reports pictures for a model that takes none, and annotations if no layers are declared.
@@ -541,22 +599,6 @@ fn addable<'a>(merged: &Merged<'a>) -> Option<(&'a str, &'a str)> {
     inherited
         .filter(|stage| !own.contains(stage))
         .find_map(|stage| Some((stage, merged.said.get(stage)?.names().next_back()?)))
-}
-
-/// Returns a line that a stage must have.
-fn required<T>(
-    line: Option<T>,
-    what: &str,
-    how: &str,
-    stage: ast::Stage<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<T, Reported> {
-    line.ok_or_else(|| {
-        let name = stage.name();
-        let message = format!("the stage `{}` has no `{what}`", name.text());
-        let diagnostic = Diagnostic::new(Code::StageIncomplete, name.span(), message).help(how);
-        context.missing(stage.is_damaged(), name.span().file, diagnostic)
-    })
 }
 
 // ---- model ---------------------------------------------------------------------------------------

@@ -2,9 +2,9 @@
 
 use super::context::Context;
 use super::expressions::pixel;
-use super::files::Wanted;
 use super::{files, folds};
 use crate::diag::{Code, Diagnostic, Reported};
+use crate::loader::Wanted;
 use crate::merge::once;
 use fab_grammar::ast::{FoldBlock, Image};
 use fab_program::{SubgoalImage, Subgoals};

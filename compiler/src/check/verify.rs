@@ -290,7 +290,9 @@ fn result<'a>(
     let Some(text) = part.message() else {
         let message = "`result` has no message for the model";
         let diagnostic = Diagnostic::new(Code::MissingMessage, part.span(), message);
-        return Err(context.error(diagnostic.help("add `else \"…\"` at its end")));
+        let diagnostic = diagnostic.help("add `else \"…\"` at its end");
+        let is_damaged = part.node().precedes_junk();
+        return Err(context.missing(is_damaged, part.span().file, diagnostic));
     };
     let scope = TextScope {
         place: TextPlace::Result,

@@ -2,8 +2,10 @@
 
 use super::codes::Severity;
 use super::diagnostic::Diagnostic;
+use super::visible::visible;
 use annotate_snippets::{Annotation, AnnotationKind, Element, Level, Origin, Renderer, Snippet};
 use fab_grammar::{FileId, Source, Sources, Span};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// The most findings that are written; the rest are counted.
@@ -51,16 +53,19 @@ fn write(diagnostic: &Diagnostic, sources: &Sources, renderer: &Renderer) -> Str
         Severity::Warning => Level::WARNING,
         Severity::Note => Level::NOTE,
     };
+    // A message quotes the file, which may have characters that act on a terminal.
+    let message = visible(&diagnostic.message);
+    let help: Vec<Cow<'_, str>> = diagnostic.help.iter().map(|help| visible(help)).collect();
     let mut group = level
-        .primary_title(diagnostic.message.as_str())
+        .primary_title(message.as_ref())
         .id(diagnostic.code.as_str())
         .elements(
             files(diagnostic)
                 .into_iter()
                 .flat_map(|file| excerpt(diagnostic, file, sources)),
         );
-    for help in &diagnostic.help {
-        group = group.element(Level::HELP.message(help.as_str()));
+    for help in &help {
+        group = group.element(Level::HELP.message(help.as_ref()));
     }
     renderer.render(&[group]).trim_end().to_owned()
 }

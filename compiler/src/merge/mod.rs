@@ -60,6 +60,8 @@ pub(crate) struct Merged<'a> {
     pub stages: Indexed<'a, Stage<'a>>,
     /// What each stage says, by its name.
     pub said: BTreeMap<&'a str, Said<'a>>,
+    /// The stages that were stated again, and what they said before.
+    pub replaced_stages: BTreeMap<&'a str, (Stage<'a>, Said<'a>)>,
     /// The section that states attempts and results; the checks are in `checks`.
     pub verify: Option<Verify<'a>>,
     pub checks: Indexed<'a, Check<'a>>,
@@ -135,6 +137,7 @@ pub(crate) fn merge<'a>(
         removed: BTreeSet::new(),
         stages: Indexed::default(),
         said: BTreeMap::new(),
+        replaced_stages: BTreeMap::new(),
         verify: None,
         checks: Indexed::default(),
         removed_checks: BTreeSet::new(),
@@ -269,8 +272,12 @@ impl<'a> Merged<'a> {
         self.keypoints
             .put_block(keypoints(), |keypoint| keypoint.name().text());
         for stage in body.stages() {
-            self.stages.put(stage.name().text(), stage);
-            self.said.insert(stage.name().text(), Said::of(stage));
+            let name = stage.name().text();
+            let said = self.said.insert(name, Said::of(stage));
+            if let (Some(before), Some(said)) = (self.stages.get(name), said) {
+                self.replaced_stages.insert(name, (before, said));
+            }
+            self.stages.put(name, stage);
         }
         self.add_components(body, loaded, report);
         self.is_damaged |= body.is_damaged();

@@ -19,6 +19,9 @@ const IN_A_STAGE: &str = "it belongs in a `stage`; to change it, state the stage
 const IN_VERIFY: &str = "it belongs in `verify`; a `verify` of this task's own replaces the inherited one, so state the inherited checks in it too";
 const AS_IT_IS: &str = "a new part needs no word before it: write `component NAME \"…\"`, `check NAME { … } else \"…\"`, or `say NAME in STAGE after NAME`";
 
+const BEHIND_ELSE: &str =
+    "the message of a check is behind `else`: write `check NAME { … } else \"…\"`";
+
 /// Words that people write, with the block in which they write them.
 const MISPLACED: &[Misplaced] = &[
     misplaced(
@@ -37,6 +40,9 @@ const MISPLACED: &[Misplaced] = &[
     misplaced("task", "insert", AS_IT_IS),
     misplaced("task", "new", AS_IT_IS),
     misplaced("task", "extend", AS_IT_IS),
+    misplaced("verify", "then", BEHIND_ELSE),
+    misplaced("verify", "otherwise", BEHIND_ELSE),
+    misplaced("verify", "message", BEHIND_ELSE),
     misplaced(
         "verify",
         "override",
@@ -74,12 +80,13 @@ pub(super) fn help(
 ) -> Option<String> {
     let expects = |words: &str| expected.contains(&words);
     let before = text[..span.start].trim_end();
-    let line = before
-        .rsplit(['\n', '{', '}'])
-        .next()
-        .unwrap_or(before)
-        .trim_start();
+    let line = statement(before);
     let found = found.unwrap_or_default();
+    if expected.is_empty() {
+        let mut rows = MISPLACED.iter();
+        let row = rows.find(|row| row.word == found && row.help == AS_IT_IS)?;
+        return Some(row.help.to_owned());
+    }
     if line == "override" && expects("`component`") {
         return Some(overridden(found));
     }
@@ -87,7 +94,7 @@ pub(super) fn help(
         return Some(left_out(found, expects("`variant`")));
     }
     let said = line.strip_prefix("say")?.trim();
-    if found == "in" && expects("`,`") {
+    if matches!(found, "in" | "after" | "before") && expected == ["`,`"] {
         let help = "`say` in a stage lists what it says; `say NAME in STAGE after NAME` stands in the task, outside of its stages";
         return Some(help.to_owned());
     }
@@ -97,7 +104,15 @@ pub(super) fn help(
         return Some(help.to_owned());
     }
     if expects("`in`") {
-        return Some(format!("write `say {said} in STAGE after NAME`"));
+        let beside = text[span.start..].trim_start_matches(found).trim_start();
+        let beside = beside.split(|letter: char| !letter.is_alphanumeric() && letter != '_');
+        let beside = { beside }.next().filter(|name| is_name(name));
+        return Some(match (found, beside) {
+            ("after" | "before", Some(beside)) => {
+                format!("write `say {said} in STAGE {found} {beside}`")
+            }
+            _ => format!("write `say {said} in STAGE after NAME`"),
+        });
     }
     if expects("`after`") {
         return Some(format!(
@@ -108,6 +123,21 @@ pub(super) fn help(
         return Some("write the stage's name alone, such as `in plan`".to_owned());
     }
     None
+}
+
+/// Returns the beginning of the statement that ends a text, from its last `say`, `override` or `without`, which may
+/// stand behind another statement on the line.
+fn statement(before: &str) -> &str {
+    let line = before.rsplit(['\n', '{', '}']).next().unwrap_or(before);
+    let (mut start, mut at, mut is_text) = (0, 0, false);
+    for piece in line.split_inclusive([' ', '\t']) {
+        if !is_text && matches!(piece.trim_end(), "say" | "override" | "without") {
+            start = at;
+        }
+        is_text ^= piece.matches('"').count() % 2 == 1;
+        at += piece.len();
+    }
+    line[start..].trim_start()
 }
 
 /// Returns how to replace something that `override` does not replace.

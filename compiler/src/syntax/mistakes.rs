@@ -56,6 +56,9 @@ pub(super) fn recognise(
     if rest.starts_with("//") {
         return Some(written("//", "#"));
     }
+    if let Some(diagnostic) = comma_missing(found, span, expected, text) {
+        return Some(diagnostic);
+    }
     Some(match found {
         ":" if expects("`=`") && rest.starts_with(":=") => written(":=", "="),
         "=" if expects("`:`") => usual().help("write `:`").edit(span, ":"),
@@ -69,8 +72,11 @@ pub(super) fn recognise(
         "!" if !rest.starts_with("!=") => word("!", "not"),
         "&" => word("&", "and"),
         "|" => word("|", "or"),
+        "[" | "(" if expects("`{`") => usual().help("write `{`").likely(span, "{"),
         "=" if is_in_condition(before) => fault(span, "`=` is not a comparison".to_owned())
             .help("write `<`, `<=`, `>` or `>=`; words and counts may also be compared with `==`"),
+        "=" if is_in_goal(before) => fault(span, "`=` is not a comparison".to_owned())
+            .help("write `<` or `<=` for a measure that falls as the cloth is folded, `>` or `>=` for one that grows"),
         "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() => fault(
             span,
             format!("a comparison has two sides, and `{found}` begins a third"),
@@ -117,11 +123,11 @@ pub(super) fn recognise(
             }
         }
         _ if found.starts_with('_')
-            && found[1..].bytes().all(|byte| byte.is_ascii_digit())
-            && before.ends_with(|last: char| last.is_ascii_digit()) =>
+            && found[1..].starts_with(|next: char| next.is_ascii_digit())
+            && text[..span.start].ends_with(|last: char| last.is_ascii_digit()) =>
         {
             fault(span, "a number is written without `_`".to_owned())
-                .help(format!("write `{}`", &found[1..]))
+                .help(format!("write `{}{}`", last_number(before), &found[1..]))
                 .edit(span, &found[1..])
         }
         _ if found.starts_with(|first: char| first.is_ascii_digit() || "+-".contains(first))
@@ -142,12 +148,63 @@ pub(super) fn recognise(
         ")" if last_open(before).is_none() => fault(span, "this `)` closes nothing".to_owned())
             .help("write the `(` that it closes, or remove it"),
         "}" | ")" if before.ends_with(',') => usual().help("remove the comma before it"),
+        _ if expects("a name")
+            && found.starts_with(|first: char| first.is_ascii_digit())
+            && text[..span.start].ends_with(',')
+            && before[..before.len() - 1].ends_with(|last: char| last.is_ascii_digit()) =>
+        {
+            let comma = Span {
+                start: span.start - 1,
+                end: span.start,
+                ..span
+            };
+            fault(
+                comma,
+                "the decimal separator is a point, not a comma".to_owned(),
+            )
+            .help("write `.`")
+            .likely(comma, ".")
+        }
+        _ if expects("`)`")
+            && found.starts_with(|first: char| first.is_ascii_digit())
+            && last_word(before).is_some_and(|(_, word)| !fab_grammar::is_keyword(word)) =>
+        {
+            let end = Span {
+                start: before.len(),
+                end: before.len(),
+                ..span
+            };
+            usual()
+                .help("an argument's name is followed by `:`")
+                .likely(end, ":")
+        }
+        _ if expects("`of`") && matches!(found, "from" | "to" | "off" | "at" | "in" | "on") => {
+            usual().meant(span, "of")
+        }
+        _ if expects("`=`") && before.ends_with("given last") => {
+            let gap = Span {
+                start: before.len(),
+                end: span.start,
+                ..span
+            };
+            usual()
+                .help(format!("write `given last.{found}`"))
+                .likely(gap, ".")
+        }
+        _ if expects("a condition") && before.ends_with("when") => {
+            usual().help("write `when` and a condition, such as `when step > 1`, or remove `when`")
+        }
+        "actions" if before.ends_with("read") => usual().meant(span, "action"),
         "“" | "”" | "'" | "‘" | "’" => usual().help("write straight double quotes `\"`"),
         "[" | "]" => {
             usual().help("lists have no brackets; write the parts with commas between them")
         }
         _ if fab_grammar::is_keyword(found) && expects("a name") => usual().help(format!(
-            "`{found}` is a word of the language; choose another name, or remove a comma before it"
+            "`{found}` is a word of the language; {}",
+            match before.ends_with(',') {
+                true => "choose another name, or remove the comma before it",
+                false => "choose another name",
+            }
         )),
         _ => return None,
     })
@@ -169,10 +226,68 @@ pub(super) fn last_open(before: &str) -> Option<usize> {
     open.pop()
 }
 
-/// Returns whether a position is in the condition of a check: after its `{` on the same line.
+/// Returns whether a position is in a condition on the same line: in a check's braces, or behind `when`.
 fn is_in_condition(before: &str) -> bool {
     let line = before.rsplit('\n').next().unwrap_or(before);
-    line.trim_start().starts_with("check ") && line.contains('{')
+    line.trim_start().starts_with("check ") && line.contains('{') || line.contains(" when ")
+}
+
+/// Returns whether a position is in a goal on the same line.
+fn is_in_goal(before: &str) -> bool {
+    let line = before.rsplit(['\n', '{', '}']).next().unwrap_or(before);
+    line.trim_start().starts_with("goal ")
+}
+
+/// Makes the diagnostic for parts of a list without a comma between them.
+fn comma_missing(found: &str, span: Span, expected: &[&str], text: &str) -> Option<Diagnostic> {
+    if expected != ["`,`"] {
+        return None;
+    }
+    let message = |found: &str| format!("expected `,`, found `{found}`");
+    let before = text[..span.start].trim_end();
+    if matches!(found, "and" | "&" | "+" | ";" | "|") {
+        let diagnostic = Diagnostic::new(Code::Unexpected, span, message(found));
+        return Some(diagnostic.help("write `,`").likely(span, ","));
+    }
+    let is_word = |first: char| first.is_alphanumeric() || first == '_' || first == '"';
+    if !found.starts_with(is_word) {
+        return None;
+    }
+    // `model text temperature 0`: the word before the number was read as a value.
+    let (start, found) = match last_word(before) {
+        Some((start, word)) if found.starts_with(|first: char| first.is_ascii_digit()) => {
+            (start, word)
+        }
+        _ => (span.start, found),
+    };
+    let end = text[..start].trim_end().len();
+    let word = Span {
+        start,
+        end: start + found.len(),
+        ..span
+    };
+    let gap = Span {
+        start: end,
+        end,
+        ..span
+    };
+    let diagnostic = Diagnostic::new(Code::Unexpected, word, message(found));
+    Some(diagnostic.help("write `,` before it").likely(gap, ","))
+}
+
+/// Returns the word at the end of a text, and where it begins; `None` if there is a number or a sign.
+fn last_word(before: &str) -> Option<(usize, &str)> {
+    let is_part = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    let word = &before[before.trim_end_matches(is_part).len()..];
+    let is_word = word.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
+    is_word.then(|| (before.len() - word.len(), word))
+}
+
+/// Returns the digits at the end of a text.
+fn last_number(before: &str) -> &str {
+    &before[before
+        .trim_end_matches(|last: char| last.is_ascii_digit())
+        .len()..]
 }
 
 /// Returns whether a comma is between two digits of a number.

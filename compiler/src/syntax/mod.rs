@@ -66,7 +66,9 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             if is_task && !continues_a_word && found.split_whitespace().count() == 1 {
                 return diagnostic.meant(span, &format!("extends {found}"));
             }
-            if continues_a_word {
+            if !found.contains(char::is_alphanumeric) {
+                diagnostic.help(format!("remove the `{found}`")).likely(span, "")
+            } else if continues_a_word {
                 diagnostic.help("a name has only letters without accents, digits and `_`")
             } else {
                 diagnostic.help(format!("remove `{found}`"))
@@ -102,20 +104,19 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
     let found_words = found.map_or("the end of the line".to_owned(), |found| {
         format!("`{found}`")
     });
+    let message = match expected {
+        [] => format!("unexpected {found_words}"),
+        _ => format!("expected {}, found {found_words}", listed(expected)),
+    };
+    let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
     if let Some(help) = additions::help(found, span, expected, text) {
-        let message = format!("expected {}, found {found_words}", listed(expected));
-        return Diagnostic::new(Code::Unexpected, span, message).help(help);
+        return diagnostic.help(help);
     }
     if let Some(found) = found
         && let Some(mistake) = mistakes::recognise(found, span, expected, text)
     {
         return mistake;
     }
-    let message = match expected {
-        [] => format!("unexpected {found_words}"),
-        _ => format!("expected {}, found {found_words}", listed(expected)),
-    };
-    let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
     let open = mistakes::last_open(&text[..span.start]).filter(|_| expected.contains(&"`)`"));
     match open {
         Some(start) => {

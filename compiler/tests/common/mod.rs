@@ -4,7 +4,7 @@
 
 pub mod jinja2;
 
-use fab_compiler::{Compiled, Listed, LoadError, Loader, explain};
+use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, explain};
 use fab_program::Proposal;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
@@ -37,7 +37,7 @@ impl Loader for Memory {
         })
     }
 
-    fn look(&self, path: &str) -> Listed {
+    fn look(&self, path: &str, _wanted: Wanted) -> Listed {
         explain::look(path)
     }
 }

@@ -111,7 +111,11 @@ pub fn decode_floats(bytes: &[u8]) -> Result<(Vec<u64>, Vec<f64>), String> {
         "'<f8'" => array.into_vec::<f64>(),
         other => return Err(format!("its numbers are of type {other}")),
     };
-    Ok((shape, numbers.map_err(|error| error.to_string())?))
+    let numbers = numbers.map_err(|error| match error.kind() {
+        std::io::ErrorKind::UnexpectedEof => "it is cut off".to_owned(),
+        _ => error.to_string(),
+    })?;
+    Ok((shape, numbers))
 }
 
 #[cfg(test)]

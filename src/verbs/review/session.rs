@@ -169,7 +169,7 @@ impl Session<'_> {
             extent: self.extent,
         };
         io.data(&format!("\n{} of {}", number + 1, self.groups.len()));
-        io.data(&show::group(
+        io.painted_data(&show::group(
             group,
             &self.found.pending,
             self.pricing,

@@ -98,7 +98,10 @@ impl Line {
                 text.push_str(code(*style));
                 now = *style;
             }
-            text.push(*letter);
+            match fab_compiler::diag::is_hidden(*letter) {
+                true => text.extend(letter.escape_unicode()),
+                false => text.push(*letter),
+            }
         }
         if now != Style::Plain {
             text.push_str("\x1b[0m");

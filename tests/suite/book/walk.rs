@@ -23,7 +23,7 @@ use super::matching::{fits, refreshed};
 use super::page::{Block, Page};
 use crate::suite::support::{fabc, root};
 use fab_compiler::diag::{self, Color};
-use fab_compiler::{Listed, LoadError, Loader};
+use fab_compiler::{Listed, LoadError, Loader, Wanted};
 use similar::TextDiff;
 use std::fs;
 use std::io::Read;
@@ -348,7 +348,7 @@ impl Loader for Files<'_> {
         }
     }
 
-    fn look(&self, path: &str) -> Listed {
+    fn look(&self, path: &str, _wanted: Wanted) -> Listed {
         fab_compiler::explain::look(path)
     }
 }
