@@ -234,5 +234,5 @@ fn a_probe_stops_at_its_cap_and_at_a_server_that_takes_nothing() {
     let (address, _runtime) = serve(|_| refusal("no"));
     let (code, text, told) = probe(folder.path(), &address, &[]);
     assert_eq!(code, 2, "{text}{told}");
-    assert!(told.contains("HTTP 400: no"), "{told}");
+    assert!(told.contains("HTTP 400 Bad Request: no"), "{told}");
 }

@@ -169,7 +169,7 @@ fn what_cannot_be_honoured_is_refused_by_name_and_no_model_is_asked() {
         (
             RESPONSES,
             "reasoning",
-            json!({ "effort": "high" }),
+            json!({ "effort": "xhigh" }),
             400,
             "reasoning.effort",
         ),

@@ -294,7 +294,7 @@ const CAUSES: &[Cause] = &[
             e.fault == Fault::BadRequest && e.parameter().is_some_and(|name| name != "model")
         },
         cause: "the server does not accept `{parameter}` as it was sent",
-        help: "`fabc models {provider}` shows what is known of the model; `--omit` leaves out a setting that a stage states",
+        help: "`fabc models {provider}` shows what is known of the model",
     },
     Cause {
         applies: |e| e.fault == Fault::ContentFiltered,
