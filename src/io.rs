@@ -684,7 +684,7 @@ mod tests {
     fn foreign_words_are_visible_and_a_terminal_does_not_take_their_colours() {
         for is_terminal in [false, true] {
             let mut io = Io::new(".");
-            let streams = Arc::get_mut(&mut io.streams).unwrap();
+            let streams = Arc::get_mut(&mut io.streams).expect("nobody else has the streams");
             streams.terminals = [false, is_terminal, is_terminal];
             io.talk("error: \x1b[2Jbad \x1b[31m key");
             let seen = "error: \\u{1b}[2Jbad \\u{1b}[31m key\n";

@@ -157,11 +157,8 @@ fn shared_answers_are_stated_and_clustered_and_not_mixed_with_others() {
     let shared = document(&said);
     assert_eq!(shared["answers"], "shared");
     let row = |document: &Value, metric: &str| {
-        let rows = document["rows"].as_array().unwrap().iter();
-        rows.filter(|row| row["metric"] == metric)
-            .cloned()
-            .next()
-            .unwrap()
+        let mut rows = document["rows"].as_array().unwrap().iter();
+        rows.find(|row| row["metric"] == metric).cloned().unwrap()
     };
     let distance = row(&shared, "mean_particle_distance_mm");
     assert_eq!(

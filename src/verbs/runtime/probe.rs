@@ -98,7 +98,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
                 SIDES_PX.len(),
                 caps.calls.unwrap_or_default()
             ));
-            let mut able = abilities(&varied, &mut calls).map_err(failed)?;
+            let mut able = abilities(varied.as_ref(), &mut calls).map_err(failed)?;
             let known = Facts {
                 max_tokens_field: able
                     .facts

@@ -162,7 +162,7 @@ pub enum Examined {
     /// It is embedded, and its interface has no facts.
     Embedded(Arc<dyn Model>),
     /// It has a provider.
-    Provided(Varied),
+    Provided(Box<Varied>),
 }
 
 /// A provider's model that can be asked under other facts than the known ones.
@@ -190,11 +190,11 @@ pub fn examined(
     let profile = providers.profile(name)?;
     // Fails here rather than between questions if there is no key or no address.
     providers.model(&profile, base_url.as_deref(), Purpose::Asking)?;
-    Ok(Examined::Provided(Varied {
+    Ok(Examined::Provided(Box::new(Varied {
         profile,
         base_url,
         providers: RefCell::new(providers),
-    }))
+    })))
 }
 
 impl Varied {
