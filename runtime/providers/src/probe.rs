@@ -2,7 +2,7 @@
 //!
 //! In: a model, which gets points as its [`Lowering`] says. Out: a [`Probe`]: the pixel distances between dots at known
 //! positions and the positions in the answers, interpreted in the stated convention and in every other one. Pictures
-//! are drawn here, and sent as in rollouts. [`abilities`] asks about parameters, schema and pictures; [`entry`] writes
+//! are drawn here, and sent as in rollouts. [`abilities()`] asks about parameters, schema and pictures; [`entry`] writes
 //! the facts that both show.
 
 use fab_base::chance::Chance;
