@@ -132,6 +132,7 @@ pub(super) fn check<'a>(
         // A variant leaves parts out on purpose, so that runs can be compared.
         unspoken::check(&program, merged, context);
         unused::fields(&program, merged, context);
+        unused::whole(merged, context);
     }
     Ok(Some((
         program,

@@ -51,6 +51,48 @@ pub(crate) fn names(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     }
 }
 
+/// Warns of the constants and keypoints of a whole task in the first file that nothing uses.
+///
+/// A library, and a task that lacks parts, may declare what others use. Names that are almost inherited ones are
+/// reported by [`names`].
+pub(crate) fn whole(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+    let own = merged.task.body();
+    if own.span().file != context.loaded.entry().id {
+        return;
+    }
+    let above: Vec<Body<'_>> = bases(merged.task, context.loaded).map(Task::body).collect();
+    for (kind, names) in [
+        ("constant", constants as fn(Body<'_>) -> Vec<Name<'_>>),
+        ("keypoint", keypoints),
+    ] {
+        let inherited: BTreeSet<&str> = above
+            .iter()
+            .flat_map(|body| names(*body))
+            .map(|name| name.text())
+            .collect();
+        let own = names(own);
+        for name in &own {
+            let word = name.text();
+            let is_reported = nearest(word, inherited.iter().copied()).is_some();
+            if is_reported || context.loaded.is_used(word) {
+                continue;
+            }
+            let message = format!("nothing uses the {kind} `{word}`");
+            let diagnostic = Diagnostic::new(Code::UnusedName, name.span(), message);
+            let others = own.iter().map(|other| other.text());
+            let meant = nearest(word, others.filter(|other| *other != word));
+            context.remark(match meant {
+                Some(meant) => {
+                    diagnostic.help(format!("remove it, or use it; there is also `{meant}`"))
+                }
+                None => {
+                    diagnostic.help("remove it, or use it in a check, a text or another keypoint")
+                }
+            });
+        }
+    }
+}
+
 fn constants(body: Body<'_>) -> Vec<Name<'_>> {
     body.constants().map(|constant| constant.name()).collect()
 }

@@ -261,8 +261,8 @@ codes! {
      last` to the component or the check."
 
     "F0306" UnusedName Warning
-    "a new name is never used, and an inherited one is similar"
-    "A constant or a keypoint with the name of an inherited one replaces it; with any other name it is a new one, and the inherited one keeps its value. Nothing uses this new name, so it was probably meant to replace the similar one."
+    "nothing uses a name"
+    "A constant or a keypoint with the name of an inherited one replaces it; with any other name it is a new one, and the inherited one keeps its value. If an inherited name is similar, this one was probably meant to replace it. In a library, and in a task that lacks parts, others may use the names; there, only those with a similar inherited one are reported."
 
     "F0401" CircularExtends Error
     "tasks extend each other in a circle"
