@@ -70,6 +70,9 @@ const UNFIT: &[&str] = words!(
 /// The most tokens after a name that may state the field.
 const MAX_CLAUSE: usize = 400;
 
+/// The most tokens between a name and a remark that names it again.
+const MAX_REMARK: usize = 16;
+
 /// The most tokens of a sentence that moves something.
 const MAX_MOTION: usize = 30;
 
@@ -502,9 +505,12 @@ impl<'a> Sentences<'a> {
     /// Returns where the text that may state a mentioned field ends: where another field is named, or its tag ends.
     fn limit(&self, index: usize) -> usize {
         let mention = self.mentions[index];
+        let has_words = matches!(self.field(mention).choices, Choices::Words { .. });
         let named = self.mentions[index + 1..].iter().find(|next| {
             // `Grip = soft (a firm grip could tear it)`
-            let is_remark = next.field == mention.field
+            let is_remark = has_words
+                && next.at < mention.end + MAX_REMARK
+                && next.field == mention.field
                 && next.form == Form::Name
                 && self.tokens.get(next.end).is_some_and(|verb| {
                     verb.gap < Gap::Line

@@ -56,6 +56,8 @@ impl Form for Responses {
         if let Some(reasoning) = fields.take("reasoning") {
             let mut reasoning = Fields::of("reasoning", reasoning)?;
             request.reasoning = reasoning.level("effort")?;
+            // No thoughts are returned, so there is nothing to summarise.
+            reasoning.take("summary");
             reasoning.finish(&[])?;
         }
         let mut echoed = json!({ "type": "text" });
