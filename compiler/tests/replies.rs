@@ -353,7 +353,6 @@ fn take_less_than(limit: Duration, length: usize) {
         "grip= ",
         "grip=x ",
         "pick ",
-        "grip grip ",
         "pick=(",
         "pick= ",
         "pick - ",

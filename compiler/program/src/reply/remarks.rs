@@ -128,6 +128,9 @@ const ROWS: &[Row] = &[
 const CONVERTED: &str =
     "scaled back|converted|multiplied by|in your picture|divided by|dividing by";
 
+/// The most tokens of a sentence that is a remark.
+const MAX_SENTENCE: usize = 300;
+
 /// Returns the remarks of an answer: what each is about, and the reason why those values cannot be used.
 ///
 /// - `last_claim`: where the last claim begins.
@@ -151,6 +154,10 @@ pub(super) fn of(
         }
         let sentence = &tokens[start..=index];
         start = index + 1;
+        // Nobody writes sentences of this length; looking for every phrase in them would only take time.
+        if sentence.len() > MAX_SENTENCE {
+            continue;
+        }
         let is_after = last_claim.is_some_and(|at| sentence[0].at > at);
         let words = spoken(sentence);
         if !is_after && says(&words, CONVERTED) {
