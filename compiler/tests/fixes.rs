@@ -5,8 +5,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/chance.rs"]
+mod chance;
 mod common;
 
+use chance::Chance;
 use common::workspace;
 use fab_compiler::diag::{self, Color};
 use fab_compiler::fix::{self, Fixed};
@@ -77,19 +80,6 @@ fn each_fixture_becomes_what_its_author_meant_or_stays() {
     }
     assert!(n_fixtures > 20, "the fixtures are found");
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
-}
-
-/// A pseudo-random sequence that is the same each time (SplitMix64).
-struct Chance(u64);
-
-impl Chance {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) % end.max(1) as u64) as usize
-    }
 }
 
 /// What is written, and what a slip makes of it. Some slips can only mean one thing; others can mean several.

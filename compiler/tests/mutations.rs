@@ -5,9 +5,12 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/chance.rs"]
+mod chance;
 #[path = "common/promises.rs"]
 mod promises;
 
+use chance::Chance;
 use std::fs;
 use std::panic;
 use std::path::Path;
@@ -21,22 +24,7 @@ const MOST_BYTES: usize = 2000;
 /// Half of what Rust gives a thread. At the deepest nesting the parser needs most of it.
 const STACK_BYTES: usize = 1 << 20;
 
-/// A pseudo-random sequence that is the same each time (SplitMix64).
-struct Chance(u64);
-
 impl Chance {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-
     fn of<'t, T: ?Sized>(&mut self, list: &[&'t T]) -> &'t T {
         list[self.below(list.len())]
     }

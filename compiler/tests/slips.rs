@@ -6,8 +6,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/chance.rs"]
+mod chance;
 mod common;
 
+use chance::Chance;
 use common::workspace;
 use fab_compiler::diag::{self, Color, Diagnostic, Severity};
 use fab_compiler::{Compiled, LoadError, Loader};
@@ -117,19 +120,6 @@ fn shipped() -> Vec<Case> {
         case("tasks", "smoothing.fab", "lib/smoothing.fab"),
     ]);
     cases
-}
-
-/// A pseudo-random sequence that is the same each time (SplitMix64).
-struct Chance(u64);
-
-impl Chance {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) % end.max(1) as u64) as usize
-    }
 }
 
 // ---- keywords ------------------------------------------------------------------------------------

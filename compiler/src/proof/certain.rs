@@ -818,7 +818,12 @@ impl Range {
 }
 
 #[cfg(test)]
+#[path = "../../tests/common/chance.rs"]
+mod chance;
+
+#[cfg(test)]
 mod tests {
+    use super::chance::Chance;
     use super::*;
     use crate::explain::HALF;
     use crate::{LoadError, Loader};
@@ -1176,18 +1181,7 @@ mod tests {
         text
     }
 
-    /// A pseudo-random sequence that is the same each time (SplitMix64).
-    struct Chance(u64);
-
     impl Chance {
-        fn below(&mut self, end: usize) -> usize {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut mixed = self.0;
-            mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((mixed ^ (mixed >> 31)) % end.max(1) as u64) as usize
-        }
-
         /// Returns a point of the picture, often at its edge.
         fn point(&mut self) -> PixelPoint {
             let mut side = || [0, 223, self.below(224) as i32][self.below(3)];

@@ -1,24 +1,18 @@
-//! A call that failed: what was sent, what came, and the message that says so.
+//! A call that failed: what was sent, and what came.
 //!
-//! In: the fixed part of a model's calls, and a reply or the reason why there is none. Out: a [`Message`] with method, URL,
-//! status, content type, the beginning of the body, and the likely cause with its remedy, which [`causes`] knows. Keys
-//! were hidden when the bytes came in, and are hidden again in the finished message.
+//! In: the fixed part of a model's calls, and a reply or the reason why there is none. Out: the parts by which `causes`
+//! tells why, and of which `message` is made.
 
 use super::BaseUrl;
-use super::causes;
 use super::served::Served;
 use super::settings::Parameter;
 use super::transport::{Incoming, NoReply, Obstacle};
 use super::wire::error::ErrorBody;
 use crate::catalogue::Wire;
-use fab_base::shown::shown;
 use fab_model::calls::Fault;
-use reqwest::{StatusCode, Url};
+use reqwest::Url;
 use serde_json::Value;
 use std::time::Duration;
-
-/// How much of a body is shown, characters.
-const MAX_EXCERPT: usize = 200;
 
 /// What all calls of a model have in common.
 pub(super) struct Sent {
@@ -77,15 +71,6 @@ pub(super) enum Body {
     Other,
 }
 
-/// A failure in words.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Message {
-    /// What happened, on one line.
-    pub headline: String,
-    /// The rest, a line each, which begins with a line break.
-    pub details: String,
-}
-
 impl Came {
     pub(super) fn reply(incoming: Incoming, problem: Option<String>) -> Came {
         Came::Reply(Box::new(Received {
@@ -117,54 +102,6 @@ impl Body {
 }
 
 impl Exchange<'_> {
-    /// Describes the failure.
-    pub(super) fn message(&self) -> Message {
-        let request = format!("request: POST {}", self.sent.url);
-        let reply = match self.came {
-            Came::Reply(received) => format!("reply: {}", described(&received.incoming)),
-            Came::Nothing(nothing) => {
-                format!("reply: none ({})", shown(&nothing.words, MAX_EXCERPT))
-            }
-        };
-        let mut lines = vec![request, reply];
-        if let Some((cause, help)) = causes::likely(self) {
-            lines.push(format!("likely cause: {cause}"));
-            lines.push(format!("help: {help}"));
-        }
-        let details = lines.iter().map(|line| format!("\n  {line}"));
-        Message {
-            headline: self.headline(),
-            details: details.collect(),
-        }
-    }
-
-    fn headline(&self) -> String {
-        let received = match self.came {
-            Came::Reply(received) => received,
-            Came::Nothing(nothing) => return words(nothing.obstacle).to_owned(),
-        };
-        let Received { error, problem, .. } = &**received;
-        let status = received.incoming.status;
-        let reason = StatusCode::from_u16(status).ok();
-        let reason = reason.and_then(|status| status.canonical_reason());
-        let status = match reason {
-            Some(reason) => format!("HTTP {status} {reason}"),
-            None => format!("HTTP {status}"),
-        };
-        let repeats = |text: &str| reason.is_some_and(|reason| reason.eq_ignore_ascii_case(text));
-        match problem {
-            Some(problem) if *problem == error.message => {
-                format!("{status} with an error in it: {problem}")
-            }
-            Some(problem) if self.fault == Fault::Refused => {
-                format!("{status}, but the model declined: {problem}")
-            }
-            Some(problem) => format!("{status}, but {problem}"),
-            None if error.message.is_empty() || repeats(&error.message) => status,
-            None => format!("{status}: {}", error.message),
-        }
-    }
-
     /// Returns what prevented a reply.
     pub(super) fn obstacle(&self) -> Option<Obstacle> {
         match self.came {
@@ -208,71 +145,9 @@ impl Exchange<'_> {
     }
 }
 
-/// Returns content type, length and beginning of a reply.
-fn described(incoming: &Incoming) -> String {
-    let kind = match &incoming.content_type {
-        Some(kind) => shown(kind, MAX_EXCERPT),
-        None => "no content type".to_owned(),
-    };
-    match incoming.body.len() {
-        0 => format!("{kind}, no body"),
-        1 => format!("{kind}, 1 byte: `{}`", excerpt(&incoming.body)),
-        length => format!("{kind}, {length} bytes: `{}`", excerpt(&incoming.body)),
-    }
-}
-
-/// Returns the beginning of a body; bytes that are not UTF-8 are written as `\xNN`.
-fn excerpt(body: &[u8]) -> String {
-    // No character has more bytes.
-    let beginning = &body[..body.len().min(4 * MAX_EXCERPT + 4)];
-    let mut text = String::new();
-    for chunk in beginning.utf8_chunks() {
-        text.push_str(chunk.valid());
-        for byte in chunk.invalid() {
-            text.push_str(&format!("\\x{byte:02x}"));
-        }
-    }
-    shown(&text, MAX_EXCERPT)
-}
-
-/// Says what prevented a reply.
-fn words(obstacle: Obstacle) -> &'static str {
-    match obstacle {
-        Obstacle::Refused => "the connection was refused",
-        Obstacle::UnknownHost => "the host's name could not be resolved",
-        Obstacle::Unrouted => "the network has no route to the host",
-        Obstacle::ConnectTimeout => "the connection was not accepted in time",
-        Obstacle::UntrustedCertificate => "the server's certificate is not trusted",
-        Obstacle::ExpiredCertificate => "the server's certificate is not valid today",
-        Obstacle::CertificateOfAnotherName => "the server's certificate is for another name",
-        Obstacle::NoTls => "the server does not speak TLS",
-        Obstacle::Tls => "no encrypted connection could be made",
-        Obstacle::Unconnected => "no connection could be made",
-        Obstacle::Timeout => "no complete reply came in time",
-        Obstacle::NoHttp => "the reply is not HTTP",
-        Obstacle::Cut => "the connection ended before the reply was complete",
-        Obstacle::TooLong => "the reply is longer than the limit",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_body_is_shown_to_its_two_hundredth_character_and_no_control_character_reaches_the_terminal()
-     {
-        for (body, expected) in [
-            (&b"plain"[..], "plain"),
-            (b"a\r\nb\x1b[2J", "a\\r\\nb\\u{1b}[2J"),
-            (b"\x1f\x8b\x08\x00", "\\u{1f}\\x8b\\u{8}\\u{0}"),
-            ("\u{feff}\u{202e}x".as_bytes(), "\\u{feff}\\u{202e}x"),
-        ] {
-            assert_eq!(excerpt(body), expected);
-        }
-        let long = excerpt("ä".repeat(1000).as_bytes());
-        assert_eq!(long, format!("{}…", "ä".repeat(200)));
-    }
 
     #[test]
     fn bodies_are_told_apart() {

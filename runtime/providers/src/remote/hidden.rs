@@ -4,33 +4,9 @@
 //! allow when the question is asked once more. The same request would be cut off again, so it is never repeated as it
 //! was.
 
-use super::settings::Settings;
+use super::settings::Lengths;
 use super::wire::Failure;
-use fab_model::{Reasoning, Request};
-
-/// The lengths that a question is sent with, tokens.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lengths {
-    /// The longest visible answer; `None`: not limited.
-    pub visible: Option<u32>,
-    /// Allowed for hidden reasoning.
-    pub hidden: u32,
-}
-
-impl Lengths {
-    /// Returns the lengths for a question's first call.
-    pub(super) fn of(request: &Request, settings: &Settings) -> Lengths {
-        Lengths {
-            visible: settings.visible_tokens(request),
-            hidden: settings.hidden_tokens(request),
-        }
-    }
-
-    /// Returns the longest answer as it is sent: all interfaces count hidden and visible tokens together.
-    pub fn sent(self) -> Option<u32> {
-        Some(self.visible?.saturating_add(self.hidden))
-    }
-}
+use fab_model::Reasoning;
 
 /// An answer for which hidden reasoning left too little.
 #[derive(Clone, Debug, PartialEq)]

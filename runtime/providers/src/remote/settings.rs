@@ -12,6 +12,30 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
+/// The lengths that a question is sent with, tokens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lengths {
+    /// The longest visible answer; `None`: not limited.
+    pub visible: Option<u32>,
+    /// Allowed for hidden reasoning.
+    pub hidden: u32,
+}
+
+impl Lengths {
+    /// Returns the lengths for a question's first call.
+    pub(super) fn of(request: &Request, settings: &Settings) -> Lengths {
+        Lengths {
+            visible: settings.visible_tokens(request),
+            hidden: settings.hidden_tokens(request),
+        }
+    }
+
+    /// Returns the longest answer as it is sent: all interfaces count hidden and visible tokens together.
+    pub fn sent(self) -> Option<u32> {
+        Some(self.visible?.saturating_add(self.hidden))
+    }
+}
+
 /// Everything that determines how a model is called.
 #[derive(Clone, Debug)]
 pub struct Settings {

@@ -11,8 +11,7 @@ mod openai_chat;
 mod openai_responses;
 mod reasoning;
 
-use super::hidden::Lengths;
-use super::settings::{Parameter, Settings};
+use super::settings::{Lengths, Parameter, Settings};
 use crate::catalogue::{Accepted, MaxTokensField, Wire};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Reasoning, Request};
