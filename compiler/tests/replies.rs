@@ -353,6 +353,7 @@ fn take_less_than(limit: Duration, length: usize) {
         "grip= ",
         "grip=x ",
         "pick ",
+        "grip grip ",
         "pick=(",
         "pick= ",
         "pick - ",

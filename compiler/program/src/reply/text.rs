@@ -96,10 +96,9 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
     {
         return Err(wrong(why));
     }
-    let taken_back = found
-        .iter()
-        .any(|it| reply.get(it.span.end..).is_some_and(takes_back));
-    if taken_back {
+    // Each text ends where a line or an object does, so what follows the first holds what follows the others.
+    let rest = found.iter().map(|it| it.span.end).min();
+    if rest.and_then(|at| reply.get(at..)).is_some_and(takes_back) {
         return Err(wrong("Your answer takes back its text.".to_owned()));
     }
     let Some(first) = found.first() else {
