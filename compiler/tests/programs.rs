@@ -37,6 +37,15 @@ fn a_program_survives_json_and_its_hash_follows_the_text() {
 }
 
 #[test]
+fn a_program_looks_back_if_a_question_does() {
+    let told = TASK.replace("component role \"\"\"", "component role when last \"\"\"");
+    for (text, looks_back) in [(TASK, false), (&told, true)] {
+        let program = program("task.fab", text);
+        assert_eq!(program.looks_back(), looks_back, "{text}");
+    }
+}
+
+#[test]
 fn a_hash_is_that_of_what_a_rollout_does() {
     let right = program("task.fab", TASK);
     let moved = program(

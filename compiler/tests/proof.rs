@@ -313,7 +313,7 @@ proptest! {
         });
         let program = spaces::program(actions.collect());
         let flaws = proof::flaws(&program);
-        prop_assert!(flaws.is_empty(), "{:#?}\n{}", flaws, space::format(&program.actions));
+        prop_assert!(flaws.is_empty(), "{:#?}\n{}", flaws, space::format_with("(x, y)", &program.actions));
     }
 }
 

@@ -5,11 +5,13 @@
 mod common;
 
 use common::{Known, TASK, pixels, program};
-use fab_program::Program;
 use fab_program::render::{self, PromptMessage, PromptSpeaker, RenderError, Values};
+use fab_program::scene::Unreachable;
+use fab_program::{PixelPoint, Program};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
+use std::collections::BTreeMap;
 
 fn known() -> Known {
     Known {
@@ -85,6 +87,125 @@ fn typed_placeholders_cover_every_variable() {
         all.contains("- Instruction: <instruction: the answer of stage describe>"),
         "{all}"
     );
+}
+
+#[test]
+fn a_measure_is_written_in_the_unit_of_its_placeholder() {
+    let text = TASK
+        .replacen(
+            "center  =",
+            "tip     = rightmost(corners)\n        center  =",
+            1,
+        )
+        .replace(
+            "place: one of corners, center",
+            "direction: one of 90deg, 0deg, 180deg\n        distance: one of 10mm, 20mm",
+        )
+        .replace("distance(pick, place)", "distance(pick, center)")
+        .replace("{{ place }}", "{{ center }}");
+    // The tip is 10 px right of the center and 10 px above it.
+    let known = Known {
+        points: vec![("center", pixels(&[(5, 6)])), ("tip", pixels(&[(15, -4)]))],
+        ..Known::default()
+    };
+    for (placeholder, written) in [
+        ("angle_between(from center to tip, 0deg)", "45 deg"),
+        ("angle_between(from center to tip, 30deg)", "15 deg"),
+        ("angle_between(from tip to center, 30deg)", "165 deg"),
+        (
+            "angle_between(from center to tip, 0deg) in rad",
+            "0.785 rad",
+        ),
+        (
+            "angle_between(from center to tip, 270deg) in turn",
+            "0.375 turn",
+        ),
+        ("distance(center, tip)", "14.1 px"),
+        ("chebyshev(center, tip)", "10 px"),
+        ("y(tip)", "-4 px"),
+        ("mirror(tip, center)", "(-5, 16)"),
+        ("nearest(direction, 10deg)", "0 deg"),
+        ("nearest(direction, from tip to center)", "180 deg"),
+        // Equally near to 90 and to 0 degrees.
+        ("nearest(direction, from center to tip)", "90 deg"),
+    ] {
+        let shown = text.replace("What is folded?", &format!("{{{{ {placeholder} }}}};"));
+        let program = program("task.fab", &shown);
+        let messages = rendered(&program, 0, &known).unwrap();
+        let expected = format!("{written}; Instructions: ...");
+        assert_eq!(messages[0].content.text, expected, "{placeholder}");
+    }
+}
+
+#[test]
+fn points_out_of_reach_are_told_once() {
+    let remark = "\n\nSome points cannot be reached, and nothing can be done there. They are not among those listed: (9, 9): too far.";
+    let far = Unreachable {
+        point: PixelPoint::new(9, 9),
+        why: "too far".to_owned(),
+    };
+    let guarded = TASK.replacen(
+        "    stage describe",
+        "    component far when unreachable \"Mind the edge.\"\n\n    stage describe",
+        1,
+    );
+    let said = "\"What is folded? Instructions: ...\"";
+    for (say, unreachable, expected) in [
+        ("\"{{ center }}\"", vec![], "(5, 6)".to_owned()),
+        (
+            "\"{{ center }}\"",
+            vec![far.clone()],
+            format!("(5, 6){remark}"),
+        ),
+        (
+            "\"Not {{ unreachable }}.\"",
+            vec![far.clone()],
+            "Not (9, 9): too far.".to_owned(),
+        ),
+        ("\"Which one?\"", vec![far.clone()], "Which one?".to_owned()),
+        ("\"Where?\", far", vec![], "Where?".to_owned()),
+        (
+            "\"Where?\", far",
+            vec![far],
+            "Where?\n\nMind the edge.".to_owned(),
+        ),
+    ] {
+        let known = Known {
+            unreachable,
+            ..known()
+        };
+        let program = program("task.fab", &guarded.replace(said, say));
+        let messages = rendered(&program, 0, &known).unwrap();
+        assert_eq!(messages[0].content.text, expected, "{say}");
+    }
+}
+
+#[test]
+fn each_check_has_its_correction() {
+    let program = program("task.fab", TASK);
+    let told = render::corrections(&program, Values::Typed).unwrap();
+    let told: Vec<(&str, &str)> = told
+        .iter()
+        .map(|(name, content)| (name.as_str(), content.text.as_str()))
+        .collect();
+    let [pick, place] = ["pick", "place"].map(|field| format!("<{field}: the proposed value>"));
+    let expected = [
+        ("on_cloth", format!("{pick} is off the cloth.")),
+        ("moves", format!("{pick} and {place} are too near.")),
+    ];
+    let expected: Vec<(&str, &str)> = expected
+        .iter()
+        .map(|(name, text)| (*name, text.as_str()))
+        .collect();
+    assert_eq!(told, expected);
+}
+
+#[test]
+fn a_text_has_a_longest_length() {
+    for (n_bytes, fits) in [(1 << 20, true), ((1 << 20) + 1, false)] {
+        let filled = render::fill(&"a".repeat(n_bytes), &BTreeMap::new());
+        assert_eq!(filled.is_ok(), fits, "{n_bytes}");
+    }
 }
 
 #[test]

@@ -173,6 +173,137 @@ fn an_empty_or_unknown_mask_is_infinitely_far() {
     assert!(matches!(verdict, Verdict::Reject { check, .. } if check == "on_cloth"));
 }
 
+/// A cloth of 100 by 100 pixels, and points beside it.
+const GIVEN: &str = "given cloth = (119px, 30px) to (20px, 129px) \
+    given corners = (17px, 26px), (123px, 132px), (50px, 60px), (50px, 61px)";
+
+#[test]
+fn a_task_is_tested_on_what_its_tests_give() {
+    let task = TASK
+        .replacen(
+            "center  =",
+            "home    = points((70px, 80px))\n        center  =",
+            1,
+        )
+        .replace("of corners, center", "of corners, home")
+        .replace("within 8px of cloth", "within 4.5px of cloth")
+        .replace(
+            "pick, place) > 10px",
+            "pick, place) > 10px or coverage(cloth) < 0.5",
+        );
+    let anywhere = task
+        .replace("pick:  one of corners", "pick:  any of cloth")
+        .replace("pick within 4.5px of cloth", "distance(pick, place) > 9px")
+        .replace(" or coverage(cloth) < 0.5", "");
+    let pick_and_place =
+        |pick: &str, place: &str| format!("reply \"Pick Point = {pick}, Place Point = {place}\"");
+    let inside = pick_and_place("(50, 60)", "(70, 80)");
+    let near = pick_and_place("(50, 60)", "(50, 61)");
+    let only_corners = "given corners = (50px, 60px)";
+    for (task, given, answer, expect, finding, is_expected) in [
+        (
+            &task,
+            GIVEN,
+            &inside,
+            "accept",
+            "the answer is accepted",
+            true,
+        ),
+        (
+            &task,
+            GIVEN,
+            &inside,
+            "malformed",
+            "the answer is accepted",
+            false,
+        ),
+        (
+            &task,
+            GIVEN,
+            &pick_and_place("(17, 26)", "(50, 60)"),
+            "reject(on_cloth)",
+            "the check `on_cloth` refuses the answer; pick: (17, 26); distance to cloth: 5.0 px\n(17, 26) is off the cloth.",
+            true,
+        ),
+        (
+            &task,
+            GIVEN,
+            &pick_and_place("(123, 132)", "(50, 60)"),
+            "reject(moves)",
+            "the check `on_cloth` refuses the answer; pick: (123, 132); distance to cloth: 5.0 px\n(123, 132) is off the cloth.",
+            false,
+        ),
+        // 10,000 of the flat cloth's 15,698 pixels.
+        (
+            &task,
+            GIVEN,
+            &near,
+            "reject(moves)",
+            "the check `moves` refuses the answer; distance(pick, place): 1.0 px; coverage(cloth): 0.637\n(50, 60) and (50, 61) are too near.",
+            true,
+        ),
+        (
+            &task,
+            only_corners,
+            &inside,
+            "accept",
+            "the test does not give `cloth`; write `given cloth = …`",
+            false,
+        ),
+        (
+            &anywhere,
+            only_corners,
+            &inside,
+            "accept",
+            "the test does not give `cloth`; write `given cloth = …`",
+            false,
+        ),
+        (
+            &anywhere,
+            GIVEN,
+            &inside,
+            "accept",
+            "the answer is accepted",
+            true,
+        ),
+        (
+            &task,
+            GIVEN,
+            &"reply \"Pick Point = (50, 60)\"".to_owned(),
+            "malformed",
+            "the answer is malformed\n",
+            true,
+        ),
+        (
+            &task,
+            "",
+            &"reply describe \"Instructions: fold\"".to_owned(),
+            "text \"fold\"",
+            "the answer's text is `fold`",
+            true,
+        ),
+        (
+            &task,
+            "",
+            &"reply describe \"Instructions: fold\"".to_owned(),
+            "text \"unfold\"",
+            "the answer's text is `fold`",
+            false,
+        ),
+    ] {
+        let test = format!("test \"it\" {{ {given} {answer} expect {expect} }}");
+        let task = task.trim_end().strip_suffix('}').unwrap();
+        let compiled = common::compile("task.fab", &format!("{task}{test}\n}}\n"));
+        assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
+        let trial = fab_program::test::run(&compiled.programs[0], &compiled.tests[0]);
+        let found = trial.finding.to_string();
+        let is_whole = !finding.ends_with('\n');
+        assert!(found.starts_with(finding), "{test}\n{found}");
+        assert!(!is_whole || found == finding, "{test}\n{found}");
+        assert_eq!(trial.is_expected, is_expected, "{test}");
+    }
+}
+
 #[test]
 fn a_verdict_survives_json() {
     let refused = judge(&program("task.fab", TASK), (120, 50), (10, 10));

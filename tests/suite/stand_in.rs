@@ -141,7 +141,7 @@ fn the_stand_in_refuses_actions_that_it_does_not_know() {
         Geometric.ask(&Request::new(ModelRole::Text, question), &mut Unrecorded)
     };
     let mut program = task("double_triangle");
-    assert!(ask(&space::format(&program.actions)).is_ok());
+    assert!(ask(&space::format_with("(x, y)", &program.actions)).is_ok());
     assert!(ask("Pick Point = (x, y)").is_err());
     program.actions.push(ActionField {
         name: "grip".to_owned(),
@@ -149,7 +149,9 @@ fn the_stand_in_refuses_actions_that_it_does_not_know() {
             choices: vec!["soft".to_owned(), "firm".to_owned()],
         },
     });
-    let Err(ModelError::Unsupported { why, .. }) = ask(&space::format(&program.actions)) else {
+    let Err(ModelError::Unsupported { why, .. }) =
+        ask(&space::format_with("(x, y)", &program.actions))
+    else {
         panic!("answered a question for a grip")
     };
     assert!(why.contains("`Grip`"), "{why}");

@@ -98,19 +98,18 @@ impl Eval<'_> {
         })
     }
 
-    /// Returns the value of a length field in metres; a value that is not offered is converted by its unit.
+    /// Returns the value of a length field in metres; a value that is not offered counts as missing.
     fn length_m(&self, field: &str) -> Result<f64, Missing> {
         let declared = self.program.field(field).map(|field| &field.choices);
-        let (Some(Choices::Lengths { unit, choices }), Some(Value::Length { length })) =
+        let (Some(Choices::Lengths { choices, .. }), Some(Value::Length { length })) =
             (declared, self.facts.proposed(field))
         else {
             return Err(Missing::of(field));
         };
         let offered = choices.iter().find(|choice| choice.value == *length);
-        Ok(offered.map_or_else(
-            || length * unit.size_with(self.program.cloth.edge_m()),
-            |choice| choice.m,
-        ))
+        offered
+            .map(|choice| choice.m)
+            .ok_or_else(|| Missing::of(field))
     }
 
     /// Returns a field's direction as a vector; a value that is not offered is converted by its unit.

@@ -69,6 +69,9 @@ mod tests {
         assert!((right * right + down * down - 1.0).abs() < 1e-15);
         assert_eq!(cos_deg(60.0), 0.5);
         assert_eq!(cos_deg(120.0), -0.5);
+        // The cosine of nearly a right angle is a small sine, exact in all its digits.
+        let rest = 90.0 - 89.999_999;
+        assert!((cos_deg(89.999_999) / f64::to_radians(rest) - 1.0).abs() < 1e-15);
     }
 
     #[test]

@@ -109,11 +109,6 @@ pub fn statement(field: &ActionField, value: &str) -> String {
     )
 }
 
-/// Returns the lines in which an answer must state an action, with points in pixels.
-pub fn format(actions: &[ActionField]) -> String {
-    format_with("(x, y)", actions)
-}
-
 /// Returns the lines in which an answer must state an action. This replaces `{{ actions.format }}`.
 ///
 /// - `point`: the form of a point, see [`crate::pointing::Pointing::form`].

@@ -8,7 +8,7 @@ use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, explain};
 use fab_program::Proposal;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
-use fab_program::scene::SceneView;
+use fab_program::scene::{SceneView, Unreachable};
 use fab_program::{PixelPoint, Program, Value};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -92,6 +92,7 @@ pub struct Known {
     pub regions: Vec<(&'static str, [i32; 4])>,
     pub texts: BTreeMap<String, String>,
     pub last: Option<ExecutedAction>,
+    pub unreachable: Vec<Unreachable>,
 }
 
 impl Known {
@@ -124,6 +125,10 @@ impl SceneView for Known {
         let (_, [left, top, right, bottom]) =
             self.regions.iter().find(|(name, _)| *name == mask)?;
         Some(f64::from((right - left + 1) * (bottom - top + 1)))
+    }
+
+    fn unreachable(&self) -> &[Unreachable] {
+        &self.unreachable
     }
 }
 

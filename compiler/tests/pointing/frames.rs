@@ -112,6 +112,19 @@ fn each_frame_writes_a_pixel_in_its_own_way() {
 }
 
 #[test]
+fn a_pixel_is_at_its_centre_in_the_picture_that_is_sent() {
+    let pixel = PixelPoint::new(41, 167);
+    for (sent, centre) in [
+        (224, [41.5, 167.5]),
+        (448, [83.0, 335.0]),
+        (112, [20.75, 83.75]),
+    ] {
+        let frame = frame(CoordinateUnit::PerMille, Order::Yx, 224, sent);
+        assert_eq!(frame.in_sent_picture(pixel), centre, "{sent}");
+    }
+}
+
+#[test]
 fn a_picture_of_as_many_pixels_as_steps_loses_none() {
     for unit in [
         CoordinateUnit::Fraction,

@@ -35,6 +35,7 @@ fn known() -> Known {
         regions: vec![("cloth", [0, 0, 223, 223])],
         texts: [("instruction".to_owned(), "Fold it".to_owned())].into(),
         last: None,
+        unreachable: Vec::new(),
     }
 }
 

@@ -17,13 +17,20 @@ fn marks() -> Pointing {
 fn said(pointing: Pointing) -> (String, serde_json::Value) {
     let known = known();
     let facts = in_frame(&known, pointing);
-    let messages = render::messages(program(), &program().stages[1], Values::Known(facts));
+    let asked = |values| {
+        let messages = render::messages(program(), &program().stages[1], values).unwrap();
+        messages.last().unwrap().content.text.clone()
+    };
+    let text = asked(Values::Known(facts));
+    let elsewhere = in_frame(&known, Pointing::pixels([9; 2]));
+    for values in [Values::Known(elsewhere), Values::Partly(elsewhere)] {
+        assert_eq!(asked(values.with_pointing(pointing)), text);
+    }
     let fields = program().actions.iter();
     let offered: Vec<(String, Vec<Value>)> = fields
         .map(|field| (field.name.clone(), space::choices(field, &known)))
         .collect();
     let schema = reply::schema_in(program(), &facts.notation(program()), &offered);
-    let text = messages.unwrap().last().unwrap().content.text.clone();
     (text, schema["properties"]["pick"].clone())
 }
 
@@ -52,7 +59,9 @@ fn with_y_first_prompt_and_schema_say_so() {
     );
     assert_has(&text, "\nPick Point = [y, x]\nPlace Point = [y, x]\n");
     // The task's own words do not say how a point is written.
-    assert!(text.ends_with(&pointing.sentence()), "{text}");
+    let sentence = "A point is written [y, x] in thousandths of the picture's height and width: x grows to the \
+        right, y grows downwards, and [0, 0] is the top left of the picture.";
+    assert!(text.ends_with(sentence), "{text}");
     assert_eq!(schema["enum"][0], "[748, 185]");
     assert_eq!(
         schema["description"],
@@ -180,12 +189,26 @@ fn a_place_that_is_said_only_sometimes_does_not_keep_the_sentence_away() {
         &program.stages[1],
         &thousandths
     ));
-    // It shows no point.
-    assert!(!render::leaves_frame_open(
-        &program,
-        &program.stages[0],
-        &thousandths
-    ));
+}
+
+#[test]
+fn a_stage_that_reads_a_text_leaves_the_frame_open_if_it_shows_points() {
+    let thousandths = Pointing::Frame(frame(CoordinateUnit::PerMille, Order::Xy, 224, 224));
+    for (shown, is_open) in [
+        ("no point", false),
+        ("{{ corners }}", true),
+        ("{{ center }}", true),
+        ("{{ actions.format }}", true),
+        ("{{ unreachable }}", true),
+        ("{{ pick.choices }}", true),
+        ("{{ count(corners) }}", false),
+        ("{{ corners }}, {{ actions.points }}", false),
+    ] {
+        let text = common::TASK.replace("What is folded?", shown);
+        let program = common::program("task.fab", &text);
+        let found = render::leaves_frame_open(&program, &program.stages[0], &thousandths);
+        assert_eq!(found, is_open, "{shown}");
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use fab_picture::DepthImage;
 use fab_picture::observation::{Observation, WrongSize};
 use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
-use fab_program::{End, Extractor, PixelPoint, Program, Sight};
+use fab_program::{Extractor, PixelPoint, Program, Sight};
 use image::RgbImage;
 
 /// The user's input.
@@ -110,10 +110,7 @@ fn check_depth(program: &Program) -> Result<(), SeeError> {
 
 /// Makes the action for layers; only its two ends are known.
 fn done(program: &Program, last: LastAction) -> Result<ExecutedAction, SeeError> {
-    let of_pick = program
-        .layers
-        .iter()
-        .find(|layer| layer.uses_end(End::Pick));
+    let of_pick = program.layers.iter().find(|layer| layer.uses_last_pick());
     match (last.pick, of_pick) {
         (None, Some(layer)) => Err(SeeError::NeedsPick {
             layer: layer.name.clone(),

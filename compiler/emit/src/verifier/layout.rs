@@ -101,13 +101,16 @@ impl Code {
                 format!("(\n{lines}{})", " ".repeat(indent))
             }
             Code::Wrapped { open, part, close } => {
-                let part = part.print(before + open.len(), indent);
+                let part = part.print(before + open.len() + close.len(), indent);
                 format!("{open}{part}{close}")
             }
             Code::Infix { left, sign, right } => {
                 let left = left.print(before, indent);
-                let last_line = left.rsplit('\n').next().unwrap_or_default().len();
-                let right = right.print(last_line + sign.len() + 2, indent);
+                let behind_left = match left.rsplit_once('\n') {
+                    Some((_, last_line)) => last_line.len(),
+                    None => before + left.len(),
+                };
+                let right = right.print(behind_left + sign.len() + 2, indent);
                 format!("{left} {sign} {right}")
             }
         }
@@ -127,6 +130,40 @@ impl Code {
             Code::Wrapped { open, part, close } => format!("{open}{}{close}", part.flat()),
             Code::Infix { left, sign, right } => {
                 format!("{} {sign} {}", left.flat(), right.flat())
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_expression_is_on_one_line_if_it_fits_and_no_line_is_too_long() {
+        for n_letters in 2..=120 {
+            let half = || Code::text("x".repeat(n_letters / 2));
+            let pair = || Code::group("f(", [half(), half()], ")");
+            let joined = |parts| Code::Joined { sign: "and", parts };
+            for code in [
+                pair(),
+                Code::group("[", [pair(), pair()], "]"),
+                joined(vec![pair(), pair()]),
+                Code::wrapped("not (", pair(), ")"),
+                Code::wrapped("not (", joined(vec![half(), half()]), ")"),
+                Code::infix(Code::text("1"), "<=", pair()),
+                Code::infix(half(), "<=", Code::text("1")),
+            ] {
+                let text = code.print(11, 4);
+                let is_short = 11 + code.flat().len() <= WIDTH;
+                let one_word_is_left = matches!(code, Code::Infix { .. });
+                assert!(
+                    is_short == !text.contains('\n') || one_word_is_left,
+                    "{text}"
+                );
+                let text = format!("{}{text}", " ".repeat(11));
+                let longest = text.lines().map(str::len).max();
+                assert!(longest <= Some(WIDTH), "{text}");
             }
         }
     }

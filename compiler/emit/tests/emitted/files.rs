@@ -132,6 +132,40 @@ fn the_schema_lists_what_each_field_may_be() {
 }
 
 #[test]
+fn a_verifier_says_what_its_fields_are_and_which_checks_it_leaves_out() {
+    let values = "pick: [120, 40], direction_deg: 0.0, distance: 2.0, grip: \"soft\", type_: \"a\"";
+    let python = "pick=(120, 40), direction_deg=0.0, distance=2.0, grip=\"soft\", type_=\"a\"";
+    let both = [
+        "Field `pick`: a pixel.",
+        "Field `direction`: degrees counter-clockwise from the picture's right, below 360.",
+        "Field `distance`: centimetres.",
+        "Field `grip`: a word.",
+        "Field `pick`: the keypoints whose points it may be.",
+        "Field `direction`: degrees, and the same as a vector, right and down.",
+        "Field `distance`: centimetres, and metres.",
+        "Field `type`: the words that it may be.",
+        ": without `ahead`, `lands`.",
+    ];
+    let artifacts = emitted(&programs::steered()).unwrap();
+    for (file, example) in [("verifier.rs", values), ("verifier.py", python)] {
+        let text = &artifacts
+            .iter()
+            .find(|it| it.path.ends_with(file))
+            .unwrap()
+            .text;
+        for line in both.iter().chain([&example]) {
+            assert!(text.contains(line), "{line} is not in\n{text}");
+        }
+    }
+    let all = emitted(&programs::shipped("double_triangle")).unwrap();
+    let verifiers = all.iter().filter(|it| it.path.contains("/verifier."));
+    for verifier in verifiers {
+        let words = ": this task leaves out none.";
+        assert!(verifier.text.contains(words), "{}", verifier.text);
+    }
+}
+
+#[test]
 fn names_that_are_no_file_names_are_refused() {
     for name in ["../x", "a/b", "", "a b", "a.", "{{"] {
         let mut program = programs::placed();

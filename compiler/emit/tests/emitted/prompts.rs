@@ -227,6 +227,9 @@ fn emitted_prompts_say_what_the_renderer_says_under_every_combination_of_guards(
         "nothing said at all"
     );
     assert!(of_four.iter().any(|it| it.source.contains("{% set said")));
+    // No part follows that would ask for it.
+    let last = "{% set said = \"yes\" %}{% endif %}";
+    assert!(!all.iter().any(|it| it.source.ends_with(last)));
     assert!(
         of_four
             .iter()

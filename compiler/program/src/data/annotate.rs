@@ -1,6 +1,6 @@
 //! Annotations: what is drawn on the camera's picture before a model sees it.
 
-use super::points::{End, Point};
+use super::points::Point;
 use super::uses::{Depends, Uses};
 use serde::{Deserialize, Serialize};
 
@@ -25,13 +25,9 @@ impl Layer {
         self.mark.uses().last
     }
 
-    /// Returns whether it shows that end of the previous action.
-    pub fn uses_end(&self, end: End) -> bool {
-        let uses = self.mark.uses();
-        match end {
-            End::Pick => uses.last_pick,
-            End::Place => uses.last_place,
-        }
+    /// Returns whether it shows where the previous action picked.
+    pub fn uses_last_pick(&self) -> bool {
+        self.mark.uses().last_pick
     }
 }
 

@@ -93,10 +93,7 @@ impl Depends for Point {
             }
             Point::Last { end } => {
                 uses.last = true;
-                match end {
-                    End::Pick => uses.last_pick = true,
-                    End::Place => uses.last_place = true,
-                }
+                uses.last_pick |= *end == End::Pick;
             }
             Point::Mirror { of, about } => {
                 of.add_uses(uses);

@@ -11,8 +11,6 @@ pub struct Uses {
     pub last: bool,
     /// Whether it needs the pixel at which the previous action picked.
     pub last_pick: bool,
-    /// Whether it needs the pixel at which the previous action placed.
-    pub last_place: bool,
     /// The keypoints that it needs, by name.
     pub keypoints: BTreeSet<String>,
     /// Whether it asks for the number of the step, or whether there was a previous action.

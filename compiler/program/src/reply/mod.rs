@@ -30,11 +30,3 @@ pub use claims::{Standing, standing};
 pub use reading::{MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed, Reading, Stated};
 pub use schema::{schema, schema_in, static_schema};
 pub use text::read_text;
-
-use crate::data::program::Program;
-use crate::space;
-
-/// Returns the lines in which an answer must state an action, with points in pixels.
-pub fn answer_format(program: &Program) -> String {
-    space::format(&program.actions)
-}
