@@ -4,7 +4,7 @@ mod clients;
 mod formats;
 mod pictures;
 mod refusals;
-mod server;
+pub mod server;
 mod streams;
 mod whole;
 
