@@ -37,6 +37,7 @@ fn estimate(
         schema: None,
         max_tokens: longest,
         typical: Typical::shipped(40.0, 1),
+        fresh: Fresh::all(5),
         hidden_tokens: 0,
     };
     let questions = [
@@ -71,6 +72,7 @@ fn hidden_tokens_are_bounded_with_the_answers_and_repeated_in_no_question() {
             max_tokens: Some(100),
             hidden_tokens: hidden,
             typical: Typical::shipped(40.0, 1),
+            fresh: Fresh::all(1),
         };
         let plan = Plan {
             questions: &[question(shown.as_slice()), question(words.as_slice())],
