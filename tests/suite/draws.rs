@@ -130,14 +130,44 @@ fn every_start_and_repeat_asks_anew_and_a_killed_suite_buys_nothing_twice() {
 
 #[test]
 #[ignore = "long"]
-fn methods_at_one_start_and_repeat_share_an_equal_question() {
-    let folder = tempfile::tempdir().unwrap();
-    suite(folder.path(), 2, 2, &["one", "another"]);
-    let provider = Provider::reliable();
-    let said = finish(&mut bench(folder.path(), &provider, &[]));
-    assert_eq!(said.code, 0, "{}", said.stderr);
-    assert_eq!(document(&said)["rollouts"]["finished"], 8);
-    assert_asked(&provider, 4);
+fn methods_at_one_start_and_repeat_share_an_equal_question_and_estimates_count_it_once() {
+    const TERSE: &str = "    variant terse {\n        component few_words \"Use few words.\"\n        say few_words in plan after point_format\n    }\n}\n";
+    // Two starts with two repeats: four rollouts of each method.
+    for (another, requests) in [
+        ("", [4, 4].as_slice()),
+        // The description is the same question, the plan is not.
+        ("variant = \"terse\"\n", &[4, 4, 4]),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        suite(folder.path(), 2, 2, &["one", "another"]);
+        let change = |name: &str, change: &dyn Fn(String) -> String| {
+            let path = folder.path().join(name);
+            fs::write(&path, change(fs::read_to_string(&path).unwrap())).unwrap();
+        };
+        change("tasks/tiny.fab", &|task| {
+            format!("{}{TERSE}", task.trim_end().trim_end_matches('}'))
+        });
+        change("tasks/suites/tiny.toml", &|suite| suite + another);
+        let provider = Provider::reliable();
+        let at_least = |more: &[&str]| {
+            let said = finish(&mut bench(
+                folder.path(),
+                &provider,
+                &[&["--estimate"], more].concat(),
+            ));
+            document(&said)["calls"]["at_least"].as_u64().unwrap() as usize
+        };
+        let once = requests.iter().sum::<usize>();
+        assert_eq!(at_least(&[]), once, "{another}");
+        assert_eq!(at_least(&["--no-cache"]), 16);
+        assert_eq!(at_least(&["--share-answers"]), once / 2, "{another}");
+        assert_eq!(calls(&provider), 0);
+        let said = finish(&mut bench(folder.path(), &provider, &[]));
+        assert_eq!(said.code, 0, "{}", said.stderr);
+        assert_eq!(document(&said)["rollouts"]["finished"], 8);
+        let counts: Vec<usize> = provider.counts().into_values().collect();
+        assert_eq!(counts, requests);
+    }
 }
 
 #[test]

@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
+use std::thread;
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 
@@ -205,88 +206,74 @@ fn likely(folder: &Path, suite: &str, biller: &Biller, more: &[&str]) -> [f64; 4
     ]
 }
 
+/// Six suites: the task, its variant, and its starts.
+const SUITES: [(&str, &str, &str); 6] = [
+    ("double_straight", "", FLAT),
+    ("double_straight", "variant = \"in_context\"", FLAT),
+    ("double_triangle", "", FLAT),
+    ("double_triangle", "variant = \"in_context\"", FLAT),
+    ("smoothing", "", CRUMPLED),
+    ("smoothing", "variant = \"paper_text\"", CRUMPLED),
+];
+
+const FLAT: &str = "[starts]\nlie = \"flat\"\nsides = [28, 30]\nturns_deg = [0]";
+const CRUMPLED: &str =
+    "horizons = [3]\n[starts]\nlie = \"crumpled\"\nsides = [25]\ncount = 2\nfirst_seed = 1";
+
 #[test]
 #[ignore = "long"]
 fn the_likely_value_is_within_a_factor_of_two_of_what_a_server_billed() {
-    let suites = [
-        (
-            "double_straight",
-            None,
-            "lie = \"flat\"\nsides = [28, 30]\nturns_deg = [0]",
-        ),
-        (
-            "double_straight",
-            Some("in_context"),
-            "lie = \"flat\"\nsides = [28, 30]\nturns_deg = [0]",
-        ),
-        (
-            "double_triangle",
-            None,
-            "lie = \"flat\"\nsides = [28, 30]\nturns_deg = [0]",
-        ),
-        (
-            "double_triangle",
-            Some("in_context"),
-            "lie = \"flat\"\nsides = [28, 30]\nturns_deg = [0]",
-        ),
-        (
-            "smoothing",
-            None,
-            "lie = \"crumpled\"\nsides = [25]\ncount = 2\nfirst_seed = 1",
-        ),
-        (
-            "smoothing",
-            Some("paper_text"),
-            "lie = \"crumpled\"\nsides = [25]\ncount = 2\nfirst_seed = 1",
-        ),
-    ];
-    for manner in [Manner::Short, Manner::WithReasons, Manner::HiddenReasoning] {
-        for (number, (task, variant, starts)) in suites.iter().enumerate() {
-            let folder = tempfile::tempdir().unwrap();
-            let folder = folder.path();
-            fs::write(folder.join("facts.toml"), FACTS).unwrap();
-            let variant = variant.map_or(String::new(), |name| format!("variant = \"{name}\"\n"));
-            let horizons = if *task == "smoothing" {
-                "horizons = [3]\n"
-            } else {
-                ""
-            };
-            let text = format!(
-                "about = \"Billed.\"\nstatistic = \"mean\"\nmetrics = [\"picks_refused\"]\n{horizons}repeats = 1\n\
-                 tasks = [{:?}]\n[starts]\n{starts}\n[[method]]\nname = \"asked\"\n{variant}",
-                project(&format!("tasks/{task}.fab"))
-            );
-            let suite = folder.join("suite.toml");
-            fs::write(&suite, text).unwrap();
-            let suite = suite.display().to_string();
-            let biller = Biller::start(manner);
-            let before = likely(folder, &suite, &biller, &[]);
-            assert_eq!(biller.bill().calls, 0, "an estimate sends nothing");
-            // One start, and what it took is the record for the others.
-            bench(folder, &suite, &biller, &["--limit", "1", "--out", "out"]);
-            let recorded = likely(folder, &suite, &biller, &["--out", "out"]);
-            bench(folder, &suite, &biller, &["--out", "out"]);
-            let bill = biller.bill();
-            let billed = [
-                bill.calls as f64,
-                bill.input as f64,
-                bill.output as f64,
-                bill.cost(),
-            ];
-            let is_near = |likely: f64, billed: f64| (0.5..=2.0).contains(&(likely / billed));
-            let about =
-                format!("{manner:?} {number} {task} {variant}: {before:?} {recorded:?} {billed:?}");
-            for part in 0..4 {
-                assert!(
-                    is_near(recorded[part], billed[part]),
-                    "recorded, {part}: {about}"
-                );
-            }
-            // Thoughts that nobody sees cannot be foreseen without a record.
-            if manner != Manner::HiddenReasoning {
-                assert!(is_near(before[3], billed[3]), "shipped: {about}");
-            }
-            println!("{about}");
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("facts.toml"), FACTS).unwrap();
+    // The cache of starts and subgoals serves all of them.
+    thread::scope(|scope| {
+        for manner in [Manner::Short, Manner::WithReasons, Manner::HiddenReasoning] {
+            scope.spawn(move || {
+                for number in 0..SUITES.len() {
+                    bill_and_compare(folder, manner, number);
+                }
+            });
         }
+    });
+}
+
+fn bill_and_compare(folder: &Path, manner: Manner, number: usize) {
+    let (task, variant, starts) = SUITES[number];
+    let text = format!(
+        "about = \"Billed.\"\nstatistic = \"mean\"\nmetrics = [\"picks_refused\"]\nrepeats = 1\n\
+         tasks = [{:?}]\n{starts}\n[[method]]\nname = \"asked\"\n{variant}\n",
+        project(&format!("tasks/{task}.fab"))
+    );
+    let out = format!("{manner:?}_{number}");
+    let suite = folder.join(format!("{out}.toml"));
+    fs::write(&suite, text).unwrap();
+    let suite = suite.display().to_string();
+    let biller = Biller::start(manner);
+    let before = likely(folder, &suite, &biller, &[]);
+    assert_eq!(biller.bill().calls, 0, "an estimate sends nothing");
+    // One start, and what it took is the record for the others.
+    bench(folder, &suite, &biller, &["--limit", "1", "--out", &out]);
+    let recorded = likely(folder, &suite, &biller, &["--out", &out]);
+    bench(folder, &suite, &biller, &["--out", &out]);
+    let bill = biller.bill();
+    let billed = [
+        bill.calls as f64,
+        bill.input as f64,
+        bill.output as f64,
+        bill.cost(),
+    ];
+    let is_near = |likely: f64, billed: f64| (0.5..=2.0).contains(&(likely / billed));
+    let about = format!("{out} {task} {variant}: {before:?} {recorded:?} {billed:?}");
+    for part in 0..4 {
+        assert!(
+            is_near(recorded[part], billed[part]),
+            "recorded, {part}: {about}"
+        );
     }
+    // Thoughts that nobody sees cannot be foreseen without a record.
+    if manner != Manner::HiddenReasoning {
+        assert!(is_near(before[3], billed[3]), "shipped: {about}");
+    }
+    println!("{about}");
 }

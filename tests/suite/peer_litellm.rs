@@ -1,8 +1,9 @@
 //! Whole rollouts with pictures through a LiteLLM proxy, in front of `fabc serve` or with scripted answers.
 
+use super::serve::server;
 use super::support::{fabc, finish, project};
 use fab_providers::catalogue::Catalogue;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::net::{TcpListener, TcpStream};
@@ -46,14 +47,17 @@ fn environment() -> PathBuf {
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{arguments:?}: {said}");
     };
+    let python = Path::new(&python);
     let folder = place.display().to_string();
-    run(Path::new(&python), &["-m", "venv", "--clear", &folder]);
+    run(python, &["-m", "venv", "--clear", "--without-pip", &folder]);
     let requirements = project("tests/peers/litellm-requirements.txt");
     run(
-        &place.join("bin/python"),
+        python,
         &[
             "-m",
             "pip",
+            "--python",
+            &folder,
             "install",
             "--quiet",
             // Most of the time would go into bytecode of modules that are never used.
@@ -115,6 +119,8 @@ fn proxy(folder: &Path, behind: &str) -> (Running, String) {
         scripted("limited", "litellm.RateLimitError"),
         scripted("broken", "litellm.InternalServerError"),
         scripted("chatty", "I would rather talk about the weather."),
+        // Its own retries would hide from fabc what it answers.
+        "router_settings: { num_retries: 0 }\n".to_owned(),
     ];
     fs::write(folder.join("proxy.yaml"), config.concat()).unwrap();
     // A free port; nothing else asks for one before the proxy starts.
@@ -153,81 +159,185 @@ fn proxy(folder: &Path, behind: &str) -> (Running, String) {
     (running, format!("http://127.0.0.1:{port}"))
 }
 
+/// What a run through the proxy is to come to.
+struct Case<'a> {
+    model: &'a str,
+    key: Option<&'a str>,
+    /// How many calls it may send, and sends.
+    calls: u64,
+    code: i32,
+    outcome: &'a str,
+    fault: &'a str,
+    /// What it says.
+    words: &'a str,
+}
+
 #[test]
 #[ignore = "needs LiteLLM from PyPI"]
 fn peer_litellm_carries_whole_rollouts_with_pictures() {
     let folder = tempfile::tempdir().unwrap();
-    let (_serve, behind) = serve(folder.path());
-    let (_proxy, address) = proxy(folder.path(), &behind);
-    let stderr = std::cell::RefCell::new(String::new());
-    let run = |out: &str, more: &[&str]| {
+    let folder = folder.path();
+    let (_serve, behind) = serve(folder);
+    let (_proxy, address) = proxy(folder, &behind);
+    let v1 = format!("{address}/v1");
+    let run = |out: &str, key: Option<&str>, more: &[&str]| {
         let task = project("tasks/double_triangle.fab");
-        let mut command = fabc(folder.path());
+        let mut command = fabc(folder);
         command.args([
             "run",
             &task,
             "--json",
             "--no-cache",
             "--allow-unknown-price",
-            "--out",
-            out,
         ]);
+        command.args(["--out", out]);
         for variable in ["LITELLM_API_KEY", "OPENAI_API_KEY", "ANTHROPIC_API_KEY"] {
-            command.env(variable, KEY);
+            match key {
+                Some(key) => command.env(variable, key),
+                None => command.env_remove(variable),
+            };
         }
         let said = finish(command.args(more));
         let report = serde_json::from_str::<Value>(&said.stdout);
-        stderr.borrow_mut().clone_from(&said.stderr);
-        (
-            said.code,
-            report.unwrap_or_else(|_| panic!("{}", said.stderr)),
-        )
+        let report = report.unwrap_or_else(|_| panic!("{}", said.stderr));
+        (said.code, report, said.stderr)
     };
-    let (_, embedded) = run("embedded", &[]);
-    let v1 = format!("{address}/v1");
+    let (_, embedded, _) = run("embedded", None, &[]);
     for (out, model, base_url) in [
         ("chat", "litellm:geometric", &v1),
         ("responses", "openai:geometric", &v1),
         ("messages", "anthropic:geometric", &address),
     ] {
-        let (code, report) = run(out, &["--model", model, "--base-url", base_url]);
-        assert_eq!(code, 0, "{model}: {report}");
+        let (code, report, said) = run(out, Some(KEY), &["--model", model, "--base-url", base_url]);
+        assert_eq!(code, 0, "{model}: {said}");
         assert_eq!(report["calls"], 4, "{model}");
         assert_eq!(
             report["mean_particle_distance_mm"], embedded["mean_particle_distance_mm"],
             "{model}"
         );
     }
-    let scripted = |out: &str, model: &str| {
-        run(
-            out,
-            &["--model", model, "--base-url", &v1, "--max-calls", "3"],
-        )
-    };
-    let (code, report) = scripted("chatty", "litellm:chatty");
-    assert_eq!((code, &report["outcome"]), (3, &"malformed_reply".into()));
-    let (code, report) = scripted("limited", "litellm:limited");
-    assert_eq!(
-        (code, &report["outcome"]),
-        (3, &"budget_exhausted".into()),
-        "{report}"
-    );
-    assert_eq!(report["faults"]["rate_limited"], 3, "{report}");
-    let (code, report) = scripted("broken", "litellm:broken");
-    assert_eq!(
-        (code, &report["outcome"]),
-        (3, &"budget_exhausted".into()),
-        "{report}"
-    );
-    assert_eq!(report["faults"]["server_failed"], 3, "{report}");
 
-    let (code, report) = scripted("unknown", "litellm:unknown");
-    assert_eq!((code, &report["outcome"]), (2, &"model_failed".into()));
-    assert!(
-        stderr
-            .borrow()
-            .contains("the server does not serve `unknown`; it serves `geometric`"),
-        "{}",
-        stderr.borrow()
+    let wrong = Some("sk-fabc-wrong-0123456789abcdef");
+    let not_the_master_key = "is not the master key of this LiteLLM proxy";
+    let failed = |model, key, fault, words| Case {
+        model,
+        key,
+        calls: 1,
+        code: 2,
+        outcome: "model_failed",
+        fault,
+        words,
+    };
+    let capped = |model, key, calls, fault, words| Case {
+        calls,
+        code: 3,
+        outcome: "budget_exhausted",
+        ..failed(model, key, fault, words)
+    };
+    let key = Some(KEY);
+    let cases = [
+        Case {
+            outcome: "malformed_reply",
+            ..capped("litellm:chatty", key, 3, "", "the weather")
+        },
+        capped("litellm:limited", key, 2, "rate_limited", "asked again in"),
+        capped("litellm:broken", key, 2, "server_failed", "asked again in"),
+        capped("litellm:chatty", None, 1, "server_failed", "asked again in"),
+        failed(
+            "litellm:unknown",
+            key,
+            "bad_request",
+            "the server does not serve `unknown`; it serves `geometric`",
+        ),
+        failed(
+            "litellm:chatty",
+            wrong,
+            "not_authorised",
+            not_the_master_key,
+        ),
+        failed("openai:chatty", wrong, "not_authorised", not_the_master_key),
+        failed(
+            "anthropic:chatty",
+            wrong,
+            "not_authorised",
+            not_the_master_key,
+        ),
+    ];
+    // They mostly wait before they ask again.
+    thread::scope(|scope| {
+        for (number, case) in cases.iter().enumerate() {
+            let (run, address, v1) = (&run, &address, &v1);
+            scope.spawn(move || {
+                let base_url = if case.model.starts_with("anthropic") {
+                    address
+                } else {
+                    v1
+                };
+                let arguments = [
+                    "--model",
+                    case.model,
+                    "--base-url",
+                    base_url,
+                    "--max-calls",
+                    &case.calls.to_string(),
+                ];
+                let (code, report, said) = run(&format!("case_{number}"), case.key, &arguments);
+                let about = format!("{number} {}: {said}", case.model);
+                assert_eq!(
+                    (code, report["outcome"].as_str()),
+                    (case.code, Some(case.outcome)),
+                    "{about}"
+                );
+                assert_eq!(report["calls"], case.calls, "{about}");
+                let faults = report["faults"].as_object().unwrap().keys();
+                assert!(
+                    faults.eq(Some(case.fault).filter(|it| !it.is_empty())),
+                    "{about}"
+                );
+                assert!(said.contains(case.words), "{about}");
+            });
+        }
+    });
+
+    let asked = |stream: bool| {
+        let question = json!([{ "role": "user", "content": "Where?" }]);
+        json!({ "model": "geometric", "messages": question, "stream": stream })
+    };
+    let place = |address: &str| {
+        address
+            .split("://")
+            .nth(1)
+            .unwrap()
+            .trim_end_matches("/v1")
+            .parse()
+    };
+    let (status, whole) = server::send(
+        place(&behind).unwrap(),
+        "POST",
+        "/v1/chat/completions",
+        &asked(false).to_string(),
     );
+    assert_eq!(status, 200, "{whole}");
+    let (head, lines) = server::stream_with(
+        place(&address).unwrap(),
+        "/v1/chat/completions",
+        &format!("Authorization: Bearer {KEY}\r\n"),
+        &asked(true),
+    );
+    assert!(head.contains("text/event-stream"), "{head}");
+    let mut events: Vec<&str> = lines
+        .iter()
+        .filter_map(|line| line.trim().strip_prefix("data: "))
+        .collect();
+    assert_eq!(events.pop(), Some("[DONE]"), "{lines:?}");
+    let pieces = events.iter().map(|event| {
+        let event: Value = serde_json::from_str(event).unwrap();
+        event["choices"][0]["delta"]["content"]
+            .as_str()
+            .unwrap_or_default()
+            .to_owned()
+    });
+    let pieces: Vec<String> = pieces.filter(|piece| !piece.is_empty()).collect();
+    assert!(pieces.len() > 1, "{lines:?}");
+    assert_eq!(pieces.concat(), whole["choices"][0]["message"]["content"]);
 }

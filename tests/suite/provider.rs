@@ -24,6 +24,8 @@ pub enum Fate {
     Answer,
     /// It answers, and reports that it used this many tokens in and out.
     Reports(u64, u64),
+    /// It answers, and reports this many tokens that can be seen and hidden ones.
+    Thinks(u64, u64),
     /// Too many calls; no waiting time is given.
     RateLimited,
     /// No credit.
@@ -151,6 +153,14 @@ async fn meet(State(seen): State<Arc<Mutex<Seen>>>, request: Request, next: Next
         let (parts, body) = next.clone().run(request).await.into_parts();
         (parts, to_bytes(body, MAX_BYTES).await.unwrap())
     };
+    let reports = async |usage: Value| {
+        let (parts, bytes) = whole().await;
+        let mut reply: Value = serde_json::from_slice(&bytes).unwrap();
+        reply["usage"] = usage;
+        let mut response = reply.to_string().into_response();
+        *response.status_mut() = parts.status;
+        response
+    };
     match fate {
         Fate::Answer => {
             let (parts, bytes) = whole().await;
@@ -159,12 +169,15 @@ async fn meet(State(seen): State<Arc<Mutex<Seen>>>, request: Request, next: Next
             Response::from_parts(parts, Body::from(with(&seen.said_before, &bytes)))
         }
         Fate::Reports(input, output) => {
-            let (parts, bytes) = whole().await;
-            let mut reply: Value = serde_json::from_slice(&bytes).unwrap();
-            reply["usage"] = json!({ "prompt_tokens": input, "completion_tokens": output });
-            let mut response = reply.to_string().into_response();
-            *response.status_mut() = parts.status;
-            response
+            reports(json!({ "prompt_tokens": input, "completion_tokens": output })).await
+        }
+        Fate::Thinks(visible, hidden) => {
+            reports(json!({
+                "prompt_tokens": 100,
+                "completion_tokens": visible + hidden,
+                "completion_tokens_details": { "reasoning_tokens": hidden },
+            }))
+            .await
         }
         Fate::RateLimited => {
             let mut response = failure(429, "rate_limit_exceeded", "slow down");

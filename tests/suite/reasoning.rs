@@ -1,7 +1,7 @@
 //! How much a model thinks, stated on the command line, in a suite's method, and in a stage.
 
 use super::paid_answers::suite;
-use super::provider::Provider;
+use super::provider::{Fate, Provider};
 use super::provider_commands::{calls, command};
 use super::support::finish;
 use serde_json::Value;
@@ -60,29 +60,95 @@ fn reasoning_on_the_command_line_is_sent_with_room_beside_the_answer() {
 }
 
 #[test]
-fn a_method_states_its_own_reasoning_and_the_command_line_overrides_it() {
+fn the_command_line_overrides_a_method_and_a_method_overrides_a_stage() {
+    const PLAN: &str = "model text, temperature 0, tokens 769";
     let folder = tempfile::tempdir().unwrap();
     suite(folder.path());
     let file = folder.path().join("tasks/suites/tiny.toml");
     let bare = fs::read_to_string(&file).unwrap();
+    let library = folder.path().join("tasks/lib/folding.fab");
+    let bare_library = fs::read_to_string(&library).unwrap();
+    assert!(bare_library.contains(PLAN));
     let provider = Provider::reliable();
-    let output = |method: &str, more: &[&str]| {
+    // Returns the hidden tokens that each call of the two stages may take.
+    let hidden = |stage: &str, method: &str, more: &[&str]| {
+        let staged = bare_library.replace(PLAN, &format!("{PLAN}{stage}"));
+        fs::write(&library, staged).unwrap();
         fs::write(&file, format!("{bare}{method}\n")).unwrap();
         let mut arguments = vec!["bench", "tiny", "--out", "out", "--estimate"];
         arguments.extend(more);
         let (code, estimate, said) = with(folder.path(), &provider, &arguments);
         assert_eq!(code, 0, "{said}");
-        let most = |name: &str| estimate[name]["at_most"].as_u64().unwrap();
-        (most("output_tokens"), most("calls"))
+        let most = |stage: &Value, name: &str| stage[name]["at_most"].as_u64().unwrap();
+        let stages = &estimate["stages"];
+        [(0, 1000), (1, 769)].map(|(at, visible)| {
+            most(&stages[at], "output_tokens") / most(&stages[at], "calls") - visible
+        })
     };
-    let (bare_tokens, calls_at_most) = output("", &[]);
-    let hidden = |tokens: u64| (bare_tokens + tokens * calls_at_most, calls_at_most);
-    assert_eq!(output("reasoning = \"low\"", &[]), hidden(1024));
-    let high = ["--reasoning", "high"];
-    assert_eq!(output("reasoning = \"low\"", &high), hidden(16_384));
-    let none = ["--reasoning", "none"];
-    assert_eq!(output("reasoning = \"medium\"", &none), hidden(0));
+    let (low, high, none) = (
+        ", reasoning low",
+        "reasoning = \"high\"",
+        ["--reasoning", "none"],
+    );
+    assert_eq!(hidden("", "", &[]), [0, 0]);
+    assert_eq!(hidden(low, "", &[]), [0, 1024]);
+    assert_eq!(hidden("", high, &[]), [16_384, 16_384]);
+    assert_eq!(hidden(low, high, &[]), [16_384, 16_384]);
+    assert_eq!(hidden(low, "", &none), [0, 0]);
+    assert_eq!(hidden("", high, &none), [0, 0]);
+    assert_eq!(hidden(low, high, &none), [0, 0]);
+    assert_eq!(hidden(low, "", &["--reasoning", "medium"]), [4096, 4096]);
     assert_eq!(calls(&provider), 0);
+
+    // What a stage states is sent with its own questions alone.
+    let staged = bare_library.replace(PLAN, &format!("{PLAN}{low}"));
+    fs::write(&library, staged).unwrap();
+    for (more, efforts) in [(&[][..], [None, Some("low")]), (&none, [Some("none"); 2])] {
+        let provider = Provider::reliable();
+        let arguments = [&["run", "tasks/tiny.fab"], more].concat();
+        let (code, _, said) = with(folder.path(), &provider, &arguments);
+        assert_eq!(code, 0, "{said}");
+        let sent = asked(&provider);
+        let found: Vec<Option<&str>> = sent
+            .iter()
+            .map(|it| it["reasoning_effort"].as_str())
+            .collect();
+        assert_eq!(found[..2], efforts, "{more:?}");
+    }
+}
+
+#[test]
+#[ignore = "long"]
+fn tables_show_visible_and_hidden_tokens_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    suite(folder.path());
+    for (out, fate, expected) in [
+        ("thinks", Fate::Thinks(9, 40), (18.0, Some(80.0))),
+        ("reports_none", Fate::Reports(100, 9), (18.0, None)),
+    ] {
+        let provider = Provider::start(move |_| fate);
+        let arguments = ["bench", "tiny", "--repeats", "1", "--out", out];
+        let (code, document, said) = with(folder.path(), &provider, &arguments);
+        assert_eq!(code, 0, "{said}");
+        let row = &document["rows"][0];
+        // Two answers for one action.
+        let found = (
+            row["visible_tokens"].as_f64().unwrap(),
+            row["hidden_tokens"].as_f64(),
+        );
+        assert_eq!(found, expected, "{row}");
+        let read = |name: &str| fs::read_to_string(folder.path().join(out).join(name)).unwrap();
+        let is_shown =
+            read("table.md").contains("| visible tokens/action | hidden tokens/action |");
+        assert_eq!(is_shown, expected.1.is_some(), "{}", read("table.md"));
+        let csv = read("table.csv");
+        let cells = if expected.1.is_some() {
+            ",18,80"
+        } else {
+            ",18,"
+        };
+        assert!(csv.lines().nth(1).unwrap().ends_with(cells), "{csv}");
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod clients;
 mod formats;
 mod pictures;
 mod refusals;
-mod server;
+pub mod server;
 mod streams;
 mod whole;
 
@@ -115,7 +115,7 @@ fn a_response_carries_every_part_of_the_question_to_the_model() {
             { "type": "message", "role": "assistant", "content": [{ "type": "output_text", "text": "no", "annotations": [] }] },
             { "role": "user", "content": "again" },
         ],
-        "temperature": 0.25, "top_p": 0.5, "max_output_tokens": 77, "seed": 3, "reasoning": { "effort": "low" }, "store": false, "include": ["reasoning.encrypted_content"],
+        "temperature": 0.25, "top_p": 0.5, "max_output_tokens": 77, "seed": 3, "reasoning": { "effort": "low", "generate_summary": "auto" }, "store": false, "include": ["reasoning.encrypted_content"],
         "text": { "format": { "type": "json_schema", "name": "action", "strict": true, "schema": { "type": "object" } } },
     });
     let (status, answer) = server.post(RESPONSES, &body);

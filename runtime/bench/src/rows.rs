@@ -94,6 +94,10 @@ pub struct Row {
     pub cost: Option<f64>,
     /// The most that an action cost, with calls of unknown usage as reserved; null if no price is known.
     pub cost_at_most: Option<f64>,
+    /// Tokens of the used answers that can be seen, per action; null if an answer reported none, or a model is embedded.
+    pub visible_tokens: Option<f64>,
+    /// Tokens of hidden reasoning in them, per action; null if no answer reported any.
+    pub hidden_tokens: Option<f64>,
     /// Number of rollouts by outcome, within `horizon` actions.
     pub outcomes: BTreeMap<&'static str, usize>,
     /// Number of rollouts that the operator judged as not reached, by cause.
@@ -257,6 +261,8 @@ impl<'b> EntryResults<'b> {
                         planning_s: None,
                         cost: None,
                         cost_at_most: None,
+                        visible_tokens: None,
+                        hidden_tokens: None,
                         outcomes: BTreeMap::new(),
                         causes: BTreeMap::new(),
                         ..row
@@ -352,6 +358,20 @@ impl<'b> EntryResults<'b> {
         let cost = costs.sum::<Option<f64>>();
         let at_most = steps.iter().map(|step| step.cost_usd_at_most);
         let cost_at_most = at_most.sum::<Option<f64>>();
+        let answers = steps.iter().flat_map(|step| &step.line.attempts);
+        let used = || {
+            answers
+                .clone()
+                .filter(|it| it.reply.is_some())
+                .map(|it| it.usage)
+        };
+        let visible = used()
+            .map(|usage| usage.map(|it| it.visible_tokens() as f64))
+            .sum::<Option<f64>>();
+        let hidden = used()
+            .filter_map(|usage| usage?.reasoning_tokens)
+            .map(|tokens| tokens as f64)
+            .reduce(|sum, more| sum + more);
         let planning: Vec<f64> = steps
             .iter()
             .filter_map(|step| step.spent.planning_s)
@@ -395,6 +415,8 @@ impl<'b> EntryResults<'b> {
             s_per_action: per_action(steps.iter().map(|step| step.seconds()).sum()),
             cost: cost.and_then(per_action),
             cost_at_most: cost_at_most.and_then(per_action),
+            visible_tokens: visible.and_then(per_action),
+            hidden_tokens: hidden.and_then(per_action),
             outcomes,
             causes,
             planning_s: statistics::mean(&planning),
@@ -431,6 +453,8 @@ fn quoted(quote: &Quote) -> Row {
         s_per_action: None,
         cost: None,
         cost_at_most: None,
+        visible_tokens: None,
+        hidden_tokens: None,
         outcomes: BTreeMap::new(),
         causes: BTreeMap::new(),
         planning_s: None,

@@ -41,7 +41,7 @@ pub fn markdown(title: &str, suite: &Suite, rows: &[Row]) -> String {
 pub fn csv(rows: &[Row]) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let mut lines = vec![
-        "task,method,policy,sees_particles,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes,answers,clusters,cost_at_most"
+        "task,method,policy,sees_particles,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes,answers,clusters,cost_at_most,visible_tokens,hidden_tokens"
             .to_owned(),
     ];
     for row in rows {
@@ -74,6 +74,8 @@ pub fn csv(rows: &[Row]) -> String {
             row.answers.map_or(String::new(), |it| it.name().to_owned()),
             count(row.clusters),
             number(row.cost_at_most),
+            number(row.visible_tokens),
+            number(row.hidden_tokens),
         ];
         lines.push(cells.map(|cell| escaped(&cell)).join(","));
     }
@@ -152,6 +154,10 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
         "ended",
     ];
     let mut table = vec![head.map(str::to_owned).to_vec()];
+    let has_hidden = lines.iter().any(|line| line[0].hidden_tokens > Some(0.0));
+    if has_hidden {
+        table[0].extend(["visible tokens/action", "hidden tokens/action"].map(str::to_owned));
+    }
     let has_causes = lines.iter().any(|line| !line[0].causes.is_empty());
     if has_causes {
         table[0].push("not reached for".to_owned());
@@ -174,6 +180,9 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
             cost(row),
             counted(&row.outcomes),
         ]);
+        if has_hidden {
+            cells.extend([number(row.visible_tokens, 0), number(row.hidden_tokens, 0)]);
+        }
         if has_causes {
             cells.push(counted(&row.causes));
         }

@@ -2,7 +2,7 @@
 //!
 //! In: the first messages of each stage, how often they may be asked, and the models' known facts. Out: bounds on
 //! calls, tokens and money, and a list of unknowns. The lower bound assumes that every step is taken and answered at
-//! once; a rollout that reaches its goal early or fails asks less. The upper bound counts every question, with all
+//! once, and that methods share what they can; a rollout that reaches its goal early or fails asks less. The upper bound counts every question, with all
 //! previous corrections, the longest answers, and [`SAFETY`] times the estimated input; it excludes calls that are
 //! repeated after a network failure. The likely value comes from recorded calls, or else from typical lengths.
 
@@ -60,6 +60,25 @@ impl Typical {
     }
 }
 
+/// The rollouts that put a question anew; the others share an answer of another method of their suite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fresh {
+    /// At least.
+    pub at_least: u64,
+    /// Likely.
+    pub likely: u64,
+}
+
+impl Fresh {
+    /// Every one of so many rollouts.
+    pub fn all(rollouts: u64) -> Fresh {
+        Fresh {
+            at_least: rollouts,
+            likely: rollouts,
+        }
+    }
+}
+
 /// A stage and its first messages, as sent in the first step.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
@@ -75,6 +94,8 @@ pub struct Question<'a> {
     pub max_tokens: Option<u32>,
     /// What its calls usually take.
     pub typical: Typical,
+    /// The rollouts that ask it anew.
+    pub fresh: Fresh,
     /// The hidden tokens allowed on top; no later question repeats them.
     pub hidden_tokens: u32,
 }
@@ -276,11 +297,13 @@ impl Plan<'_> {
         if price.is_none() {
             unknown.insert(format!("the price of {model}"));
         }
-        let actions = self.rollouts.saturating_mul(self.horizon.into());
-        let most_actions = actions.saturating_mul(self.actions_per_step.into());
+        let actions = |rollouts: u64| rollouts.saturating_mul(self.horizon.into());
+        let least_actions = actions(question.fresh.at_least);
+        let most_actions = actions(self.rollouts).saturating_mul(self.actions_per_step.into());
         let most_calls = most_actions.saturating_mul(self.attempts.into());
         let typical = question.typical;
-        let likely_calls = actions as f64 * typical.steps_share * typical.calls_per_step;
+        let likely_actions = actions(question.fresh.likely) as f64;
+        let likely_calls = likely_actions * typical.steps_share * typical.calls_per_step;
         let likely_input = typical.input_tokens.or_else(|| {
             let first = tokens::likely_of_messages(question.messages, formula)?;
             Some(first + likely_told)
@@ -288,12 +311,12 @@ impl Plan<'_> {
         // Rounded, and saturated where a number is too large.
         let whole = |number: f64| number.round() as u64;
         let calls = Bounds {
-            at_least: Some(actions),
+            at_least: Some(least_actions),
             likely: Some(whole(likely_calls)),
             at_most: Some(most_calls),
         };
         let input_tokens = Bounds {
-            at_least: first.map(|first| first.at_least.saturating_mul(actions)),
+            at_least: first.map(|first| first.at_least.saturating_mul(least_actions)),
             likely: likely_input.map(|input| whole(input * likely_calls)),
             at_most: self
                 .most_input(question, first, told, formula)

@@ -37,6 +37,7 @@ fn estimate(
         schema: None,
         max_tokens: longest,
         typical: Typical::shipped(40.0, 1),
+        fresh: Fresh::all(5),
         hidden_tokens: 0,
     };
     let questions = [
@@ -71,6 +72,7 @@ fn hidden_tokens_are_bounded_with_the_answers_and_repeated_in_no_question() {
             max_tokens: Some(100),
             hidden_tokens: hidden,
             typical: Typical::shipped(40.0, 1),
+            fresh: Fresh::all(1),
         };
         let plan = Plan {
             questions: &[question(shown.as_slice()), question(words.as_slice())],
@@ -189,6 +191,10 @@ fn a_likely_value_lies_between_the_bounds_and_follows_recorded_calls() {
         max_tokens: None,
         hidden_tokens: 0,
         typical: recorded,
+        fresh: Fresh {
+            at_least: 3,
+            likely: 10,
+        },
     };
     let plan = Plan {
         questions: &[question],
@@ -208,8 +214,9 @@ fn a_likely_value_lies_between_the_bounds_and_follows_recorded_calls() {
     assert_eq!(found.calls.likely, Some(30));
     assert_eq!(found.input_tokens.likely, Some(9_000));
     assert_eq!(found.output_tokens.likely, Some(21_000));
+    // Three rollouts ask it anew, and the others may share their answers.
     assert!(
-        found.to_string().contains("calls: 40 to 80, likely 30"),
+        found.to_string().contains("calls: 12 to 80, likely 30"),
         "{found}"
     );
 }

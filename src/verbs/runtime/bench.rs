@@ -23,7 +23,6 @@ use crate::verbs::runtime::setting::policies::Deciding;
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use clap::Args;
 use clap::ValueHint;
-use fab_agent::habits::Recorded;
 use fab_agent::outcome::Outcome;
 use fab_agent::rollout::FirstQuestion;
 use fab_base::cache::Cache;
@@ -33,9 +32,11 @@ use fab_bench::play::{Phase, Results, StopReason};
 use fab_bench::{Answers, Bench, BenchError, Entry, OtherWorld, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
-use fab_providers::estimate::Estimate;
+use fab_providers::catalogue::Profile;
+use fab_providers::estimate::{Estimate, Fresh};
 use fab_world::{About, ExternalWorld, World};
 use prepare::{DecidingBy, named_by};
+use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -242,15 +243,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         }
     }
     if arguments.spend.estimate {
-        let recorded = estimate::recorded(arguments.out.as_deref());
-        return Ok(foresee(
-            &bench,
-            &questions,
-            &deciding,
-            &recorded,
-            arguments.json,
-            io,
-        ));
+        return Ok(foresee(&bench, &questions, &deciding, arguments, io));
     }
     io.talk(&report::plan(&found.name, &bench, arguments.shard));
     let results = play::play(&bench, &|phase, done, of| {
@@ -298,19 +291,25 @@ fn foresee(
     bench: &Bench<'_>,
     questions: &[Vec<FirstQuestion>],
     deciding: &DecidingBy,
-    recorded: &Recorded,
-    json: bool,
+    arguments: &BenchArguments,
     io: &Io,
 ) -> Exit {
+    let recorded = estimate::recorded(arguments.out.as_deref());
+    let mut shared = SharedQuestions {
+        // Without the cache, every method buys its own answers.
+        is_kept: !arguments.model.reach.no_cache,
+        repeats: BTreeMap::new(),
+    };
     let entries = bench.entries.iter().zip(questions);
     let parts = entries.filter_map(|(entry, questions)| {
         let program = entry.programs.values().next()?;
+        let answering = answering_of(deciding, entry)?;
         let starts = bench.tasks[entry.task].starts.len() as u64;
         Some(estimate::estimate(
             &Asking {
                 program,
                 questions,
-                answering: answering_of(deciding, entry)?,
+                answering,
                 horizon: bench
                     .suite
                     .horizons
@@ -318,13 +317,58 @@ fn foresee(
                     .copied()
                     .unwrap_or(program.horizon),
                 rollouts: starts * u64::from(entry.repeats),
-                recorded,
+                fresh: &shared.add(bench, entry, questions, answering),
+                recorded: &recorded,
             },
             io,
         ))
     });
-    estimate::say(&Estimate::total(parts), json, io);
+    estimate::say(&Estimate::total(parts), arguments.json, io);
     Exit::Done
+}
+
+/// The questions of earlier methods, whose answers the later ones share.
+struct SharedQuestions {
+    is_kept: bool,
+    /// By task, model and question: the most repeats of a method that puts it.
+    repeats: BTreeMap<(usize, String, String), u32>,
+}
+
+impl SharedQuestions {
+    /// Adds a method's questions; returns for each how many rollouts ask it anew.
+    fn add(
+        &mut self,
+        bench: &Bench<'_>,
+        entry: &Entry<'_>,
+        questions: &[FirstQuestion],
+        answering: &Answering,
+    ) -> Vec<Fresh> {
+        let starts = bench.tasks[entry.task].starts.len() as u64;
+        let least_starts = match bench.answers {
+            Answers::PerStart => starts,
+            Answers::Shared if self.is_kept => starts.min(1),
+            Answers::Shared => starts,
+        };
+        // A question may quote the answers before it, which are the same only if their questions are.
+        let mut all_shared = entry.repeats;
+        let fresh = questions.iter().map(|FirstQuestion { request, .. }| {
+            let model = answering.profile(request.role).map(Profile::title);
+            let key = (entry.task, model.unwrap_or_default(), request.key());
+            let before = self.repeats.entry(key).or_default();
+            let shared = if self.is_kept {
+                entry.repeats.min(*before)
+            } else {
+                0
+            };
+            *before = entry.repeats.max(*before);
+            all_shared = all_shared.min(shared);
+            Fresh {
+                at_least: least_starts * u64::from(entry.repeats - shared),
+                likely: starts * u64::from(entry.repeats - all_shared),
+            }
+        });
+        fresh.collect()
+    }
 }
 
 fn failure(error: BenchError) -> Failure {

@@ -7,7 +7,7 @@ use fab_agent::habits::{Recorded, Setting};
 use fab_agent::rollout::FirstQuestion;
 use fab_model::Request;
 use fab_program::Program;
-use fab_providers::estimate::{Correction, Estimate, Plan, Question, Typical};
+use fab_providers::estimate::{Correction, Estimate, Fresh, Plan, Question, Typical};
 use std::path::Path;
 
 /// Rollouts that ask the same questions.
@@ -22,6 +22,8 @@ pub struct Asking<'a> {
     pub horizon: u32,
     /// The number of rollouts.
     pub rollouts: u64,
+    /// For each question, the rollouts that ask it anew.
+    pub fresh: &'a [Fresh],
     /// Earlier rollouts, which say what is likely.
     pub recorded: &'a Recorded,
 }
@@ -63,10 +65,8 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
             Typical::shipped(answer_tokens, program.actions_per_step())
         }
     };
-    let sent = asking
-        .questions
-        .iter()
-        .filter_map(|FirstQuestion { stage, request }| {
+    let sent = asking.questions.iter().zip(asking.fresh).filter_map(
+        |(FirstQuestion { stage, request }, fresh)| {
             let lengths = asking.answering.lengths(request);
             Some(Question {
                 stage,
@@ -76,8 +76,10 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
                 max_tokens: lengths.visible,
                 hidden_tokens: lengths.hidden,
                 typical: typical(stage, request),
+                fresh: *fresh,
             })
-        });
+        },
+    );
     let questions: Vec<Question<'_>> = sent.collect();
     let plan = Plan {
         questions: &questions,

@@ -33,6 +33,7 @@ use fab_arm::settings::DriverKind;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Spent, ledger};
 use fab_program::Program;
+use fab_providers::estimate::Fresh;
 use fab_world::WorldError;
 use fab_world::expert::MakeWorld;
 use fab_world::start::Start;
@@ -245,6 +246,7 @@ pub fn play(
                 answering,
                 horizon: job.horizon(),
                 rollouts: 1,
+                fresh: &vec![Fresh::all(1); questions.len()],
                 recorded: &estimate::recorded(arguments.out.as_deref()),
             };
             estimate::say(&estimate::estimate(&asking, io), arguments.json, io);

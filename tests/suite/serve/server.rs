@@ -69,11 +69,21 @@ pub fn exchange(address: SocketAddr, bytes: &[u8]) -> (u16, Value) {
 
 /// Asks for a stream; returns the head of the answer and its lines.
 pub fn stream(address: SocketAddr, path: &str, body: &Value) -> (String, Vec<String>) {
+    stream_with(address, path, "", body)
+}
+
+/// Asks for a stream with further header lines.
+pub fn stream_with(
+    address: SocketAddr,
+    path: &str,
+    more: &str,
+    body: &Value,
+) -> (String, Vec<String>) {
     let body = body.to_string();
     let length = body.len();
     // Under HTTP/1.0 the events come as they are, without the lengths of chunks.
     let head = format!(
-        "POST {path} HTTP/1.0\r\nHost: {address}\r\nContent-Type: application/json\r\nContent-Length: {length}\r\n\r\n"
+        "POST {path} HTTP/1.0\r\nHost: {address}\r\n{more}Content-Type: application/json\r\nContent-Length: {length}\r\n\r\n"
     );
     let mut stream = TcpStream::connect(address).unwrap();
     stream.write_all((head + &body).as_bytes()).unwrap();

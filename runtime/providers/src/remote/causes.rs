@@ -178,6 +178,11 @@ const CAUSES: &[Cause] = &[
         help: "set `{key_name}` to a key that the server accepts: `export {key_name}=…`",
     },
     Cause {
+        applies: |e| is_unauthorised(e) && e.says(&["no_db_connection"]),
+        cause: "the key from `{key}` is not the master key of this LiteLLM proxy, which has no database of further keys",
+        help: "set `{key_name}` to the value that `LITELLM_MASTER_KEY` had when the proxy was started; {looked_for}",
+    },
+    Cause {
         applies: |e| is_unauthorised(e) && e.says(&["model"]),
         cause: "the key from `{key}` may not be used for the model `{model}`",
         help: "ask a model that the key is for, or allow the key this one where it was made",
@@ -324,6 +329,16 @@ const CAUSES: &[Cause] = &[
         applies: |e| matches!(e.status(), Some(408 | 502 | 504 | 524)),
         cause: "a gateway before the model waited in vain for it",
         help: "raise the gateway's time limit, or look whether the server behind it runs",
+    },
+    Cause {
+        applies: |e| {
+            e.status() == Some(500)
+                && e.sent.key.is_none()
+                && !e.sent.key_names.is_empty()
+                && matches!(e.body(), Some(Body::Other))
+        },
+        cause: "the server itself failed; no key was sent, and LiteLLM's proxy without a database fails so if it wants one",
+        help: "set `{key_name}` if the server wants a key; the log of the server at `{authority}` may say more",
     },
     Cause {
         applies: |e| e.fault == Fault::ServerFailed,

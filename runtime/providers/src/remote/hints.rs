@@ -49,7 +49,8 @@ fn reset(headers: &HeaderMap, now: SystemTime) -> Option<Duration> {
 }
 
 fn seconds_or_date(text: &str, now: SystemTime) -> Option<Duration> {
-    seconds(text).or_else(|| spans(text)).or_else(|| {
+    let span = || humantime::parse_duration(text.trim()).ok();
+    seconds(text).or_else(span).or_else(|| {
         let date = httpdate::parse_http_date(text.trim()).ok()?;
         Some(date.duration_since(now).unwrap_or_default())
     })
@@ -58,32 +59,6 @@ fn seconds_or_date(text: &str, now: SystemTime) -> Option<Duration> {
 fn seconds(text: &str) -> Option<Duration> {
     let number: f64 = text.trim().parse().ok()?;
     Duration::try_from_secs_f64(number).ok()
-}
-
-/// Reads durations such as `6m0s`, `1h2m3.5s` or `20ms`.
-fn spans(text: &str) -> Option<Duration> {
-    let mut rest = text.trim();
-    let mut whole = Duration::ZERO;
-    while !rest.is_empty() {
-        let number_end = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
-        let (number, after) = rest.split_at(number_end);
-        let unit_end = after
-            .find(|c: char| !c.is_ascii_alphabetic())
-            .unwrap_or(after.len());
-        let (unit, after) = after.split_at(unit_end);
-        let unit = match unit {
-            "ms" => 0.001,
-            "s" => 1.0,
-            "m" => 60.0,
-            "h" => 3600.0,
-            "d" => 86_400.0,
-            _ => return None,
-        };
-        let span = Duration::try_from_secs_f64(number.parse::<f64>().ok()? * unit).ok()?;
-        whole = whole.checked_add(span)?;
-        rest = after;
-    }
-    (!text.trim().is_empty()).then_some(whole)
 }
 
 #[cfg(test)]

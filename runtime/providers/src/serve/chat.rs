@@ -67,7 +67,6 @@ impl Form for Chat {
             ("stop", json!([])),
             ("logit_bias", json!({})),
             ("modalities", json!(["text"])),
-            ("reasoning_effort", json!("none")),
             ("verbosity", json!("medium")),
         ] {
             fields.only(name, allowed)?;

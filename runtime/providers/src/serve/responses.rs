@@ -57,8 +57,7 @@ impl Form for Responses {
             let mut reasoning = Fields::of("reasoning", reasoning)?;
             request.reasoning = reasoning.level("effort")?;
             // No thoughts are returned, so there is nothing to summarise.
-            reasoning.take("summary");
-            reasoning.finish(&[])?;
+            reasoning.finish(&["summary", "generate_summary"])?;
         }
         let mut echoed = json!({ "type": "text" });
         let mut format = Format::default();
@@ -75,12 +74,6 @@ impl Form for Responses {
         let is_streamed = fields.switch("stream")?;
         if let Some(options) = fields.stream_options(is_streamed)? {
             options.finish(&[])?;
-        }
-        if let Some(reasoning) = fields.take("reasoning") {
-            let mut reasoning = Fields::of("reasoning", reasoning)?;
-            reasoning.only("effort", json!("none"))?;
-            // No reasoning has no summary.
-            reasoning.finish(&["summary", "generate_summary"])?;
         }
         for (name, allowed) in [
             ("background", json!(false)),

@@ -4,6 +4,11 @@
 //! not. A schema with another keyword is refused, because nothing here could hold an answer against it. Work, depth and
 //! memory are bounded, whatever the schema says.
 
+use Rule::{Is, Limited, Nothing};
+use Shape::{
+    Anything, Count, List, NamedSchemas, Names, Note, Number, Pattern, Reference, SchemaOrSwitch,
+    Schemas, Types,
+};
 use regex_lite::{Regex, RegexBuilder};
 use serde_json::{Map, Value};
 use std::cell::Cell;
@@ -45,63 +50,65 @@ enum Shape {
     SchemaOrSwitch,
 }
 
-/// Compares a value with a keyword: `(judging, schema, keyword's value, value, place of the value)`.
-type Comparison = fn(&Judging, &Map<String, Value>, &Value, &Value, &str) -> Result<(), String>;
+/// How a keyword is held against a value.
+enum Rule {
+    /// It has no effect by itself.
+    Nothing,
+    /// A quantity of the value has a limit; a value without that quantity is not concerned.
+    Limited(Quantity, Limit),
+    Is(Comparison),
+}
 
-const NONE: Comparison = |_, _, _, _, _| Ok(());
+/// Compares a value with a keyword: the keyword's value, and where and what is compared.
+type Comparison = fn(&Judging, &Value, &Place<'_>) -> Result<(), String>;
 
-const KEYWORDS: [(&str, Shape, Comparison); 26] = [
-    ("title", Shape::Note, NONE),
-    ("description", Shape::Note, NONE),
-    ("default", Shape::Note, NONE),
-    ("examples", Shape::Note, NONE),
-    ("$schema", Shape::Note, NONE),
-    ("$comment", Shape::Note, NONE),
-    ("$defs", Shape::NamedSchemas, NONE),
-    ("definitions", Shape::NamedSchemas, NONE),
-    ("type", Shape::Types, types),
-    ("enum", Shape::List, one_of),
-    ("const", Shape::Anything, |_, _, only, found, at| {
-        unless(only == found, at, || format!("has to be {only}"))
-    }),
-    ("anyOf", Shape::Schemas, any_of),
-    ("$ref", Shape::Reference, |judging, _, name, found, at| {
-        let target = judging.schema.target(name).ok_or("a reference is broken")?;
-        judging.follow(target, found, at)
-    }),
-    ("properties", Shape::NamedSchemas, properties),
-    ("required", Shape::Names, required),
-    ("additionalProperties", Shape::SchemaOrSwitch, others),
-    ("items", Shape::Schema, items),
-    ("minItems", Shape::Count, |_, _, n, found, at| {
-        let count = found.as_array().map(|list| list.len() as f64);
-        least(count, n, at, "entries")
-    }),
-    ("maxItems", Shape::Count, |_, _, n, found, at| {
-        let count = found.as_array().map(|list| list.len() as f64);
-        most(count, n, at, "entries")
-    }),
-    ("minLength", Shape::Count, |_, _, n, found, at| {
-        least(letters(found), n, at, "letters")
-    }),
-    ("maxLength", Shape::Count, |_, _, n, found, at| {
-        most(letters(found), n, at, "letters")
-    }),
-    ("pattern", Shape::Pattern, pattern),
-    ("minimum", Shape::Number, |_, _, n, found, at| {
-        least(found.as_f64(), n, at, "")
-    }),
-    ("maximum", Shape::Number, |_, _, n, found, at| {
-        most(found.as_f64(), n, at, "")
-    }),
-    ("exclusiveMinimum", Shape::Number, |_, _, n, found, at| {
-        let is_more = found.as_f64().zip(n.as_f64()).is_none_or(|(it, n)| it > n);
-        unless(is_more, at, || format!("has to be more than {n}"))
-    }),
-    ("exclusiveMaximum", Shape::Number, |_, _, n, found, at| {
-        let is_less = found.as_f64().zip(n.as_f64()).is_none_or(|(it, n)| it < n);
-        unless(is_less, at, || format!("has to be less than {n}"))
-    }),
+/// A quantity of a value, and its unit in messages.
+type Quantity = (fn(&Value) -> Option<f64>, &'static str);
+const NUMBER: Quantity = (Value::as_f64, "");
+const ENTRIES: Quantity = (|it| Some(it.as_array()?.len() as f64), " entries");
+const LETTERS: Quantity = (|it| Some(it.as_str()?.chars().count() as f64), " letters");
+
+/// Whether a quantity keeps a limit, and the words for it.
+type Limit = (fn(&f64, &f64) -> bool, &'static str);
+const LEAST: Limit = (f64::ge, "at least");
+const MOST: Limit = (f64::le, "at most");
+const MORE: Limit = (f64::gt, "more than");
+const LESS: Limit = (f64::lt, "less than");
+
+/// A value, its schema, and its place in the answer.
+struct Place<'a> {
+    schema: &'a Map<String, Value>,
+    found: &'a Value,
+    at: &'a str,
+}
+
+const KEYWORDS: [(&str, Shape, Rule); 26] = [
+    ("title", Note, Nothing),
+    ("description", Note, Nothing),
+    ("default", Note, Nothing),
+    ("examples", Note, Nothing),
+    ("$schema", Note, Nothing),
+    ("$comment", Note, Nothing),
+    ("$defs", NamedSchemas, Nothing),
+    ("definitions", NamedSchemas, Nothing),
+    ("type", Types, Is(types)),
+    ("enum", List, Is(one_of)),
+    ("const", Anything, Is(constant)),
+    ("anyOf", Schemas, Is(any_of)),
+    ("$ref", Reference, Is(referred)),
+    ("properties", NamedSchemas, Is(properties)),
+    ("required", Names, Is(required)),
+    ("additionalProperties", SchemaOrSwitch, Is(others)),
+    ("items", Shape::Schema, Is(items)),
+    ("minItems", Count, Limited(ENTRIES, LEAST)),
+    ("maxItems", Count, Limited(ENTRIES, MOST)),
+    ("minLength", Count, Limited(LETTERS, LEAST)),
+    ("maxLength", Count, Limited(LETTERS, MOST)),
+    ("pattern", Pattern, Is(pattern)),
+    ("minimum", Number, Limited(NUMBER, LEAST)),
+    ("maximum", Number, Limited(NUMBER, MOST)),
+    ("exclusiveMinimum", Number, Limited(NUMBER, MORE)),
+    ("exclusiveMaximum", Number, Limited(NUMBER, LESS)),
 ];
 
 impl Schema {
@@ -154,28 +161,28 @@ impl Schema {
                 ));
             };
             let is_right = match (shape, value) {
-                (Shape::Note | Shape::Anything, _) => true,
-                (Shape::Types, Value::String(name)) => is_type(name),
-                (Shape::Types, Value::Array(names)) => {
+                (Note | Anything, _) => true,
+                (Types, Value::String(name)) => is_type(name),
+                (Types, Value::Array(names)) => {
                     names.iter().all(|name| name.as_str().is_some_and(is_type))
                 }
-                (Shape::List, Value::Array(_)) | (Shape::Number, Value::Number(_)) => true,
-                (Shape::Count, Value::Number(count)) => count.is_u64(),
-                (Shape::Names, Value::Array(names)) => names.iter().all(Value::is_string),
-                (Shape::Pattern, Value::String(pattern)) => self.learn(pattern),
-                (Shape::Reference, name) => self.target(name).is_some(),
-                (Shape::SchemaOrSwitch, Value::Bool(_)) => true,
-                (Shape::Schema | Shape::SchemaOrSwitch, Value::Object(_)) => {
+                (List, Value::Array(_)) | (Number, Value::Number(_)) => true,
+                (Count, Value::Number(count)) => count.is_u64(),
+                (Names, Value::Array(names)) => names.iter().all(Value::is_string),
+                (Pattern, Value::String(pattern)) => self.learn(pattern),
+                (Reference, name) => self.target(name).is_some(),
+                (SchemaOrSwitch, Value::Bool(_)) => true,
+                (Shape::Schema | SchemaOrSwitch, Value::Object(_)) => {
                     self.check(value, &format!("{at}.{name}"))?;
                     true
                 }
-                (Shape::Schemas, Value::Array(list)) => {
+                (Schemas, Value::Array(list)) => {
                     for (index, schema) in list.iter().enumerate() {
                         self.check(schema, &format!("{at}.{name}[{index}]"))?;
                     }
                     true
                 }
-                (Shape::NamedSchemas, Value::Object(list)) => {
+                (NamedSchemas, Value::Object(list)) => {
                     for (inner, schema) in list {
                         self.check(schema, &format!("{at}.{name}.{inner}"))?;
                     }
@@ -233,11 +240,22 @@ impl Judging<'_> {
             return Err(format!("`{at}` is nested too deeply to be checked"));
         }
         self.depth.set(self.depth.get() + 1);
+        let place = Place {
+            schema: keywords,
+            found,
+            at,
+        };
         for (name, value) in keywords {
             self.spend(1)?;
             let known = KEYWORDS.iter().find(|(keyword, ..)| keyword == name);
-            if let Some((_, _, compare)) = known {
-                compare(self, keywords, value, found, at)?;
+            match known.map(|(_, _, rule)| rule) {
+                Some(Is(compare)) => compare(self, value, &place)?,
+                Some(Limited((quantity, unit), (holds, words))) => {
+                    let pair = quantity(found).zip(value.as_f64());
+                    let holds = pair.is_none_or(|(it, limit)| holds(&it, &limit));
+                    place.unless(holds, || format!("has to be {words} {value}{unit}"))?;
+                }
+                Some(Nothing) | None => {}
             }
         }
         self.depth.set(self.depth.get() - 1);
@@ -252,10 +270,12 @@ impl Judging<'_> {
     }
 }
 
-fn unless(holds: bool, at: &str, why: impl FnOnce() -> String) -> Result<(), String> {
-    match holds {
-        true => Ok(()),
-        false => Err(format!("`{at}` {}", why())),
+impl Place<'_> {
+    fn unless(&self, holds: bool, why: impl FnOnce() -> String) -> Result<(), String> {
+        match holds {
+            true => Ok(()),
+            false => Err(format!("`{}` {}", self.at, why())),
+        }
     }
 }
 
@@ -278,160 +298,95 @@ fn is_of_type(found: &Value, name: &str) -> bool {
     }
 }
 
-fn types(
-    _: &Judging,
-    _: &Map<String, Value>,
-    names: &Value,
-    found: &Value,
-    at: &str,
-) -> Result<(), String> {
-    let is_one = |name: &Value| name.as_str().is_some_and(|name| is_of_type(found, name));
-    let holds = is_one(names)
-        || names
-            .as_array()
-            .is_some_and(|names| names.iter().any(is_one));
-    unless(holds, at, || format!("is not of the type {names}"))
+fn types(_: &Judging, names: &Value, place: &Place<'_>) -> Result<(), String> {
+    let is_one = |name: &Value| name.as_str().is_some_and(|it| is_of_type(place.found, it));
+    let are_several = |names: &Vec<Value>| names.iter().any(is_one);
+    let holds = is_one(names) || names.as_array().is_some_and(are_several);
+    place.unless(holds, || format!("is not of the type {names}"))
 }
 
-fn one_of(
-    judging: &Judging,
-    _: &Map<String, Value>,
-    list: &Value,
-    found: &Value,
-    at: &str,
-) -> Result<(), String> {
+fn constant(_: &Judging, only: &Value, place: &Place<'_>) -> Result<(), String> {
+    place.unless(only == place.found, || format!("has to be {only}"))
+}
+
+fn one_of(judging: &Judging, list: &Value, place: &Place<'_>) -> Result<(), String> {
     let list = list.as_array().map_or(&[][..], Vec::as_slice);
     judging.spend(list.len())?;
-    unless(list.contains(found), at, || {
-        "is none of the choices".to_owned()
-    })
+    let holds = list.contains(place.found);
+    place.unless(holds, || "is none of the choices".to_owned())
 }
 
-fn any_of(
-    judging: &Judging,
-    _: &Map<String, Value>,
-    list: &Value,
-    found: &Value,
-    at: &str,
-) -> Result<(), String> {
+fn any_of(judging: &Judging, list: &Value, place: &Place<'_>) -> Result<(), String> {
     let depth = judging.depth.get();
     for schema in list.as_array().into_iter().flatten() {
-        if judging.follow(schema, found, at).is_ok() {
+        if judging.follow(schema, place.found, place.at).is_ok() {
             return Ok(());
         }
         // A comparison that failed left the depth where it was.
         judging.depth.set(depth);
         judging.spend(1)?;
     }
-    Err(format!("`{at}` follows no part of `anyOf`"))
+    place.unless(false, || "follows no part of `anyOf`".to_owned())
 }
 
-fn properties(
-    judging: &Judging,
-    _: &Map<String, Value>,
-    list: &Value,
-    found: &Value,
-    at: &str,
-) -> Result<(), String> {
+fn referred(judging: &Judging, name: &Value, place: &Place<'_>) -> Result<(), String> {
+    let target = judging.schema.target(name).ok_or("a reference is broken")?;
+    judging.follow(target, place.found, place.at)
+}
+
+fn properties(judging: &Judging, list: &Value, place: &Place<'_>) -> Result<(), String> {
     for (name, schema) in list.as_object().into_iter().flatten() {
         judging.spend(1)?;
-        if let Some(found) = found.get(name.as_str()) {
-            judging.follow(schema, found, &format!("{at}.{name}"))?;
+        if let Some(found) = place.found.get(name.as_str()) {
+            judging.follow(schema, found, &format!("{}.{name}", place.at))?;
         }
     }
     Ok(())
 }
 
-fn required(
-    judging: &Judging,
-    _: &Map<String, Value>,
-    names: &Value,
-    found: &Value,
-    at: &str,
-) -> Result<(), String> {
-    let Value::Object(found) = found else {
+fn required(judging: &Judging, names: &Value, place: &Place<'_>) -> Result<(), String> {
+    let Value::Object(found) = place.found else {
         return Ok(());
     };
     for name in names.as_array().into_iter().flatten() {
         judging.spend(1)?;
         let name = name.as_str().unwrap_or_default();
-        unless(found.contains_key(name), at, || format!("lacks `{name}`"))?;
+        place.unless(found.contains_key(name), || format!("lacks `{name}`"))?;
     }
     Ok(())
 }
 
-fn others(
-    judging: &Judging,
-    schema: &Map<String, Value>,
-    rule: &Value,
-    found: &Value,
-    at: &str,
-) -> Result<(), String> {
-    let known = schema.get("properties").and_then(Value::as_object);
-    for (name, found) in found.as_object().into_iter().flatten() {
+fn others(judging: &Judging, rule: &Value, place: &Place<'_>) -> Result<(), String> {
+    let known = place.schema.get("properties").and_then(Value::as_object);
+    for (name, found) in place.found.as_object().into_iter().flatten() {
         judging.spend(1)?;
         if known.is_some_and(|known| known.contains_key(name)) {
             continue;
         }
-        unless(*rule != Value::Bool(false), at, || {
+        place.unless(*rule != Value::Bool(false), || {
             let name: String = name.chars().take(80).collect();
             format!("has `{name}`, which is not asked for")
         })?;
-        judging.follow(rule, found, &format!("{at}.{name}"))?;
+        judging.follow(rule, found, &format!("{}.{name}", place.at))?;
     }
     Ok(())
 }
 
-fn items(
-    judging: &Judging,
-    _: &Map<String, Value>,
-    schema: &Value,
-    found: &Value,
-    at: &str,
-) -> Result<(), String> {
-    for (index, found) in found.as_array().into_iter().flatten().enumerate() {
-        judging.follow(schema, found, &format!("{at}[{index}]"))?;
+fn items(judging: &Judging, schema: &Value, place: &Place<'_>) -> Result<(), String> {
+    for (index, found) in place.found.as_array().into_iter().flatten().enumerate() {
+        judging.follow(schema, found, &format!("{}[{index}]", place.at))?;
     }
     Ok(())
 }
 
-fn pattern(
-    judging: &Judging,
-    _: &Map<String, Value>,
-    pattern: &Value,
-    found: &Value,
-    at: &str,
-) -> Result<(), String> {
-    let (Some(pattern), Some(found)) = (pattern.as_str(), found.as_str()) else {
+fn pattern(judging: &Judging, pattern: &Value, place: &Place<'_>) -> Result<(), String> {
+    let (Some(pattern), Some(found)) = (pattern.as_str(), place.found.as_str()) else {
         return Ok(());
     };
     judging.spend(found.len())?;
-    unless(judging.schema.matches(pattern, found), at, || {
+    place.unless(judging.schema.matches(pattern, found), || {
         let pattern: String = pattern.chars().take(80).collect();
         format!("does not match `{pattern}`")
-    })
-}
-
-fn letters(found: &Value) -> Option<f64> {
-    Some(found.as_str()?.chars().count() as f64)
-}
-
-/// A value of another type, `None`, is not concerned.
-fn least(found: Option<f64>, limit: &Value, at: &str, of: &str) -> Result<(), String> {
-    let holds = found.zip(limit.as_f64()).is_none_or(|(it, n)| it >= n);
-    unless(holds, at, || {
-        format!("has to be at least {limit} {of}")
-            .trim_end()
-            .to_owned()
-    })
-}
-
-fn most(found: Option<f64>, limit: &Value, at: &str, of: &str) -> Result<(), String> {
-    let holds = found.zip(limit.as_f64()).is_none_or(|(it, n)| it <= n);
-    unless(holds, at, || {
-        format!("has to be at most {limit} {of}")
-            .trim_end()
-            .to_owned()
     })
 }
 

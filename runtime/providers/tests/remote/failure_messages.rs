@@ -212,6 +212,11 @@ fn servers() -> Vec<Case> {
         case("ollama_load", "500 Internal Server Error", "json", r#"{"error":"model requires more system memory (11.2 GiB) than is available (7.6 GiB)"}"#),
         // llama.cpp, as served by xllamacpp 2026.10.11549 from PyPI; `peer_llamacpp` plays these with the server itself.
         case("llamacpp_context", "400 Bad Request", "json", r#"{"error":{"code":400,"message":"request (9026 tokens) exceeds the available context size (2048 tokens), try increasing it","type":"exceed_context_size_error","n_prompt_tokens":9026,"n_ctx":2048}}"#),
+        // LiteLLM's proxy, litellm[proxy] 1.106.2 from PyPI without a database; `peer_litellm` plays the first with the proxy itself.
+        case("litellm_wrong_key", "400 Bad Request", "json", r#"{"error":{"message":"No connected db.","type":"no_db_connection","param":null,"code":"400"}}"#)
+            .keys(&["LITELLM_API_KEY"], KeySent::Yes),
+        case("litellm_no_key", "500 Internal Server Error", "text/plain; charset=utf-8", "Internal Server Error")
+            .keys(&["LITELLM_API_KEY"], KeySent::No),
         case("llamacpp_path", "404 Not Found", "json", r#"{"error":{"message":"File Not Found","type":"not_found_error","code":404}}"#),
     ]
 }

@@ -135,6 +135,8 @@ impl ErrorBody {
         } else if named("api_key_invalid")
             || named("invalid_api_key")
             || named("authentication_error")
+            // LiteLLM's proxy looks a key that is not its master key up in its database.
+            || named("no_db_connection")
         {
             Some(Fault::NotAuthorised)
         } else if named("overloaded") || named("server_error") || named("api_error") {
