@@ -67,7 +67,7 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::with_picture => return expectation(Rule::with_word),
         Rule::retries => return expectation(Rule::retries_word),
         // The other expected tokens are enough.
-        Rule::any_word | Rule::not_word => return None,
+        Rule::any_word | Rule::not_word | Rule::setting_word | Rule::statement_word => return None,
         _ => return WORDS.get(&rule).map(String::as_str),
     };
     Some(words)

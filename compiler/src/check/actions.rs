@@ -177,7 +177,7 @@ fn kind<'a>(
         let help = format!("write `{written}{unit}`{or_words}");
         return Err(context.error(diagnostic.help(help)));
     };
-    Ok(ChoiceKind::of(unit_of(unit, context)?.dimension))
+    Ok(ChoiceKind::of(unit_of(quantity, unit, context)?.dimension))
 }
 
 /// Reports choices of the wrong kind for a field that moves the cloth.

@@ -27,6 +27,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
                     format!("{name} never applies"),
                     (when, true),
                     span,
+                    "correct the condition after `when`, or remove the check",
                     program,
                     context,
                 );
@@ -36,6 +37,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
                     format!("{name} can never pass"),
                     (holds, true),
                     span,
+                    "every answer would be refused; correct the condition, or remove the check",
                     program,
                     context,
                 );
@@ -45,6 +47,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
                     format!("{name} can never fail"),
                     (holds, false),
                     span,
+                    "no answer would be refused; correct the condition, or remove the check",
                     program,
                     context,
                 );
@@ -64,6 +67,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
                 format!("{name} is never said"),
                 (when, true),
                 guard.span(),
+                "correct the condition, or remove the component",
                 program,
                 context,
             );
@@ -72,6 +76,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
                 format!("{name} is always said"),
                 (when, false),
                 guard.span(),
+                "correct the condition, or remove it together with `when`",
                 program,
                 context,
             );
@@ -83,6 +88,7 @@ fn warn(
     what: String,
     condition: (&Condition, bool),
     span: Span,
+    help: &str,
     program: &Program,
     context: &mut Context<'_, '_>,
 ) {
@@ -90,5 +96,5 @@ fn warn(
         Some(reason) => format!("{what}: {reason}"),
         None => what,
     };
-    context.remark(Diagnostic::new(Code::CertainCondition, span, message));
+    context.remark(Diagnostic::new(Code::CertainCondition, span, message).help(help));
 }

@@ -319,7 +319,14 @@ pub(super) fn keypoint(
         return Err(match scope {
             Scope::Above(_) => {
                 let message = format!("expected the name of {words}");
-                context.fault(Code::WrongForm, expr.span(), message)
+                let diagnostic = Diagnostic::new(Code::WrongForm, expr.span(), message);
+                let written = context.written(expr.span());
+                context.error(match expr {
+                    Expr::Call(_) => diagnostic.help(format!(
+                        "declare it above, `NAME = {written}`, and write `NAME` here"
+                    )),
+                    _ => diagnostic,
+                })
             }
             Scope::Everywhere => {
                 let diagnostic = context.unexpected(Code::WrongExpression, expr, &words);

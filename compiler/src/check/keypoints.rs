@@ -24,7 +24,7 @@ pub(crate) fn constants<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) 
         let is_free = once.and_then(|()| is_free(constant.name(), context));
         let value = match constant.value() {
             Expr::Quantity(quantity) => match quantity.unit() {
-                Some(name) => unit(name, context).map(|_| quantity),
+                Some(name) => unit(quantity, name, context).map(|_| quantity),
                 None => Ok(quantity),
             },
             other => {

@@ -40,8 +40,8 @@ use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::load::Loaded;
 use crate::merge;
 use context::Context;
-use fab_grammar::FileId;
 use fab_grammar::ast::Name;
+use fab_grammar::{FileId, Span};
 use fab_program::{Program, Test};
 
 /// The result of checking.
@@ -115,7 +115,10 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                     variants.extend(merged.applicable_variants().map(Some));
                 }
                 let built = task::check(&merged, &stamps, grid, form, loaded, &mut own);
-                report.absorb(own);
+                match broken_change(&merged) {
+                    Some(place) => report.absorb_within(place, own),
+                    None => report.absorb(own),
+                }
                 if let (true, Ok(Some((program, tests)))) = (is_entry, built) {
                     checked.programs.push(program);
                     checked.tests.extend(tests);
@@ -125,6 +128,20 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
         }
     }
     checked
+}
+
+/// Returns the place of a variant, or of a task that extends another, if a line of it did not parse.
+///
+/// What is wrong outside of it may only be a consequence: the line may have left out or replaced just that. The tasks
+/// that it changes are checked by themselves.
+fn broken_change(merged: &merge::Merged<'_>) -> Option<Span> {
+    let task = merged.task.body();
+    let change = match merged.variant.as_ref().map(|variant| variant.change) {
+        Some(merge::VariantChange::Body(body)) => Some(body),
+        Some(merge::VariantChange::Without(_)) => None,
+        None => Some(task).filter(|_| merged.task.extends().is_some()),
+    }?;
+    (change.is_damaged() || task.is_damaged()).then(|| change.span())
 }
 
 fn too_large(name: Name<'_>) -> Diagnostic {

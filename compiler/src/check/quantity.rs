@@ -2,7 +2,8 @@
 
 use super::context::Context;
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
-use fab_grammar::ast::{Expr, Name};
+use fab_grammar::ast::{Expr, Name, Quantity};
+use fab_program::exact::written;
 use fab_program::units::{self, Dimension, UNITS};
 use fab_program::vocabulary::Range;
 
@@ -63,7 +64,7 @@ fn usual_unit(dimension: Dimension) -> &'static str {
 pub(crate) fn quantity_of<'a>(
     expr: Expr<'a>,
     context: &Context<'a, '_>,
-) -> Result<Option<fab_grammar::ast::Quantity<'a>>, Reported> {
+) -> Result<Option<Quantity<'a>>, Reported> {
     match expr {
         Expr::Quantity(quantity) => Ok(Some(quantity)),
         Expr::Name(name) => match context.constants.get(name.text()) {
@@ -93,7 +94,7 @@ pub(crate) fn measured<'a>(
             unit: "",
         }));
     };
-    let unit = unit(name, context)?;
+    let unit = unit(quantity, name, context)?;
     let size = if unit.size.is_nan() {
         context.edge_m()?
     } else {
@@ -312,6 +313,7 @@ pub(super) fn no_conversion(
 }
 
 pub(super) fn unit(
+    quantity: Quantity<'_>,
     name: Name<'_>,
     context: &mut Context<'_, '_>,
 ) -> Result<&'static units::Unit, Reported> {
@@ -322,8 +324,10 @@ pub(super) fn unit(
     let message = format!("there is no unit `{word}`");
     let diagnostic = Diagnostic::new(Code::UnknownUnit, name.span(), message);
     if word == "%" {
-        let diagnostic = diagnostic.help("write a fraction: `0.9` for nine tenths");
-        return Err(context.error(diagnostic));
+        let fraction = written(quantity.value() / 100.0, 6);
+        return Err(context.error(diagnostic.help(format!(
+            "write `{fraction}` for a fraction, `{fraction}edge` for a part of the cloth's longer side"
+        ))));
     }
     let right = UNITS.iter().find(|unit| unit.spellings.contains(&word));
     let near = nearest(word, UNITS.iter().map(|unit| unit.name));

@@ -92,14 +92,37 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<
         read.map(|read| read.span())
     };
     let report = |span, message| Diagnostic::new(Code::ActionReadElsewhere, span, message);
-    for stage in earlier {
-        if let Some(span) = action(stage) {
-            let name = stage.name().text();
-            let message = format!("`{name}` reads the action, but it is not the last stage");
-            let diagnostic =
-                report(span, message).also(last.name().span(), "this is the last stage");
-            all = Err(context.error(diagnostic));
-        }
+    let acting = earlier.filter(|stage| action(*stage).is_some());
+    let acting: Vec<ast::Stage<'_>> = acting.collect();
+    if let ([acting], None) = (acting.as_slice(), action(last)) {
+        let (name, asked) = (last.name().text(), acting.name().text());
+        let message = format!("the stage `{name}` comes after `{asked}`, which reads the action");
+        let own = merged.task.body().span();
+        let is_own = acting.span().file == own.file && acting.span().start >= own.start;
+        let help = match is_own && !merged.replaced_stages.contains_key(asked) {
+            true => format!("move it above `stage {asked}`"),
+            false => format!(
+                "a stage that is added comes last; to say more, write `say NAME in {asked} after NAME`, to ask more, state all stages in a task without `extends`"
+            ),
+        };
+        let diagnostic = report(last.name().span(), message)
+            .also(acting.name().span(), "reads the action")
+            .help(help);
+        let is_damaged = merged.is_damaged || last.is_damaged();
+        return Err(context.missing(is_damaged, last.span().file, diagnostic));
+    }
+    for stage in acting {
+        let Some(span) = action(stage) else {
+            continue;
+        };
+        let message = format!(
+            "`{}` reads the action, but it is not the last stage",
+            stage.name().text()
+        );
+        let diagnostic = report(span, message)
+            .also(last.name().span(), "this is the last stage")
+            .help("write `read NAME from \"…{NAME}\"`");
+        all = Err(context.error(diagnostic));
     }
     if let (None, Some(read)) = (action(last), last.read().next()) {
         let name = last.name().text();

@@ -125,6 +125,16 @@ impl Report {
         }
     }
 
+    /// Does the same as [`Report::absorb`] for the findings of one place, and drops the others.
+    pub(crate) fn absorb_within(&mut self, place: Span, mut other: Report) {
+        other.found.retain(|it| {
+            let Span { file, start, end } = it.span;
+            file == place.file && place.start <= start && end <= place.end
+        });
+        other.files_with_errors.retain(|file| *file == place.file);
+        self.absorb(other);
+    }
+
     /// Returns the findings by file and position.
     pub(crate) fn into_sorted(mut self) -> Vec<Diagnostic> {
         self.found

@@ -180,7 +180,7 @@ fn chain<'a>(
         let file = base.span().file;
         let Some(found) = loaded.task(file, base.text()) else {
             let hidden = loaded.hidden(file, base.text());
-            let reported = hidden.unwrap_or_else(|| report.error(unknown_task(base, loaded)));
+            let reported = hidden.unwrap_or_else(|| report.error(unknown_task(task, base, loaded)));
             return (chain, Some(reported));
         };
         let is_known = |seen: &Task<'_>| seen.name().span() == found.name().span();
@@ -206,14 +206,15 @@ fn chain<'a>(
     (chain, fault.filter(|_| above.may_extend()))
 }
 
-fn unknown_task(base: Name<'_>, loaded: &Loaded<'_>) -> Diagnostic {
+fn unknown_task(task: Task<'_>, base: Name<'_>, loaded: &Loaded<'_>) -> Diagnostic {
     let message = format!("there is no task `{}`", base.text());
     let diagnostic = Diagnostic::new(Code::UnknownName, base.span(), message);
     let seen = || {
         loaded
             .visible_from(base.span().file)
             .flat_map(|file| &file.tasks)
-            .map(|task| task.name().text())
+            .map(|seen| seen.name().text())
+            .filter(|name| *name != task.name().text())
     };
     let mut files = loaded.files.iter();
     let unseen = files.find(|file| loaded.task(file.id, base.text()).is_some());
@@ -223,6 +224,9 @@ fn unknown_task(base: Name<'_>, loaded: &Loaded<'_>) -> Diagnostic {
             loaded.texts.sources.get(file.id).name
         )),
         (Some(meant), _) => diagnostic.meant(base.span(), meant),
+        _ if seen().next().is_none() => {
+            diagnostic.help("declare it, or write `use` with the file that declares it")
+        }
         _ => diagnostic.help(format!("this file sees {}", among(seen()))),
     }
 }

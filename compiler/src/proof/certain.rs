@@ -922,7 +922,7 @@ mod tests {
         ("coverage(cloth) > 0.5", Open),
         (
             "angle_between(from center to pick, 90deg) <= 180deg",
-            Always("the angle between `(center -> pick)` and `90 deg` is 0deg to 180deg"),
+            Always("the angle between `from center to pick` and `90 deg` is 0deg to 180deg"),
         ),
         ("angle_between(from center to pick, 90deg) < 45deg", Open),
         ("pick within 8px of cloth", Open),

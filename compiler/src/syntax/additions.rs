@@ -40,6 +40,11 @@ const MISPLACED: &[Misplaced] = &[
     misplaced("task", "insert", AS_IT_IS),
     misplaced("task", "new", AS_IT_IS),
     misplaced("task", "extend", AS_IT_IS),
+    misplaced(
+        "subgoals",
+        "fold",
+        "write `demonstrate { fold A -> B }`, with all folds between its braces",
+    ),
     misplaced("verify", "then", BEHIND_ELSE),
     misplaced("verify", "otherwise", BEHIND_ELSE),
     misplaced("verify", "message", BEHIND_ELSE),
@@ -85,6 +90,11 @@ pub(super) fn help(
     if expected.is_empty() {
         let mut rows = MISPLACED.iter();
         let row = rows.find(|row| row.word == found && row.help == AS_IT_IS)?;
+        return Some(row.help.to_owned());
+    }
+    if expected == ["`,`"] && fab_grammar::is_keyword(found) {
+        let mut rows = MISPLACED.iter();
+        let row = rows.find(|row| (row.block, row.word) == ("task", found))?;
         return Some(row.help.to_owned());
     }
     if line == "override" && expects("`component`") {

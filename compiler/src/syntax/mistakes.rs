@@ -61,6 +61,24 @@ pub(super) fn recognise(
     }
     Some(match found {
         ":" if expects("`=`") && rest.starts_with(":=") => written(":=", "="),
+        ":" if expects("a value") && rest.starts_with(":=") => {
+            fault(sign(":="), "expected a value, found `:=`".to_owned())
+                .help("remove the `:=`")
+                .likely(sign(":="), "")
+        }
+        ":" if expected.is_empty() && let Some((comma, name)) = field_after_comma(before) => {
+            let comma = Span {
+                start: comma,
+                end: comma + 1,
+                ..span
+            };
+            usual()
+                .help(format!("remove the `,` before `{name}`: fields have no comma between them"))
+                .likely(comma, "")
+        }
+        "skip" if expects("`without`") => {
+            usual().help("write `else skip`; `then without NAME, else skip` leaves out a check first")
+        }
         "=" if expects("`:`") => usual().help("write `:`").edit(span, ":"),
         ":" if expects("`=`") => usual().help("write `=`").edit(span, "="),
         "=" if expects("`)`") => usual()
@@ -224,6 +242,15 @@ pub(super) fn last_open(before: &str) -> Option<usize> {
         }
     }
     open.pop()
+}
+
+/// Returns the place of a comma in `actions` that only a name follows, and the name.
+fn field_after_comma(before: &str) -> Option<(usize, &str)> {
+    let (start, name) = last_word(before)?;
+    let list = before[..start].trim_end();
+    let line = list.rsplit(['{', '}']).next().unwrap_or(list);
+    let is_list = list.ends_with(',') && line.contains(" of ");
+    is_list.then(|| (list.len() - 1, name))
 }
 
 /// Returns whether a position is in a condition on the same line: in a check's braces, or behind `when`.

@@ -101,14 +101,20 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
 }
 
 fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) -> Diagnostic {
-    let found_words = found.map_or("the end of the line".to_owned(), |found| {
-        format!("`{found}`")
-    });
+    let is_blank = found.is_some_and(|found| found.chars().all(has_no_width));
+    let found_words = match found {
+        None => "the end of the line".to_owned(),
+        Some(found) if is_blank => format!("the invisible character `{}`", found.escape_unicode()),
+        Some(found) => format!("`{found}`"),
+    };
     let message = match expected {
         [] => format!("unexpected {found_words}"),
         _ => format!("expected {}, found {found_words}", listed(expected)),
     };
     let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
+    if is_blank {
+        return diagnostic.help("remove it").likely(span, "");
+    }
     if let Some(help) = additions::help(found, span, expected, text) {
         return diagnostic.help(help);
     }
@@ -131,6 +137,14 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
             .help("a sign such as `<` or a word such as `and` is missing before it, or it is one too many"),
         None => diagnostic,
     }
+}
+
+/// Returns whether a character takes no room, so that nobody sees it.
+fn has_no_width(character: char) -> bool {
+    matches!(
+        character,
+        '\u{ad}' | '\u{200b}'..='\u{200d}' | '\u{2060}' | '\u{feff}'
+    )
 }
 
 /// Returns whether a word or a number stands directly after another one on its line.

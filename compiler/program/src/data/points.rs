@@ -138,7 +138,7 @@ impl fmt::Display for Heading {
         match self {
             Heading::Field { field } => f.write_str(field),
             Heading::Last { field } => write!(f, "last.{field}"),
-            Heading::FromTo { from, to } => write!(f, "({from} -> {to})"),
+            Heading::FromTo { from, to } => write!(f, "from {from} to {to}"),
             Heading::Constant { vector } => {
                 let deg = libm::atan2(-vector[1], vector[0]).to_degrees();
                 write!(f, "{} deg", written(normalised_deg(deg), 1))

@@ -178,6 +178,16 @@ impl Field<'_> {
             ));
         }
         let stated = self.stated(&claims)?;
+        let prose = claims.iter().find_map(|claim| match &claim.claimed {
+            Claimed::Prose(why, named) => {
+                let tells = |(value, ..): &Statement| named.iter().all(|it| it.may_mean(value));
+                (stated.is_empty() || !stated.iter().all(tells)).then_some(why)
+            }
+            _ => None,
+        });
+        if let Some(why) = prose {
+            return Err(format!("The {noun} of your answer cannot be used: {why}."));
+        }
         let Some((value, note, span)) = stated.first() else {
             return Err(format!("Your answer states no {noun}."));
         };
@@ -200,6 +210,15 @@ impl Field<'_> {
                 plural(self.declared)
             ));
         }
+        let is_unfit = claims.iter().any(|claim| {
+            matches!(&claim.claimed, Claimed::Unfit(unfit) if unfit == value)
+                && claim.span.start > span.start
+        });
+        if is_unfit {
+            return Err(format!(
+                "Your answer calls its own {noun}, {written}, unfit."
+            ));
+        }
         let text = self.reply.get(span.clone()).unwrap_or_default();
         if let (Value::Point(_), Some(taken)) = (value, note) {
             repairs.push(format!("{}: {taken}", self.declared.name));
@@ -220,7 +239,7 @@ impl Field<'_> {
 
     /// Returns whether all claims state the same value.
     fn agree(&self, claims: &[&Claim]) -> bool {
-        let is_bad = |claim: &&Claim| matches!(claim.claimed, Claimed::Bad(_));
+        let is_bad = |claim: &&Claim| matches!(claim.claimed, Claimed::Bad(_) | Claimed::Prose(..));
         !claims.iter().any(is_bad)
             && self
                 .stated(claims)
@@ -246,7 +265,11 @@ impl Field<'_> {
                     }
                     axis.get_or_insert((*number, claim.span.clone()));
                 }
-                Claimed::Bad(_) | Claimed::Hedge(_) | Claimed::Nothing => {}
+                Claimed::Bad(_)
+                | Claimed::Prose(..)
+                | Claimed::Unfit(_)
+                | Claimed::Hedge(_)
+                | Claimed::Nothing => {}
             }
         }
         match axes {

@@ -162,7 +162,15 @@ fn members(
                     _ => None,
                 });
             if let Some(field) = label.and_then(|label| named(reader, label)) {
+                // Models that write such objects count y first, in thousandths.
+                let counts_other = reader.notation.is_native()
+                    && found.iter().any(|member| {
+                        member.key == "point" && matches!(member.value.shape, Shape::List(_))
+                    });
                 let claimed = match written(node) {
+                    Some(_) if counts_other => {
+                        Claimed::Bad("either of its two numbers can be x".to_owned())
+                    }
                     Some((text, hint)) => reader.whole(field, &text, hint, Clarity::Assigned),
                     None => Claimed::Nothing,
                 };
@@ -175,7 +183,8 @@ fn members(
             }
             for object::Member { key, at, value } in found {
                 let label = lexer::tokens(key);
-                if let Some((field, rest)) = names::labelled(reader.fields, &label) {
+                let moved = moved(reader, found, key).map(|field| (field, &[][..]));
+                if let Some((field, rest)) = names::labelled(reader.fields, &label).or(moved) {
                     let span = spanned(value);
                     let begin = if depth == 0 { *at } else { span.start };
                     claims.extend(member(reader, field, rest, value, begin..span.end));
@@ -195,6 +204,22 @@ fn members(
         }
         Shape::Text(_) | Shape::Bare(_) => {}
     }
+}
+
+/// Returns the field that `from` or `to` means in an object that has both.
+fn moved(reader: &Reader<'_>, found: &[object::Member], key: &str) -> Option<usize> {
+    const ENDS: [(&str, &[&str]); 2] = [
+        ("pick", &["from", "source", "start"]),
+        ("place", &["to", "target", "destination", "end"]),
+    ];
+    let is_any =
+        |key: &str, names: &[&str]| names.iter().any(|name| key.eq_ignore_ascii_case(name));
+    let has_both = ENDS
+        .iter()
+        .all(|(_, names)| found.iter().any(|member| is_any(&member.key, names)));
+    let (name, _) = ENDS.iter().find(|(_, names)| is_any(key, names))?;
+    let mut fields = reader.fields.iter();
+    fields.position(|field| has_both && field.name == *name && field.is_point())
 }
 
 /// Returns the field that a label names, if it names nothing else.
@@ -242,8 +267,12 @@ pub(super) fn tagged_points(
         let label =
             get(&["alt", "label", "name", "id", "type"]).and_then(|label| named(reader, label));
         if let (Some(field), Some(x), Some(y)) = (label, get(&["x", "x1"]), get(&["y", "y1"])) {
-            let claimed =
-                reader.whole(field, &format!("(x: {x}, y: {y})"), None, Clarity::Assigned);
+            // Models that write such tags with decimals count in percent.
+            let counts_other = reader.notation.is_native() && (x.contains('.') || y.contains('.'));
+            let claimed = match counts_other {
+                true => Claimed::Bad("its tag counts in percent of the picture".to_owned()),
+                false => reader.whole(field, &format!("(x: {x}, y: {y})"), None, Clarity::Assigned),
+            };
             let mut end = start + length + 1;
             if let Some(rest) = text[end..].find("</point>").filter(|rest| *rest < MAX_TAG) {
                 end += rest + "</point>".len();

@@ -19,6 +19,10 @@ pub(super) enum Form {
     VerbTo,
     /// By a verb after `be`: `should be grasped at`.
     Passive,
+    /// By a verb for both points, `pull the corner at`, where there is no field `place`.
+    VerbAt,
+    /// The same after `be`: `should be pulled`.
+    PassiveAt,
 }
 
 /// A place where a field is named.
@@ -34,7 +38,7 @@ pub(super) struct Mention {
 }
 
 /// Words for the fields `pick` and `place`.
-const VERBS: [(&str, &[&str], Form); 5] = [
+const VERBS: [(&str, &[&str], Form); 7] = [
     (
         "pick",
         &[
@@ -74,6 +78,12 @@ const VERBS: [(&str, &[&str], Form); 5] = [
         &["placed", "dropped", "released", "put"],
         Form::Passive,
     ),
+    (
+        "pick",
+        &["pull", "pulling", "drag", "dragging", "move", "moving"],
+        Form::VerbAt,
+    ),
+    ("pick", &["pulled", "dragged", "moved"], Form::PassiveAt),
 ];
 
 /// Words that may follow the name of a field that is a point.
@@ -200,14 +210,20 @@ fn is_qualifier(tokens: &[Token<'_>], end: usize) -> bool {
 
 fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Mention> {
     let is_passive = at > 0 && tokens[at - 1].is_any(&["be"]);
-    let (name, _, form) = VERBS.iter().find(|(_, verbs, form)| {
-        tokens[at].is_any(verbs) && (*form == Form::Passive) == is_passive
+    let has = |wanted: &str| {
+        fields
+            .iter()
+            .position(|field| field.name == wanted && field.is_point())
+    };
+    let (name, _, form) = VERBS.iter().find(|(name, verbs, form)| {
+        let is_shared = matches!(form, Form::VerbAt | Form::PassiveAt);
+        tokens[at].is_any(verbs)
+            && matches!(form, Form::Passive | Form::PassiveAt) == is_passive
+            && has(name).is_some()
+            && !(is_shared && has("place").is_some())
     })?;
-    let field = fields
-        .iter()
-        .position(|field| field.name == *name && field.is_point())?;
     Some(Mention {
-        field,
+        field: has(name)?,
         form: *form,
         at,
         end: at + 1,

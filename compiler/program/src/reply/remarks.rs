@@ -116,11 +116,13 @@ const ROWS: &[Row] = &[
     anywhere(Action, UNSEEN, &["no image|no picture|no photo|without the image|without an image|not given the image|without seeing the image|without seeing the cloth|image failed|image was not|no cloth in|cloth not detected|didn't come through|did not come through", "attached|came|come|provided|received|through|cannot|can't|given|was|available|determine|load|opinion|image|returning"], ""),
     anywhere(Action, WITHDRAWN, &["status : error|valid : false|success : false|error : true|no further action"], ""),
     anywhere(Action, "the answer calls itself a draft", &["not my final|not the final|not final|isn't final"], ""),
-    after("the answer calls itself wrong", &["answer is incorrect|answer is wrong|would be wrong|is not correct|isn't correct|is invalid|are wrong|are incorrect|is mistaken|was a mistake|mixed up|mixed left|wrong corner"], "if|otherwise|previous|earlier|first|else|instead|not to|make sure|avoid"),
+    after("the answer calls itself wrong", &["answer is incorrect|answer is wrong|would be wrong|is not correct|isn't correct|is invalid|not valid|isn't valid|is not allowed|cannot be carried out|cannot be executed|are wrong|are incorrect|is mistaken|was a mistake|mixed up|mixed left|wrong corner"], "if|otherwise|previous|earlier|first|else|instead|not to|make sure|avoid"),
     after(WITHDRAWN, &["do not execute|don't execute|not be executed|none of these should|none of this should|do not perform|don't perform|do not carry out|don't carry out|do not run|don't use this|do not use this|shouldn't be used|should not be used|disagree with it|disagree with this"], ""),
     after(WITHDRAWN, &["disregard|ignore|forget|withdraw|retract", "those|these|above|two|both|points|lines|answer|that|it"], NOT),
-    after(CHANGED, &["exchange|swap|swapped", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
+    after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
     after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|mirrored|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|it"], "not|no|will|would|to avoid"),
+    after(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
+    after(CHANGED, &["should say|should read|should have been|should be the one|ought to be|should rather be|should instead be"], NOT),
     after(CHANGED, &["hmm|on reflection|on second thought|come to think of it|i'd rather|i would rather|better to grab|better to use|better choose|make that|one step lower|one step higher|one level|opposite way|than i wrote|so i take|let's halve|let's double|actually , shift|actually , the"], "no need|also|unchanged|stays"),
 ];
 
@@ -176,7 +178,42 @@ pub(super) fn of(
         }
     }
     found.retain(|(about, _)| *about != Pixels || notation.is_native());
+    if has_condition(tokens, last_claim) {
+        found.push((Action, "the answer holds only under a condition".to_owned()));
+    }
     found
+}
+
+/// Returns whether a line such as `If it has to be pulled:` stands above a claim.
+fn has_condition(tokens: &[Token<'_>], last_claim: Option<usize>) -> bool {
+    const HARMLESS: [&str; 8] = [
+        "understand",
+        "understood",
+        "correctly",
+        "mistaken",
+        "want",
+        "prefer",
+        "need",
+        "helps",
+    ];
+    let mut start = 0;
+    (0..tokens.len()).any(|at| {
+        let line = start..at + 1;
+        if tokens.get(at + 1).is_some_and(|next| next.gap < Gap::Line) {
+            return false;
+        }
+        start = at + 1;
+        let line = &tokens[line];
+        let ends = |token: &Token<'_>| ['.', '!', '?', ';'].iter().any(|sign| token.is_sign(*sign));
+        let begin = line.iter().rposition(ends).map_or(0, |end| end + 1);
+        let Some(line) = line.get(begin..).filter(|line| !line.is_empty()) else {
+            return false;
+        };
+        let is_heading = line[0].is_any(&["if", "unless"]) && line[line.len() - 1].is_sign(':');
+        is_heading
+            && !line.iter().any(|token| token.is_any(&HARMLESS))
+            && last_claim.is_some_and(|claim| claim > line[0].at)
+    })
 }
 
 /// Writes a sentence in lower case, with blanks around each word and sign.

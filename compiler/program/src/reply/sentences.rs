@@ -34,10 +34,46 @@ pub(super) enum Claimed {
     Hedge(Value),
     /// One coordinate of a point.
     Axis(char, f64),
+    /// The answer judges that this value is unfit: `0.75 edge is too far`.
+    Unfit(Value),
+    /// Words that hold no value at their start, why they are none, and how each value that they name is meant.
+    Prose(String, Vec<Named>),
     /// Something that is no value, and why not.
     Bad(String),
     Nothing,
 }
+
+/// A value that prose names.
+#[derive(Debug)]
+pub(super) struct Named {
+    value: Value,
+    /// Whether it is a direction in words, which are coarser than angles: `right and slightly down`.
+    is_worded: bool,
+}
+
+impl Named {
+    /// Returns whether prose that names this may speak of a value.
+    pub fn may_mean(&self, value: &Value) -> bool {
+        match (&self.value, value) {
+            (Value::Direction { deg: named }, Value::Direction { deg }) => {
+                let apart = (named - deg).rem_euclid(360.0);
+                let most = if self.is_worded {
+                    WORDED_DEG
+                } else {
+                    ROUNDED_DEG
+                };
+                apart.min(360.0 - apart) <= most
+            }
+            (named, value) => named == value,
+        }
+    }
+}
+
+/// How far a direction in words may be from the angle that it describes, degrees.
+const WORDED_DEG: f64 = 67.5;
+
+/// How far an angle may be from the choice to which it is rounded, degrees.
+const ROUNDED_DEG: f64 = 22.5;
 
 /// What is needed to read an answer.
 pub(super) struct Reader<'a> {
@@ -103,6 +139,7 @@ impl Reader<'_> {
         let found = (0..mentions.len()).filter_map(|index| sentences.claim(index));
         found
             .chain(sentences.motions())
+            .chain(sentences.judgements())
             .chain(sentences.carries())
             .map(|claim| Claim {
                 span: span.clone().unwrap_or(claim.span),
@@ -123,7 +160,7 @@ impl Reader<'_> {
         let context = self.context(field, text, hint, clarity);
         match value::read(&mut Cursor::new(&tokens), &context) {
             Found::Value(value, note) => Claimed::Value(value, note),
-            Found::Bad(why) => Claimed::Bad(why),
+            Found::Bad(why) | Found::Prose(why) => Claimed::Bad(why),
             Found::Nothing | Found::Rejected => Claimed::Nothing,
         }
     }
@@ -287,7 +324,17 @@ impl<'a> Sentences<'a> {
             Found::Value(value, _) if hedged => Claimed::Hedge(value),
             Found::Value(value, note) => Claimed::Value(value, note),
             Found::Bad(why) if is_firm => Claimed::Bad(why),
-            Found::Bad(_) | Found::Rejected | Found::Nothing => Claimed::Nothing,
+            Found::Prose(why) if is_firm => match value::named(cursor, &context) {
+                Some(named) => Claimed::Prose(
+                    why,
+                    named
+                        .into_iter()
+                        .map(|(value, is_worded)| Named { value, is_worded })
+                        .collect(),
+                ),
+                None => Claimed::Bad(why),
+            },
+            Found::Bad(_) | Found::Prose(_) | Found::Rejected | Found::Nothing => Claimed::Nothing,
         };
         if matches!(claimed, Claimed::Nothing) {
             return if clarity == Clarity::Assigned {
@@ -297,6 +344,12 @@ impl<'a> Sentences<'a> {
             };
         }
         if mention.form == Form::VerbTo && !self.is_moved_to(named, cursor.at) {
+            return None;
+        }
+        let leads = |token: &Token<'_>| token.is_any(&["to", "onto", "toward", "towards", "until"]);
+        if matches!(mention.form, Form::VerbAt | Form::PassiveAt)
+            && self.tokens[named..cursor.at].iter().any(leads)
+        {
             return None;
         }
         if self.asks(cursor.at, clarity) {
@@ -723,7 +776,7 @@ impl<'a> Sentences<'a> {
                         || self
                             .mentions
                             .binary_search_by_key(index, |it| it.at)
-                            .is_ok())
+                            .is_ok_and(|found| !self.is_direction(self.mentions[found])))
                     || value::ends_sentence(self.tokens, *index)
             });
             let inside = &self.tokens[..end.unwrap_or(self.tokens.len().min(at + MAX_MOTION))];
@@ -762,6 +815,72 @@ impl<'a> Sentences<'a> {
                 span,
                 claimed: Claimed::Value(value, note),
             });
+        }
+        claims
+    }
+
+    fn is_direction(&self, mention: Mention) -> bool {
+        matches!(self.field(mention).choices, Choices::Directions { .. })
+    }
+
+    /// Returns the values that are called unfit: `so 0.75 edge is too far`.
+    fn judgements(&self) -> Vec<Claim> {
+        let is_unfit = |at: usize| {
+            let mut cursor = Cursor {
+                tokens: self.tokens,
+                at,
+            };
+            if cursor.eat_any(&["exceeds", "overshoots", "violates"]) {
+                return true;
+            }
+            let is_verb = cursor.eat_any(&["is", "was", "would", "seems", "looks"]);
+            cursor.skip(
+                &[
+                    "be",
+                    "therefore",
+                    "clearly",
+                    "simply",
+                    "probably",
+                    "still",
+                    "a",
+                    "bit",
+                ],
+                &[','],
+            );
+            is_verb
+                && (cursor.eat_any(&[
+                    "too",
+                    "wrong",
+                    "invalid",
+                    "incorrect",
+                    "impossible",
+                    "excessive",
+                ]) || cursor.eat_word("not")
+                    && cursor.eat_any(&[
+                        "valid", "allowed", "possible", "correct", "right", "suitable", "offered",
+                    ]))
+        };
+        let mut claims = Vec::new();
+        for end in (1..self.tokens.len()).filter(|at| is_unfit(*at)) {
+            let tokens = &self.tokens[..end];
+            for field in 0..self.reader.fields.len() {
+                let context = self.reader.context(field, self.text, None, Clarity::Spoken);
+                let found = (end.saturating_sub(12)..end).find_map(|begin| {
+                    let mut cursor = Cursor { tokens, at: begin };
+                    let (value, _) = value::bare(&mut cursor, &context)?;
+                    (cursor.at == end).then_some((begin, value))
+                });
+                let Some((begin, value)) = found else {
+                    continue;
+                };
+                if !self.is_denied(begin, Clarity::Spoken, false) {
+                    claims.push(Claim {
+                        field,
+                        span: tokens[begin].at..tokens[end - 1].end(),
+                        claimed: Claimed::Unfit(value),
+                    });
+                }
+            }
         }
         claims
     }
@@ -811,7 +930,7 @@ impl<'a> Sentences<'a> {
     fn before(&self, index: usize) -> Option<Claim> {
         let mention = self.mentions[index];
         // `(33, 190) is to be picked up`
-        let is_picked = mention.form == Form::Passive
+        let is_picked = matches!(mention.form, Form::Passive | Form::PassiveAt)
             && !self.tokens[mention.end..]
                 .iter()
                 .take(2)

@@ -27,8 +27,8 @@ const PLACEHOLDERS: [&str; 12] = [
 
 /// Words in front of a text inside a line that make it no statement.
 const DENYING: &[&str] = words!(
-    "your following these those given sample example e.g. format template not instead previous earlier rejected refused
-    wrong old draft asked"
+    "your following these those given sample example e.g. format template not instead previous previously earlier wrote
+    rejected refused wrong old draft asked"
 );
 
 /// The most bytes of a text; one character has at most four.
@@ -414,6 +414,14 @@ fn takes_back(rest: &str) -> bool {
         ]
         .iter()
         .any(|words| sentence.starts_with(words))
+            || [
+                "should say",
+                "should read",
+                "should have said",
+                "should have been",
+            ]
+            .iter()
+            .any(|words| sentence.contains(words))
     })
 }
 
@@ -553,6 +561,11 @@ fn eat_words(text: &str, words: &str) -> Option<(usize, bool)> {
     }
     let sign = rest.trim_start_matches(|found: char| decorates(found) || found == ' ');
     let after_sign = sign.trim_start_matches([':', '=', '：', '>', '|', '→']);
+    // `Instructions - Fold it.`
+    let after_sign = [" - ", " – ", " — "]
+        .iter()
+        .find_map(|dash| rest.trim_start_matches(decorates).strip_prefix(dash))
+        .unwrap_or(after_sign);
     let is_there = after_sign.len() < sign.len();
     let is_heading = sign.is_empty() && !rest.starts_with(char::is_alphanumeric);
     if !is_there && !is_heading {
@@ -571,7 +584,15 @@ fn is_placeholder(text: &str) -> bool {
     // `Instructions: ...`, so here it is
     let dots = bare.trim_start_matches(['.', '…']);
     let is_open = dots.len() < bare.len() && dots.starts_with([',', ';', ':']);
+    let describes = [
+        "one sentence ",
+        "a sentence ",
+        "one line ",
+        "a single sentence ",
+        "your ",
+    ];
     is_open
+        || describes.iter().any(|words| bare.starts_with(words))
         || PLACEHOLDERS.contains(&&*bare)
         || PLACEHOLDERS.contains(&text.trim())
         || inside('<', '>')

@@ -7,14 +7,14 @@ use super::choice::{Expected, Resolved, resolve};
 use super::cursor::Cursor;
 use super::lexer::{self, Gap, Kind, Token};
 use super::point::{self, Brackets, PointFound};
-use super::quantity::{self, Parsed};
+use super::quantity::{self, AnswerUnit, Parsed, Quantity};
 use super::reading::quoted;
 use super::wordlist::words;
 use super::words::{self, Offered};
 use crate::data::actions::{Choices, Value};
 use crate::pointing::Notation;
 use crate::space;
-use crate::units::UNITS;
+use crate::units::{Dimension, UNITS};
 
 /// What was found where a value is expected.
 pub(super) enum Found {
@@ -22,6 +22,8 @@ pub(super) enum Found {
     Value(Value, Option<String>),
     /// Something that is not a value, and why not.
     Bad(String),
+    /// Words that do not begin with a value, and why they are none.
+    Prose(String),
     /// The value is called wrong.
     Rejected,
     /// Something else.
@@ -91,6 +93,10 @@ const EXPLAINING: &[&str] = words!(
     on at the is to being chosen near with see my here a an when considering using"
 );
 
+/// Words that tell what an assigned value does: `0.25 edge keeps it near`.
+const TELLING: &[&str] =
+    words!("keeps brings avoids stays suffices gives leads lands unfolds opens moves fits works");
+
 /// Words that change or doubt what stands before them, wherever they stand in its clause.
 const ALTERING: &[&str] = words!(
     "mean meant twice times repeated repeat each per impossible unclear wait instead rather correction sorry
@@ -141,7 +147,7 @@ pub(super) fn read<'t>(cursor: &mut Cursor<'_, 't>, context: &Context<'_>) -> Fo
         other => {
             let start = *cursor;
             let found = match other {
-                Found::Bad(_) => result(cursor, context, start),
+                Found::Bad(_) | Found::Prose(_) => result(cursor, context, start),
                 _ => None,
             };
             return found.unwrap_or_else(|| demoted(other, context));
@@ -183,12 +189,13 @@ fn result(
         at: start.at + 1,
         ..start
     });
-    let last = (start.at + 1..clause.len()).rfind(|at| clause[*at].is_sign('='))?;
+    let last = (start.at + 1..clause.len())
+        .rfind(|at| matches!(clause[*at].kind, Kind::Sign('=' | '≈')))?;
     let is_point = context.expected.field.is_point();
     let is_calculation = clause[start.at..last].iter().all(|token| match token.kind {
         Kind::Number => true,
         Kind::Sign(',') => is_point,
-        Kind::Sign(sign) => "+-*/()°%=".contains(sign),
+        Kind::Sign(sign) => "+-*/()°%=≈".contains(sign),
         Kind::Word => UNITS
             .iter()
             .any(|unit| unit.words().any(|word| token.is(word))),
@@ -225,7 +232,7 @@ fn result(
 /// In running text, what cannot be read states nothing.
 fn demoted(found: Found, context: &Context<'_>) -> Found {
     match found {
-        Found::Bad(_) if context.clarity == Clarity::Spoken => Found::Nothing,
+        Found::Bad(_) | Found::Prose(_) if context.clarity == Clarity::Spoken => Found::Nothing,
         found => found,
     }
 }
@@ -296,7 +303,7 @@ fn at_point(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
                 .iter()
                 .any(|token| token.kind == Kind::Number);
             if has_number && is_assigned {
-                Found::Bad(format!("`{}` is not understood", line(start, context)))
+                Found::Prose(format!("`{}` is not understood", line(start, context)))
             } else {
                 Found::Nothing
             }
@@ -328,7 +335,12 @@ fn skip_description(cursor: &mut Cursor<'_, '_>, clarity: Clarity) -> bool {
             && ![RELATING, ALTERING, &REJECTING, REFRAMING]
                 .iter()
                 .any(|words| token.is_any(words));
-        if is_paragraph || !(is_joint || is_other || token.is_any(DESCRIBING)) {
+        // `corner 4, (41, 182)`
+        let numbers_corner = token.kind == Kind::Number
+            && cursor.at > start
+            && cursor.tokens[cursor.at - 1].is_any(&["corner", "keypoint", "vertex"])
+            && token.text.len() <= 2;
+        if is_paragraph || !(is_joint || is_other || numbers_corner || token.is_any(DESCRIBING)) {
             break;
         }
         let is_article = token.is_any(&["the", "a", "point", "pixel"]);
@@ -443,9 +455,40 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
     };
     let has_number = rest.iter().any(|token| token.kind == Kind::Number);
     if is_assigned && (states_words || has_number) {
-        return Found::Bad(format!("`{}` is none of its choices", line(start, context)));
+        return Found::Prose(format!("`{}` is none of its choices", line(start, context)));
     }
     Found::Nothing
+}
+
+/// Returns the values that prose names, and whether each is a direction in words; nothing if it may change them.
+pub(super) fn named(cursor: Cursor<'_, '_>, context: &Context<'_>) -> Option<Vec<(Value, bool)>> {
+    const CHANGING: &[&str] =
+        words!("opposite or between either not should however but actually reversed other");
+    let clause = clause_of(&cursor);
+    let is_plain = !matches!(context.expected.field.choices, Choices::Words { .. })
+        && !clause[cursor.at.min(clause.len())..]
+            .iter()
+            .any(|token| token.is_any(ALTERING) || token.is_any(CHANGING));
+    let spoken = Context {
+        clarity: Clarity::Spoken,
+        ..*context
+    };
+    let mut found = Vec::new();
+    let mut ahead = Cursor {
+        tokens: clause,
+        at: cursor.at,
+    };
+    while is_plain && let Some(token) = ahead.peek() {
+        match bare(&mut ahead, &spoken) {
+            Some((value, _)) => {
+                if !ahead.peek().is_some_and(|next| next.is_any(CONDITIONAL)) {
+                    found.push((value, token.kind == Kind::Word));
+                }
+            }
+            None => ahead.at += 1,
+        }
+    }
+    is_plain.then_some(found)
 }
 
 /// Returns whether one word stands before a value in brackets and does not change it: `vertical (90 deg)`.
@@ -454,6 +497,7 @@ fn remark_begins(cursor: &Cursor<'_, '_>) -> bool {
     cursor.peek().is_some_and(|word| {
         word.kind == Kind::Word && !changes.iter().any(|words| word.is_any(words))
     }) && cursor.ahead(1).is_some_and(|next| next.is_sign('('))
+        && cursor.ahead(3).is_none_or(|next| !next.is_sign(','))
 }
 
 /// Returns whether a word is a part of the field's name.
@@ -529,6 +573,9 @@ fn single(cursor: &mut Cursor<'_, '_>, expected: &Expected<'_>, context: &Contex
     }
     let text = |cursor: &Cursor<'_, '_>| quoted(cursor.text_in(start.at, context.whole));
     match quantity::read(cursor) {
+        Parsed::Quantity(_) if is_choice_of_two(&cursor.tokens[start.at..cursor.at], expected) => {
+            Found::Bad(format!("`{}` is two of its choices", text(cursor)))
+        }
         Parsed::Quantity(quantity) => {
             let is_bare = !quantity.times_pi && quantity.unit.is_none() && expected.hint.is_none();
             if is_bare && context.clarity == Clarity::Spoken {
@@ -551,6 +598,24 @@ fn single(cursor: &mut Cursor<'_, '_>, expected: &Expected<'_>, context: &Contex
             None => Found::Nothing,
         },
     }
+}
+
+/// Returns whether a slash stands between two numbers that are offered: `0.25/0.5 edge`.
+fn is_choice_of_two(tokens: &[Token<'_>], expected: &Expected<'_>) -> bool {
+    let number =
+        |token: &Token<'_>| (token.kind == Kind::Number).then(|| token.text.parse().ok())?;
+    let offered = |number: f64| match &expected.field.choices {
+        Choices::Directions { choices } => choices.iter().any(|choice| choice.deg == number),
+        Choices::Lengths { choices, .. } => choices.iter().any(|choice| choice.value == number),
+        _ => false,
+    };
+    let mut numbers = tokens.iter().filter_map(number);
+    let divides = tokens.iter().any(|token| token.is_sign('/'));
+    divides
+        && match (numbers.next(), numbers.next()) {
+            (Some(one), Some(other)) => one != other && offered(one) && offered(other),
+            _ => false,
+        }
 }
 
 /// Reads a direction in words.
@@ -600,6 +665,11 @@ fn tail(
                 cursor.at += 1;
                 return explanation(cursor, context, value, true);
             }
+            // `(111, 111) ← the center`
+            Kind::Sign('←') if cursor.ahead(1).is_some_and(|next| next.kind == Kind::Word) => {
+                cursor.at += 1;
+                return explanation(cursor, context, value, true);
+            }
             Kind::Sign('=' | '≈' | '/' | '|' | '→') => {
                 cursor.at += 1;
                 restated(&mut cursor, context, value)?
@@ -639,6 +709,10 @@ fn tail(
                 if excluded(&mut cursor, context, value) {
                     continue;
                 }
+                if of_other_kind(&mut cursor, context) {
+                    is_apart = true;
+                    continue;
+                }
                 let is_or = !says_same && cursor.eat_word("or");
                 cursor.eat_sign(',');
                 if (says_same || is_or || is_apart) && restated(&mut cursor, context, value)? {
@@ -658,6 +732,29 @@ fn tail(
         }
         is_apart = false;
     }
+}
+
+/// Skips a quantity of another field: `by 0.5 edge` after a direction, `at 45 deg` after a length.
+fn of_other_kind(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    let mut ahead = *cursor;
+    let leads = ahead.eat_any(&["by", "for", "over", "and", "at"]);
+    let Parsed::Quantity(Quantity {
+        unit: Some(AnswerUnit::Of(unit)),
+        ..
+    }) = quantity::read(&mut ahead)
+    else {
+        return false;
+    };
+    let is_angle = unit.dimension == Dimension::Angle;
+    let is_other = match context.expected.field.choices {
+        Choices::Directions { .. } => !is_angle,
+        Choices::Lengths { .. } => is_angle,
+        _ => false,
+    };
+    if leads && is_other {
+        *cursor = ahead;
+    }
+    leads && is_other
 }
 
 /// Skips another word to the end of its remark, if it says what that would do: `a firm grip could tear it`.
@@ -921,6 +1018,9 @@ fn restated(
         cursor.skip(ABOUT, &['≈', '=']);
         is_rounded |= cursor.at > before;
         cursor.eat_word("the");
+        if in_pixels(cursor, context) {
+            return Ok(true);
+        }
         single(cursor, &context.expected, &assigned)
     };
     match found {
@@ -938,7 +1038,7 @@ fn restated(
                 .notation
                 .stated_value(context.expected.field, &other)
         )),
-        Found::Bad(why) => Err(why),
+        Found::Bad(why) | Found::Prose(why) => Err(why),
         Found::Nothing | Found::Rejected => {
             *cursor = start;
             if quantity::begins(*cursor) {
@@ -947,6 +1047,18 @@ fn restated(
             Ok(false)
         }
     }
+}
+
+/// Skips `111 px` where a length is expected: what the value is in the picture.
+fn in_pixels(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    let mut ahead = *cursor;
+    let is_there = matches!(context.expected.field.choices, Choices::Lengths { .. })
+        && ahead.eat_number().is_some()
+        && ahead.eat_any(&["px", "pixels", "pixel"]);
+    if is_there {
+        *cursor = ahead;
+    }
+    is_there
 }
 
 /// Returns whether a remark describes an angle from another side, `45 deg to the left of straight up`.
@@ -1061,8 +1173,13 @@ fn states_other(cursor: Cursor<'_, '_>, context: &Context<'_>, value: &Value) ->
         ..*context
     };
     let mut ahead = cursor;
+    // `since 0 deg and 45 deg lead past it`
+    let is_reason = cursor
+        .peek()
+        .is_some_and(|first| first.is_any(&["because", "since"]));
     while let Some(token) = ahead.peek() {
-        let goes_on = token.is_any(&["and", "then", "or", "to", "through", "until"]);
+        let goes_on = token.is_any(&["then", "or", "to", "through", "until"])
+            || token.is("and") && !is_reason;
         let adds = goes_on || matches!(token.kind, Kind::Sign(',' | ';'));
         ahead.at += 1;
         let mut other = ahead;
@@ -1134,6 +1251,7 @@ fn explanation(
         return failed();
     }
     let starts = first.is_any(EXPLAINING)
+        || (context.clarity == Clarity::Assigned && first.is_any(TELLING))
         || (is_point && first.is_any(DESCRIBING) && !first.is_any(&["left", "right", "up"]));
     if is_apart {
         return Ok(());
