@@ -61,8 +61,9 @@ pub(super) fn recognise(
     }
     Some(match found {
         ":" if expects("`=`") && rest.starts_with(":=") => written(":=", "="),
-        ":" if expects("a value") && rest.starts_with(":=") => {
-            fault(sign(":="), "expected a value, found `:=`".to_owned())
+        ":" if rest.starts_with(":=") && !expected.is_empty() => {
+            let message = format!("expected {}, found `:=`", listed(expected));
+            fault(sign(":="), message)
                 .help("remove the `:=`")
                 .likely(sign(":="), "")
         }

@@ -104,11 +104,11 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
     let is_blank = found.is_some_and(|found| found.chars().all(has_no_width));
     let found_words = match found {
         None => "the end of the line".to_owned(),
-        Some(found) if is_blank => format!("the invisible character `{}`", found.escape_unicode()),
+        Some(found) if is_blank => format!("an invisible character, `{}`", found.escape_unicode()),
         Some(found) => format!("`{found}`"),
     };
     let message = match expected {
-        [] => format!("unexpected {found_words}"),
+        [] => format!("unexpected {}", found_words.trim_start_matches("an ")),
         _ => format!("expected {}, found {found_words}", listed(expected)),
     };
     let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
