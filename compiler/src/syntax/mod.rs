@@ -95,8 +95,15 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
         }
         Problem::BadEscape => Diagnostic::new(Code::BadEscape, span, "this `\\` escapes nothing")
             .help("write `\\\\` for a backslash and `\\\"` for a quote; folders are separated by `/`"),
-        Problem::LoneBraces => Diagnostic::new(Code::LoneBraces, span, "expected a name and `}}` after `{{`")
-            .help("write `{{ name }}` for a value, `{{ \"{{\" }}` for two literal braces"),
+        Problem::LoneBraces => {
+            let line = text[span.end..].lines().next().unwrap_or_default();
+            let message = match line.split_once("}}") {
+                Some((between, _)) if !between.contains("{{") => format!("expected a name between `{{{{` and `}}}}`, found `{}`", between.trim()),
+                _ => "expected a name and `}}` after `{{`".to_owned(),
+            };
+            Diagnostic::new(Code::LoneBraces, span, message)
+                .help("write `{{ name }}` for a value, `{{ \"{{\" }}` for two literal braces")
+        }
     }
 }
 
@@ -135,6 +142,9 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
         }
         None if expected.is_empty() && follows_value(found, span, text) => diagnostic
             .help("a sign such as `<` or a word such as `and` is missing before it, or it is one too many"),
+        None if expected.is_empty() && begins_statement(span, text) => {
+            diagnostic.help("remove it: a statement begins with a word")
+        }
         None => diagnostic,
     }
 }
@@ -145,6 +155,12 @@ fn has_no_width(character: char) -> bool {
         character,
         '\u{ad}' | '\u{200b}'..='\u{200d}' | '\u{2060}' | '\u{feff}'
     )
+}
+
+/// Returns whether a token stands at the beginning of a line, or behind a brace.
+fn begins_statement(span: Span, text: &str) -> bool {
+    let before = text[..span.start].trim_end_matches([' ', '\t']);
+    before.is_empty() || before.ends_with(['\n', '{', '}'])
 }
 
 /// Returns whether a word or a number stands directly after another one on its line.
@@ -165,8 +181,12 @@ fn unknown_word(span: Span, word: &str, candidates: &[&str], block: Option<&str>
     if let Some(help) = additions::help_for_word(word, block) {
         return diagnostic.help(help);
     }
-    match nearest(word, candidates.iter().copied()) {
-        Some(meant) => diagnostic.meant(span, meant),
+    if let Some(meant) = nearest(word, candidates.iter().copied()) {
+        return diagnostic.meant(span, meant);
+    }
+    let mut blocks = fab_grammar::blocks().iter();
+    match blocks.find(|block| block.words().contains(&word)) {
+        Some(block) => diagnostic.help(format!("it belongs in `{}`", block.name())),
         None => diagnostic.help(format!(
             "a line here begins with {}",
             among(candidates.iter().copied())
