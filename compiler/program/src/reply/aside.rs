@@ -344,7 +344,7 @@ fn last_sentence(line: &str) -> &str {
         let (before, after) = (&line[..*at], &line[at + 1..]);
         // `e.g. this`
         let letters = before.len() - before.trim_end_matches(char::is_alphabetic).len();
-        letters > 1 && after.starts_with(' ')
+        (letters > 1 || before.ends_with(')')) && after.starts_with(' ')
     });
     ends.next_back().map_or(line, |(at, _)| &line[at + 1..])
 }

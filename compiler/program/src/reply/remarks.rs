@@ -101,6 +101,8 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|from the goal image|from the depth|in the depth image|half the resolution|half resolution"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["image|picture", "be mirrored|upside down|turned it|rotated it|rotated by|is mirrored"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["image|picture|photo", "rotated|turned|flipped|mirrored|resized|scaled|shrunk|downscaled|downsampled", "before reading|to read|when reading|before i read|then read|for reading"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["relative to|refer to|based on|measured in|measured on|read from|read in|are in the", "version of|copy of|thumbnail|resized|downscaled|downsampled"], NOT),
     anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "angle|angles|direction|directions|measured|measure|counted|count"], "counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
     anywhere(Directions, OTHER_ANGLE, &["0 deg|0 degrees|0 °|zero degrees", "is up|points up|pointing up|means up|pointing upwards|is straight up|means straight up|pointing straight up|is north|at the top|straight down"], "not|right"),
     anywhere(Directions, OTHER_ANGLE, &["90 deg|90 degrees|90 °", "points to the bottom|points down|pointing down|is down|means down"], "not|270"),
@@ -109,6 +111,7 @@ const ROWS: &[Row] = &[
     anywhere(Lengths, "the answer counts lengths in another unit", &["in inches|in centimetres|in centimeters|in metres|in meters", "length|lengths|distance|distances"], NOT),
     anywhere(Lengths, "the answer means another side of the cloth", &["shorter side|shorter edge|short side", "edge|distance"], "not the shorter|not of the shorter|and not"),
     anywhere(Action, SAMPLE, &["illustrative|dummy|hypothetical|fictitious|made - up|made up|invented|random|default", "value|values|number|numbers|coordinates|points|answer|purely|example|below|above|/ /"], NOT),
+    anywhere(Action, SAMPLE, &["no idea|wild guess|blind guess|blindly|just guessing|something at random|points at random|values at random"], "not|without"),
     anywhere(Action, SAMPLE, &["sample values|example values|placeholder values|are placeholders|placeholder coordinates|sample coordinates|example coordinates|only an example|just an example|merely an example|only a template|just a template|only a sample|only an illustration"], NOT),
     anywhere(Action, SAMPLE, &["would look like|would respond|you would write|format would be|would be formatted|would have the form|structure you need|replace the numbers|replace the values|replace these|replace them|replace those|fill in the actual|fill in your|once i know|one usually sees|the demonstration reads|the paper reads"], ""),
     anywhere(Action, "the answer says what would be right in another picture", &["if|assuming", "were at|were in|could see|had the image|were visible|was centered|was centred", "would|could"], ""),
@@ -116,11 +119,14 @@ const ROWS: &[Row] = &[
     anywhere(Action, UNSEEN, &["no image|no picture|no photo|without the image|without an image|not given the image|without seeing the image|without seeing the cloth|image failed|image was not|no cloth in|cloth not detected|didn't come through|did not come through", "attached|came|come|provided|received|through|cannot|can't|given|was|available|determine|load|opinion|image|returning"], ""),
     anywhere(Action, WITHDRAWN, &["status : error|valid : false|success : false|error : true|no further action"], ""),
     anywhere(Action, "the answer calls itself a draft", &["not my final|not the final|not final|isn't final"], ""),
-    after("the answer calls itself wrong", &["answer is incorrect|answer is wrong|would be wrong|is not correct|isn't correct|is invalid|not valid|isn't valid|is not allowed|cannot be carried out|cannot be executed|are wrong|are incorrect|is mistaken|was a mistake|mixed up|mixed left|wrong corner"], "if|otherwise|previous|earlier|first|else|instead|not to|make sure|avoid"),
+    after("the answer calls itself wrong", &["answer is incorrect|answer is wrong|would be wrong|is not correct|isn't correct|is invalid|not valid|isn't valid|is not allowed|cannot be carried out|cannot be executed|are wrong|are incorrect|is mistaken|was a mistake|mixed up|mixed left|wrong corner|i confused|got confused|wrong way round|wrong way around|them backwards|it backwards|are backwards"], "if|otherwise|previous|earlier|first|else|instead|not to|make sure|avoid"),
     after(WITHDRAWN, &["do not execute|don't execute|not be executed|none of these should|none of this should|do not perform|don't perform|do not carry out|don't carry out|do not run|don't use this|do not use this|shouldn't be used|should not be used|disagree with it|disagree with this"], ""),
+    after(WITHDRAWN, &["undo this|undo that|undo it|undo these|start again|start over|start anew"], NOT),
     after(WITHDRAWN, &["disregard|ignore|forget|withdraw|retract", "those|these|above|two|both|points|lines|answer|that|it"], NOT),
     after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
     after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|mirrored|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|it"], "not|no|will|would|to avoid"),
+    after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
+    after(CHANGED, &["^ sorry|^ oops|^ hold on|^ wait|^ apologies|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|earlier|previous|last time|first answer|inconvenience"),
     after(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
     after(CHANGED, &["should say|should read|should have been|should be the one|ought to be|should rather be|should instead be"], NOT),
     after(CHANGED, &["hmm|on reflection|on second thought|come to think of it|i'd rather|i would rather|better to grab|better to use|better choose|make that|one step lower|one step higher|one level|opposite way|than i wrote|so i take|let's halve|let's double|actually , shift|actually , the"], "no need|also|unchanged|stays"),
@@ -218,7 +224,8 @@ fn has_condition(tokens: &[Token<'_>], last_claim: Option<usize>) -> bool {
 
 /// Writes a sentence in lower case, with blanks around each word and sign.
 fn spoken(sentence: &[Token<'_>]) -> String {
-    let mut words = String::from(" ");
+    // `^` stands for the beginning.
+    let mut words = String::from(" ^ ");
     for token in sentence {
         match token.kind {
             Kind::Sign(sign) => words.push(sign),

@@ -101,7 +101,7 @@ const TELLING: &[&str] =
 const ALTERING: &[&str] = words!(
     "mean meant twice times repeated repeat each per impossible unclear wait instead rather correction sorry
     alternatively maybe perhaps possibly unless shifted offset plus minus scaled multiplied unsure guess either
-    otherwise clockwise cw nope oops"
+    otherwise else clockwise cw nope oops"
 );
 
 /// Words that change what stands before them if they follow at once.
