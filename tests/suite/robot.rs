@@ -14,7 +14,7 @@ model = \"j2n6s200\"
 driver = \"simulated\"
 calibration = \"lab.toml\"
 table = { center_m = [0.45, 0.0, 0.02] }
-workspace = { min_m = [0.3, -0.3, 0.0], max_m = [0.75, 0.3, 0.5], rest_m = [0.35, -0.25, 0.3] }
+workspace = { min_m = [0.3, -0.3, 0.01], max_m = [0.75, 0.3, 0.5], rest_m = [0.35, -0.25, 0.3] }
 fingers = { count = 2, open = 0.0, closed = 6400.0, tolerance = 200.0 }
 camera = { source = \"simulated\", window_px = [0, 0, 480] }
 ";
