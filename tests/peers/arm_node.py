@@ -9,7 +9,6 @@ which messages are lost on their way.
 """
 
 import json
-import math
 import struct
 import subprocess
 import sys
@@ -21,7 +20,7 @@ import actionlib
 import rospy
 from control_msgs.msg import FollowJointTrajectoryAction
 from geometry_msgs.msg import PoseStamped
-from kinova_msgs.msg import ArmJointAnglesAction, ArmPoseAction, FingerPosition, SetFingersPositionAction
+from kinova_msgs.msg import ArmPoseAction, FingerPosition, SetFingersPositionAction
 from kinova_msgs.srv import Start, StartResponse, Stop, StopResponse
 from sensor_msgs.msg import CameraInfo, Image, JointState
 
@@ -94,11 +93,6 @@ def tool_pose(goal):
     if goal.pose.header.frame_id != sys.argv[2] + "_link_base":
         return {"ask": "state", "goal": "in another frame"}
     return {"ask": "tool_pose", "position": [at.x, at.y, at.z], "turn": [turn.x, turn.y, turn.z, turn.w]}
-
-
-def joint_angles(goal):
-    degrees = [getattr(goal.angles, f"joint{joint}") for joint in range(1, 7)]
-    return {"ask": "joint_angles", "radians": [math.radians(angle) for angle in degrees]}
 
 
 def fingers(n_fingers):
@@ -194,7 +188,6 @@ def main():
     engine = Engine(command)
     joints = [f"{model}_joint_{joint}" for joint in range(1, int(model[3]) + 1)]
     Server(engine, "~pose_action/tool_pose", ArmPoseAction, tool_pose)
-    Server(engine, "~joints_action/joint_angles", ArmJointAnglesAction, joint_angles)
     Server(engine, "~fingers_action/finger_positions", SetFingersPositionAction, fingers(int(model[5])))
     Server(engine, trajectory_server, FollowJointTrajectoryAction, trajectory(joints))
     answer_start = lambda _: (engine.ask("start"), StartResponse("Arm started"))[1]

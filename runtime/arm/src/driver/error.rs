@@ -60,6 +60,15 @@ pub enum ArmError {
         /// How far the tool is from the target.
         deviation: Deviation,
     },
+    /// The tool came to rest away from its target, and the arm takes goals. The caller may send the motion again from
+    /// where the tool is now, after the same checks as before.
+    #[error("the arm reported `{reported}`, but its tool is {deviation} from its target")]
+    Short {
+        /// The outcome that the arm's node reported.
+        reported: String,
+        /// How far the tool is from the target.
+        deviation: Deviation,
+    },
     /// The arm stalled during a motion.
     #[error("the arm stalled {deviation} before its goal: something may be in its way")]
     Stalled {

@@ -4,10 +4,10 @@
 //! stopped is not. The server may report both alike, so finger positions decide. The caller checks whether the arm is
 //! stopped.
 
-use super::goal::{Outcome, execute};
+use super::goal::{Goal, Outcome, execute};
 use super::state::{POLL_S, watched_state};
 use super::{ArmError, HandContents, Opening, Watch};
-use crate::port::{Ending, Goal, Port};
+use crate::port::{Ending, Port};
 use crate::settings::{FingerSettings, Tolerance};
 
 /// Time limit of a finger goal, seconds.

@@ -9,11 +9,11 @@
 
 use super::command::{CommandMode, duration_s, hold_position};
 use super::fingers::move_fingers;
-use super::goal::{Outcome, execute};
+use super::goal::{Goal, Outcome, execute};
 use super::state::{is_at_rest, state, state_with_joints, wait_until_at_rest};
 use super::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
 use crate::kinematics::chain::Chain;
-use crate::port::{Ending, Goal, GoalId, GoalState, Port};
+use crate::port::{AfterStop, Ending, GoalId, GoalState, Port};
 use crate::settings::{FingerSettings, Tolerance};
 use nalgebra::Isometry3;
 
@@ -132,13 +132,16 @@ impl<P: Port> PortArm<P> {
     /// Re-sends the current pose; a stopped arm aborts it, which reveals the stop.
     fn probe(&mut self, watch: &mut Watch<'_>) -> Result<Outcome, ArmError> {
         let here = state(&mut self.port, &self.tolerance)?;
-        self.execute(&Goal::ToolPose(here.tool), PROBE_S, watch)
+        self.execute(&Goal::Pose(here.tool), PROBE_S, watch)
     }
 
     /// Fails if the arm is stopped.
     fn check_enabled(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
         if self.is_stopped {
             return Err(ArmError::Stopped);
+        }
+        if self.port.after_stop() == AfterStop::Accepts {
+            return Ok(());
         }
         for _ in 0..PROBES {
             match self.probe(watch)? {
@@ -149,7 +152,7 @@ impl<P: Port> PortArm<P> {
                 }
                 Outcome::Ended(Ending::Preempted) => break,
                 // The report of its end may have been lost.
-                Outcome::TimedOut => {}
+                Outcome::Unreported | Outcome::TimedOut => {}
             }
         }
         Err(ArmError::TimedOut { after_s: PROBE_S })
@@ -187,7 +190,7 @@ impl<P: Port> PortArm<P> {
         let Some(id) = self.trajectory.clone() else {
             return Ok(());
         };
-        match self.port.state(&id) {
+        match self.port.goal(&id) {
             GoalState::Ended(Ending::Succeeded | Ending::Preempted | Ending::Rejected) => {
                 self.trajectory = None;
                 return Ok(());
@@ -195,7 +198,7 @@ impl<P: Port> PortArm<P> {
             // The server is done with it, but the controller may not be: only another trajectory replaces it.
             GoalState::Ended(Ending::Aborted) => {
                 let joints = state_with_joints(&mut self.port, &self.tolerance)?.joints_rad;
-                self.trajectory = Some(self.port.send(&hold_position(&joints))?);
+                self.trajectory = Some(hold_position(&joints).send(&mut self.port)?);
             }
             GoalState::Sent | GoalState::Active => self.port.cancel(&id)?,
         }
@@ -204,7 +207,7 @@ impl<P: Port> PortArm<P> {
         while self.port.now_s() - begun_s < CANCEL_S && !matches!(last, GoalState::Ended(_)) {
             self.port.wait(CANCEL_LOOK_S);
             last = match &self.trajectory {
-                Some(id) => self.port.state(id),
+                Some(id) => self.port.goal(id),
                 None => return Ok(()),
             };
         }
@@ -254,44 +257,37 @@ impl<P: Port> Arm for PortArm<P> {
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
         self.check_enabled(watch)?;
-        let mut corrections = 0;
-        loop {
-            let from = self.check_motion_allowed(watch)?;
-            let goal = self.mode.goal(&from, to, speed_m_s)?;
-            let travel_s = Deviation::between(&from.tool, to).position_m / speed_m_s;
-            let limit_s = 2.0 * duration_s(&goal).unwrap_or(travel_s) + self.tolerance.settle_s;
-            let outcome = self.execute(&goal, limit_s, watch)?;
-            let now = wait_until_at_rest(&mut self.port, &self.tolerance, watch)?;
-            let deviation = Deviation::between(&now.tool, to);
-            if self.is_reached(deviation) {
-                return Ok(now);
+        let from = self.check_motion_allowed(watch)?;
+        let goal = self.mode.goal(&from, to, speed_m_s)?;
+        let travel_s = Deviation::between(&from.tool, to).position_m / speed_m_s;
+        let limit_s = 2.0 * duration_s(&goal).unwrap_or(travel_s) + self.tolerance.settle_s;
+        let outcome = self.execute(&goal, limit_s, watch)?;
+        let now = wait_until_at_rest(&mut self.port, &self.tolerance, watch)?;
+        let deviation = Deviation::between(&now.tool, to);
+        if self.is_reached(deviation) {
+            return Ok(now);
+        }
+        let reported = outcome.name().to_owned();
+        match outcome {
+            Outcome::Ended(Ending::Succeeded) | Outcome::Unreported => Err(ArmError::Short {
+                reported,
+                deviation,
+            }),
+            Outcome::Ended(Ending::Preempted) => Err(ArmError::Stalled { deviation }),
+            Outcome::Ended(Ending::Aborted | Ending::Rejected) => {
+                // Refused because the arm is stopped, or for another reason.
+                self.check_enabled(watch)?;
+                Err(ArmError::NotReached {
+                    reported,
+                    deviation,
+                })
             }
-            match outcome {
-                Outcome::Ended(Ending::Preempted) => return Err(ArmError::Stalled { deviation }),
-                Outcome::Ended(Ending::Aborted | Ending::Rejected) => {
-                    // Refused because the arm is stopped, or for another reason.
+            Outcome::TimedOut => {
+                // A stop does not end a trajectory. A pose goal in progress would be preempted by the probe.
+                if let CommandMode::Trajectories(_) = self.mode {
                     self.check_enabled(watch)?;
-                    return Err(ArmError::NotReached {
-                        reported: outcome.name().to_owned(),
-                        deviation,
-                    });
                 }
-                Outcome::TimedOut => {
-                    // A stop does not end a trajectory. A pose goal in progress would be preempted by the probe.
-                    if let CommandMode::Trajectories(_) = self.mode {
-                        self.check_enabled(watch)?;
-                    }
-                    return Err(ArmError::TimedOut { after_s: limit_s });
-                }
-                Outcome::Ended(Ending::Succeeded) if corrections < self.tolerance.corrections => {
-                    corrections += 1;
-                }
-                Outcome::Ended(Ending::Succeeded) => {
-                    return Err(ArmError::NotReached {
-                        reported: outcome.name().to_owned(),
-                        deviation,
-                    });
-                }
+                Err(ArmError::TimedOut { after_s: limit_s })
             }
         }
     }
@@ -338,8 +334,8 @@ impl<P: Port> Arm for PortArm<P> {
             // Acceptance is enough: servers differ in whether a held arm counts as arrived.
             let is_accepted = match (outcome, &self.trajectory) {
                 (Outcome::Ended(ending), _) => ending != Ending::Rejected,
-                (Outcome::TimedOut, Some(id)) => self.port.state(id) == GoalState::Active,
-                (Outcome::TimedOut, None) => false,
+                (_, Some(id)) => self.port.goal(id) == GoalState::Active,
+                (_, None) => false,
             };
             if !is_accepted {
                 return Err(ArmError::TimedOut { after_s: PROBE_S });

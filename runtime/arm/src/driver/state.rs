@@ -11,7 +11,7 @@ use crate::settings::Tolerance;
 pub(super) const POLL_S: f64 = 0.05;
 
 /// A tool that moves less than this between two readings is at rest, metres.
-const REST_M: f64 = 0.000_5;
+pub(super) const REST_M: f64 = 0.000_5;
 
 /// Time between those two readings, seconds: more than the 0.1 s between two messages of kinova-ros.
 const REST_S: f64 = 0.25;
@@ -31,7 +31,7 @@ fn fresh<T>(
 /// Returns the arm's state. Fails on a stale tool or finger reading; stale joint angles are left empty.
 pub(super) fn state<P: Port>(port: &mut P, tolerance: &Tolerance) -> Result<ArmState, ArmError> {
     let now_s = port.now_s();
-    let readings = port.readings();
+    let readings = port.state();
     let tool = fresh(readings.tool, "tool is", now_s, tolerance.stale_s)?;
     let fingers = fresh(readings.fingers, "fingers are", now_s, tolerance.stale_s)?;
     let joints = fresh(readings.joints_rad, "joints are", now_s, tolerance.stale_s);
@@ -65,7 +65,7 @@ pub(super) fn state_with_joints<P: Port>(
     port: &mut P,
     tolerance: &Tolerance,
 ) -> Result<ArmState, ArmError> {
-    let joints = port.readings().joints_rad;
+    let joints = port.state().joints_rad;
     let now_s = port.now_s();
     fresh(joints, "joints are", now_s, tolerance.stale_s)?;
     state(port, tolerance)

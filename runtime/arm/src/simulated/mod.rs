@@ -16,9 +16,10 @@ pub use body::SimulatedTable;
 pub use faults::{Fault, FaultKind};
 pub use shared::SharedArm;
 
+use super::driver::Goal;
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::{Reach, Turn};
-use super::port::{Goal, GoalId, GoalState, Port, PortError, Reading, Readings};
+use super::port::{AfterStop, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint};
 use super::settings::{FingerSettings, Settings};
 use body::Body;
 use faults::Faults;
@@ -211,6 +212,10 @@ impl SimulatedArm {
         };
     }
 
+    fn send(&mut self, goal: Goal) -> GoalId {
+        self.node.send(goal, self.clock_s, &mut self.faults)
+    }
+
     fn stop_body(&mut self) {
         self.node.stop(&mut self.body);
         // A second stop must not reset the distance since the first.
@@ -230,11 +235,19 @@ impl Port for SimulatedArm {
         }
     }
 
-    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
-        Ok(self.node.send(goal, self.clock_s, &mut self.faults))
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        Ok(self.send(Goal::Trajectory(points.to_vec())))
     }
 
-    fn state(&mut self, goal: &GoalId) -> GoalState {
+    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        Ok(self.send(Goal::Pose(*tool)))
+    }
+
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        Ok(self.send(Goal::Fingers(positions.to_vec())))
+    }
+
+    fn goal(&mut self, goal: &GoalId) -> GoalState {
         self.node.goal_state(goal, self.clock_s)
     }
 
@@ -257,13 +270,17 @@ impl Port for SimulatedArm {
         Ok(())
     }
 
+    fn after_stop(&self) -> AfterStop {
+        AfterStop::Refuses
+    }
+
     fn start(&mut self) -> Result<(), PortError> {
         self.node.start(&mut self.body);
         self.since_stop = None;
         Ok(())
     }
 
-    fn readings(&mut self) -> Readings {
+    fn state(&mut self) -> Readings {
         self.readings.clone()
     }
 }

@@ -16,7 +16,7 @@ use super::execute::{CompletedAction, Execution, FailedAction, without_cloth};
 use super::kinematics::chain::Chain;
 use super::limits::Limited;
 use super::log::ArmLog;
-use super::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
+use super::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use super::route::{Segment, segments};
 use super::settings::Settings;
 use super::simulated::{Fault, FaultKind, SimulatedArm, SimulatedTable, Simulation};
@@ -125,9 +125,8 @@ impl Bench {
             SimulatedArm::new(simulation, Some(cloth.clone())),
             &settings,
         );
-        let margin_m = settings.tolerance.position_m;
         Bench {
-            arm: Limited::new(arm, settings.workspace.clone(), margin_m),
+            arm: Limited::new(arm, settings.workspace.clone(), &settings.tolerance),
             settings,
             cloth,
             folder: tempfile::tempdir().unwrap(),
@@ -226,11 +225,17 @@ impl Port for Tapped {
     fn wait(&mut self, seconds: f64) {
         self.arm.wait(seconds);
     }
-    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
-        self.arm.send(goal)
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        self.arm.send_trajectory(points)
     }
-    fn state(&mut self, goal: &GoalId) -> GoalState {
-        self.arm.state(goal)
+    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        self.arm.send_pose(tool)
+    }
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        self.arm.send_fingers(positions)
+    }
+    fn goal(&mut self, goal: &GoalId) -> GoalState {
+        self.arm.goal(goal)
     }
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
         self.cancelled_s.get_or_insert(self.arm.now_s());
@@ -239,11 +244,14 @@ impl Port for Tapped {
     fn stop(&mut self) -> Result<(), PortError> {
         self.arm.stop()
     }
+    fn after_stop(&self) -> AfterStop {
+        self.arm.after_stop()
+    }
     fn start(&mut self) -> Result<(), PortError> {
         self.arm.start()
     }
-    fn readings(&mut self) -> Readings {
-        let mut readings = self.arm.readings();
+    fn state(&mut self) -> Readings {
+        let mut readings = self.arm.state();
         let deaf_s = self.deaf_s;
         readings.joints_rad = readings.joints_rad.filter(|heard| heard.at_s <= deaf_s);
         readings
