@@ -123,6 +123,20 @@ impl RosPort {
         self.empty_controller()
     }
 
+    /// Waits until every goal has ended, which acknowledges its cancellation.
+    fn wait_for_ends(&self) -> Result<(), String> {
+        let begun = Instant::now();
+        while !self.open_goals().is_empty() {
+            if begun.elapsed() >= STOP_SETTLE {
+                return Err(format!(
+                    "no server reports within {STOP_SETTLE:?} that its goal was cancelled"
+                ));
+            }
+            std::thread::sleep(POLL);
+        }
+        Ok(())
+    }
+
     /// Cancels every trajectory, whoever sent it: `in/stop` only holds the joints, and the controller would resume once
     /// the arm is enabled. Only this server is addressed, because a cancellation makes the others enable a stopped arm.
     fn empty_controller(&self) -> Result<(), String> {
@@ -186,14 +200,14 @@ impl Port for RosPort {
     /// with a stop and a start, which would release a stop that came in between. For the same reason goals are
     /// cancelled only if the service is not available.
     fn stop(&mut self) -> Result<(), PortError> {
-        let failed = |arm: &str, why: String| PortError {
-            what: format!("the service `{arm}/in/stop`"),
-            why,
+        let what = match self.has_stop {
+            true => format!("the service `{}/in/stop`", self.arm),
+            false => "the cancellation of every goal".to_owned(),
         };
+        let failed = |why| PortError { what, why };
         if !self.has_stop {
-            return self
-                .cancel_open_goals()
-                .map_err(|why| failed(&self.arm, why));
+            let cancelled = self.cancel_open_goals().and_then(|()| self.wait_for_ends());
+            return cancelled.map_err(failed);
         }
         let emptied = self.empty_controller();
         let begun = Instant::now();
@@ -207,17 +221,20 @@ impl Port for RosPort {
             if let Err(why) = self.call_stop() {
                 // The best that is possible without the service; the arm stays enabled, so this is a failure.
                 let _ = self.cancel_open_goals();
-                return Err(failed(&self.arm, why));
+                return Err(failed(why));
             }
             if are_over || begun.elapsed() >= STOP_SETTLE {
-                return emptied.map_err(|why| failed(&self.arm, why));
+                return emptied.map_err(failed);
             }
             std::thread::sleep(POLL);
         }
     }
 
     fn after_stop(&self) -> AfterStop {
-        AfterStop::Refuses
+        match self.has_stop {
+            true => AfterStop::Refuses,
+            false => AfterStop::Accepts,
+        }
     }
 
     fn start(&mut self) -> Result<(), PortError> {

@@ -3,6 +3,10 @@
 //! In: goals, cancellations, stops. Out: the state of each goal, and the arm's last readings. A port only sends and
 //! receives: the driver decides what a lost message or an aborted goal means.
 
+mod stamps;
+
+pub use stamps::Stamps;
+
 use nalgebra::Isometry3;
 
 /// A point of a joint trajectory.
@@ -42,12 +46,12 @@ pub enum Ending {
     Rejected,
 }
 
-/// A value that an arm published, and when it was received.
+/// A value that an arm published, and when it was taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading<T> {
     /// The value.
     pub value: T,
-    /// Time of receipt on the port's clock, seconds.
+    /// When it was taken, on the port's clock, seconds: by its stamp ([`Stamps`]), or its receipt if it has none.
     pub at_s: f64,
 }
 

@@ -101,7 +101,13 @@ pub enum ArmError {
     /// A message could not be sent, or a service did not answer.
     #[error(transparent)]
     Port(#[from] PortError),
-    /// A stop was requested, and the arm may still move.
+    /// A stop was requested, nothing acknowledged it, and the arm may still move.
+    #[error("the arm was told to stop, and nothing acknowledged it: use the physical stop ({why})")]
+    StopNotAcknowledged {
+        /// What became of the request.
+        why: String,
+    },
+    /// A stop was acknowledged, and the arm may still move.
     #[error(
         "the arm was told to stop, but the stop could not be verified: use the physical stop ({why})"
     )]

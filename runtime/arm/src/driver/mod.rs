@@ -22,7 +22,7 @@ use nalgebra::Isometry3;
 /// The state of an arm, from recent readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmState {
-    /// When the pose was received, on the arm's clock, seconds.
+    /// When the pose was taken, on the arm's clock, seconds.
     pub at_s: f64,
     /// Pose of the tool, `base_from_tool`.
     pub tool: Isometry3<f64>,

@@ -6,6 +6,9 @@
 //! nothing is cancelled and nothing else is sent, because the node takes either as a reason to enable the arm. The
 //! exception is the trajectory controller: it ignores the stop and would resume once the arm is enabled, so its
 //! trajectory is ended.
+//!
+//! An arm that takes goals after a stop ([`AfterStop::Accepts`]) needs no probe: its stop is verified when it was
+//! acknowledged, its trajectory has ended, and the tool is at rest.
 
 use super::command::{CommandMode, duration_s, hold_position};
 use super::fingers::move_fingers;
@@ -173,10 +176,13 @@ impl<P: Port> PortArm<P> {
             && deviation.angle_rad <= self.tolerance.angle_deg.to_radians()
     }
 
-    /// Returns whether a stop is verified: the arm is at rest and refuses a probe.
+    /// Returns whether a stop is verified: the arm is at rest, and refuses a probe or has no trajectory left.
     fn is_stop_verified(&mut self) -> Result<bool, ArmError> {
         if !is_at_rest(&mut self.port, &self.tolerance)? {
             return Ok(false);
+        }
+        if self.port.after_stop() == AfterStop::Accepts {
+            return Ok(self.trajectory.is_none());
         }
         let outcome = self.probe(&mut |_: &ArmState| Ok(()))?;
         Ok(matches!(
@@ -220,16 +226,24 @@ impl<P: Port> PortArm<P> {
         Ok(())
     }
 
-    /// Stops the arm, and returns whether the stop is verified.
-    fn try_stop(&mut self) -> Result<bool, ArmError> {
-        let stopped = self.port.stop();
-        if self.trajectory.is_some() {
-            self.end_trajectory()?;
+    /// Stops the arm, and verifies the stop.
+    fn try_stop(&mut self) -> Result<(), ArmError> {
+        let has_trajectory = self.trajectory.is_some();
+        let mut stopped = self.port.stop();
+        let ended = self.end_trajectory();
+        if has_trajectory {
             // Some versions of the controller also enable the arm on a cancellation.
-            self.port.stop()?;
+            stopped = stopped.and(self.port.stop());
         }
-        stopped?;
-        self.is_stop_verified()
+        stopped.map_err(|error| ArmError::StopNotAcknowledged {
+            why: error.to_string(),
+        })?;
+        let why = match ended.and_then(|()| self.is_stop_verified()) {
+            Ok(true) => return Ok(()),
+            Ok(false) => "it still takes goals, or moves".to_owned(),
+            Err(error) => error.to_string(),
+        };
+        Err(ArmError::NotStopped { why })
     }
 }
 
@@ -314,15 +328,14 @@ impl<P: Port> Arm for PortArm<P> {
 
     fn stop(&mut self) -> Result<(), ArmError> {
         self.is_stopped = true;
-        let mut why = String::new();
-        for _ in 0..STOPS {
-            match self.try_stop() {
-                Ok(true) => return Ok(()),
-                Ok(false) => why = "it still takes goals, or moves".to_owned(),
-                Err(error) => why = error.to_string(),
+        let mut stopped = self.try_stop();
+        for _ in 1..STOPS {
+            if stopped.is_ok() {
+                break;
             }
+            stopped = self.try_stop();
         }
-        Err(ArmError::NotStopped { why })
+        stopped
     }
 
     fn enable(&mut self) -> Result<(), ArmError> {

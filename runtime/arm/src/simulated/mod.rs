@@ -19,7 +19,9 @@ pub use shared::SharedArm;
 use super::driver::Goal;
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::{Reach, Turn};
-use super::port::{AfterStop, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint};
+use super::port::{
+    AfterStop, GoalId, GoalState, Port, PortError, Reading, Readings, Stamps, Waypoint,
+};
 use super::settings::{FingerSettings, Settings};
 use body::Body;
 use faults::Faults;
@@ -34,6 +36,9 @@ const TICK_S: f64 = 0.01;
 /// Time between two readings, seconds (kinova-ros: `status_interval_seconds`).
 const READING_S: f64 = 0.1;
 
+/// How far the arm's own clock is ahead of the port's, seconds: clocks of two machines differ.
+const AHEAD_S: f64 = 1000.0;
+
 /// A simulated arm and the node that moves it.
 pub struct SimulatedArm {
     body: Body,
@@ -42,6 +47,9 @@ pub struct SimulatedArm {
     clock_s: f64,
     readings: Readings,
     read_s: f64,
+    /// The last stamp, on the arm's clock.
+    stamp_s: f64,
+    stamps: Stamps,
     /// The tool's pose when the arm was stopped, and its largest distance from there since, metres.
     since_stop: Option<(Isometry3<f64>, f64)>,
     /// Bounds of all tool positions so far, metres: least and largest.
@@ -105,6 +113,8 @@ impl SimulatedArm {
             clock_s: 0.0,
             readings: Readings::default(),
             read_s: f64::NEG_INFINITY,
+            stamp_s: 0.0,
+            stamps: Stamps::default(),
             since_stop: None,
             extent_m: [at, at],
             has_lost_camera: false,
@@ -195,7 +205,15 @@ impl SimulatedArm {
             return;
         }
         self.read_s = self.clock_s;
-        let at_s = self.clock_s;
+        if !self
+            .faults
+            .is_active(FaultKind::RepeatedReading, self.clock_s)
+        {
+            self.stamp_s = AHEAD_S + self.clock_s;
+        }
+        let Some(at_s) = self.stamps.taken_s(self.stamp_s, self.clock_s) else {
+            return;
+        };
         self.readings = Readings {
             tool: Some(Reading {
                 value: self.body.tool(),

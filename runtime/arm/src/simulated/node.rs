@@ -57,6 +57,8 @@ pub(super) struct Node {
     active: Vec<Active>,
     /// How goals ended, and when the report arrives; infinity if it never does.
     ended: BTreeMap<GoalId, (Ending, f64)>,
+    /// A goal of which nothing is heard.
+    unheard: Option<GoalId>,
     is_stopped: bool,
     looked_s: f64,
 }
@@ -92,6 +94,9 @@ impl Node {
 
     /// Returns the state of a goal as its sender sees it by now.
     pub(super) fn goal_state(&self, goal: &GoalId, now_s: f64) -> GoalState {
+        if self.unheard.as_ref() == Some(goal) {
+            return GoalState::Sent;
+        }
         match self.ended.get(goal) {
             Some((ending, heard_s)) if *heard_s <= now_s => GoalState::Ended(*ending),
             Some(_) => GoalState::Active,
@@ -166,6 +171,9 @@ impl Node {
                 _ => Err(String::new()),
             },
         };
+        if is_motion && faults.take(FaultKind::LostStatus, now_s) {
+            self.unheard = Some(id.clone());
+        }
         let is_aborted =
             started.is_err() || is_motion && faults.take(FaultKind::AbortedGoal, now_s);
         if is_aborted {
