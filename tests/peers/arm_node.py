@@ -132,7 +132,8 @@ class Publisher:
         said, _ = self.engine.ask("readings")
         if said["loses"]:
             return
-        now = rospy.Time.now()
+        # Another clock than that of whoever listens; an arm that repeats itself repeats its stamp.
+        now = rospy.Time.from_sec(said["stamp_s"])
         pose = PoseStamped()
         pose.header.stamp, pose.header.frame_id = now, self.model + "_link_base"
         at, turn = pose.pose.position, pose.pose.orientation

@@ -110,7 +110,7 @@ fn state(state: &GoalState) -> &'static str {
 
 fn readings(stage: &mut dyn Stage) -> Value {
     let readings = stage.state();
-    let tool = readings.tool.map(|tool| {
+    let tool_json = readings.tool.as_ref().map(|tool| {
         let turn = tool.value.rotation.coords;
         json!({
             "position": tool.value.translation.vector.as_slice(),
@@ -118,7 +118,9 @@ fn readings(stage: &mut dyn Stage) -> Value {
         })
     });
     json!({
-        "tool": tool,
+        // On the engine's own clock, which is nobody else's.
+        "stamp_s": readings.tool.as_ref().map(|tool| 1.0 + tool.at_s),
+        "tool": tool_json,
         "joints": readings.joints_rad.map(|joints| joints.value),
         "fingers": readings.fingers.map(|fingers| fingers.value),
         "loses": stage.loses("reading"),

@@ -309,6 +309,20 @@ mod tests {
     }
 
     #[test]
+    fn a_full_pipe_is_an_error_and_blocks_nothing() {
+        let mut command = Command::new("sh");
+        command.args(["-c", "echo ready; exec sleep 5"]);
+        let mut process = Process::spawn(command, TIMEOUT, Duration::from_secs(600)).unwrap();
+        // More than any pipe holds.
+        let full = (0..1 << 20).find_map(|_| process.beat().err());
+        assert_eq!(
+            full.as_deref(),
+            Some("the watchdog is gone: its reader does not read")
+        );
+        let _ = process.child.kill();
+    }
+
+    #[test]
     fn a_stop_is_acknowledged_or_told_as_not() {
         for (script, expected) in [
             (
