@@ -9,7 +9,6 @@ which messages are lost on their way.
 """
 
 import json
-import math
 import struct
 import subprocess
 import sys
@@ -21,7 +20,7 @@ import actionlib
 import rospy
 from control_msgs.msg import FollowJointTrajectoryAction
 from geometry_msgs.msg import PoseStamped
-from kinova_msgs.msg import ArmJointAnglesAction, ArmPoseAction, FingerPosition, SetFingersPositionAction
+from kinova_msgs.msg import ArmPoseAction, FingerPosition, SetFingersPositionAction
 from kinova_msgs.srv import Start, StartResponse, Stop, StopResponse
 from sensor_msgs.msg import CameraInfo, Image, JointState
 
@@ -96,11 +95,6 @@ def tool_pose(goal):
     return {"ask": "tool_pose", "position": [at.x, at.y, at.z], "turn": [turn.x, turn.y, turn.z, turn.w]}
 
 
-def joint_angles(goal):
-    degrees = [getattr(goal.angles, f"joint{joint}") for joint in range(1, 7)]
-    return {"ask": "joint_angles", "radians": [math.radians(angle) for angle in degrees]}
-
-
 def fingers(n_fingers):
     return lambda goal: {
         "ask": "fingers",
@@ -138,7 +132,8 @@ class Publisher:
         said, _ = self.engine.ask("readings")
         if said["loses"]:
             return
-        now = rospy.Time.now()
+        # Another clock than that of whoever listens; an arm that repeats itself repeats its stamp.
+        now = rospy.Time.from_sec(said["stamp_s"])
         pose = PoseStamped()
         pose.header.stamp, pose.header.frame_id = now, self.model + "_link_base"
         at, turn = pose.pose.position, pose.pose.orientation
@@ -194,7 +189,6 @@ def main():
     engine = Engine(command)
     joints = [f"{model}_joint_{joint}" for joint in range(1, int(model[3]) + 1)]
     Server(engine, "~pose_action/tool_pose", ArmPoseAction, tool_pose)
-    Server(engine, "~joints_action/joint_angles", ArmJointAnglesAction, joint_angles)
     Server(engine, "~fingers_action/finger_positions", SetFingersPositionAction, fingers(int(model[5])))
     Server(engine, trajectory_server, FollowJointTrajectoryAction, trajectory(joints))
     answer_start = lambda _: (engine.ask("start"), StartResponse("Arm started"))[1]

@@ -183,5 +183,5 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
         assert!(off_m < 0.001, "{pair:?}: {place:?}");
     }
     assert_eq!(kept[1].pixel, [300.5, 100.0]);
-    assert!(arm.port().readings().tool.is_some());
+    assert!(arm.port().state().tool.is_some());
 }

@@ -236,8 +236,18 @@ impl Execution<'_> {
             why,
             ArmError::Refused(_) | ArmError::NotConfirmed | ArmError::JournalBeforeMotion(_)
         );
-        let stopped = moved.then(|| self.arm.stop());
-        self.watchdog.rest();
+        let mut stopped = moved.then(|| self.arm.stop());
+        match &mut stopped {
+            // The watchdog goes on watching until a stop is verified, and has a connection of its own to try.
+            Some(Err(ArmError::StopNotAcknowledged { why } | ArmError::NotStopped { why })) => {
+                match self.watchdog.stop() {
+                    Ok(()) => why.push_str("; the arm acknowledged a stop by the watchdog"),
+                    Err(error) => why.push_str(&format!("; the watchdog did not stop it: {error}")),
+                }
+            }
+            Some(Err(_)) => {}
+            Some(Ok(())) | None => self.watchdog.rest(),
+        }
         // A failure to log must not hide the error that ended the motion.
         let _ = self.log.write(&Entry::Halted {
             why: why.to_string(),

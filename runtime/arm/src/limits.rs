@@ -4,7 +4,7 @@
 //! during a motion. The limits apply to the tool only: a person has to watch elbow and cables.
 
 use super::driver::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
-use super::settings::{KeepOut, Workspace};
+use super::settings::{KeepOut, Tolerance, Workspace};
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::collections::VecDeque;
 
@@ -27,15 +27,18 @@ pub struct Limited<A: Arm> {
     workspace: Workspace,
     /// Distance that goals keep from the limits, metres: the position tolerance of the arm.
     margin_m: f64,
+    /// How often a motion that ended short of its goal is sent again.
+    corrections: u32,
 }
 
 impl<A: Arm> Limited<A> {
-    /// Wraps an arm whose tool reaches its goals to within `margin_m`.
-    pub fn new(arm: A, workspace: Workspace, margin_m: f64) -> Limited<A> {
+    /// Wraps an arm whose tool reaches its goals to within the tolerance.
+    pub fn new(arm: A, workspace: Workspace, tolerance: &Tolerance) -> Limited<A> {
         Limited {
             arm,
             workspace,
-            margin_m,
+            margin_m: tolerance.position_m,
+            corrections: tolerance.corrections,
         }
     }
 
@@ -264,16 +267,23 @@ impl<A: Arm> Arm for Limited<A> {
         speed_m_s: f64,
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
-        let from = self.arm.state()?;
-        self.check(&from.tool, to, speed_m_s)?;
-        let mut monitor = LimitMonitor {
-            workspace: &self.workspace,
-            recent: VecDeque::new(),
-        };
-        self.arm.move_tool(to, speed_m_s, &mut |state| {
-            monitor.check(state)?;
-            watch(state)
-        })
+        let mut corrections = 0;
+        loop {
+            let from = self.arm.state()?;
+            self.check(&from.tool, to, speed_m_s)?;
+            let mut monitor = LimitMonitor {
+                workspace: &self.workspace,
+                recent: VecDeque::new(),
+            };
+            let moved = self.arm.move_tool(to, speed_m_s, &mut |state| {
+                monitor.check(state)?;
+                watch(state)
+            });
+            match moved {
+                Err(ArmError::Short { .. }) if corrections < self.corrections => corrections += 1,
+                moved => return moved,
+            }
+        }
     }
 
     fn move_fingers(

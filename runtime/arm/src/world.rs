@@ -73,11 +73,10 @@ impl ArmWorld {
             .calibration
             .check_settings(settings)
             .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
-        let margin_m = settings.tolerance.position_m;
         let log = parts.folder.as_deref().map(ArmLog::open).transpose();
         Ok(ArmWorld {
             base_from_world: base_from_world(settings),
-            arm: Limited::new(arm, settings.workspace.clone(), margin_m),
+            arm: Limited::new(arm, settings.workspace.clone(), &settings.tolerance),
             camera,
             table: None,
             flat: None,

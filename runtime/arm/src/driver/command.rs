@@ -4,10 +4,11 @@
 //! kinematics, so the path of elbow and wrist is unknown; with trajectories every joint position on the path is checked
 //! here.
 
+use super::goal::Goal;
 use super::state::POLL_S;
 use super::{ArmError, ArmState, Deviation};
 use crate::kinematics::chain::{Chain, JOINTS};
-use crate::port::{Goal, Waypoint};
+use crate::port::Waypoint;
 use nalgebra::Isometry3;
 
 /// The longest step between two points of a trajectory, metres.
@@ -44,7 +45,7 @@ impl CommandMode {
         speed_m_s: f64,
     ) -> Result<Goal, ArmError> {
         match self {
-            CommandMode::Poses => Ok(Goal::ToolPose(*to)),
+            CommandMode::Poses => Ok(Goal::Pose(*to)),
             CommandMode::Trajectories(trajectories) => trajectories.goal(from, to, speed_m_s),
         }
     }
@@ -110,6 +111,6 @@ pub(super) fn hold_position(joints_rad: &[f64]) -> Goal {
 pub(super) fn duration_s(goal: &Goal) -> Option<f64> {
     match goal {
         Goal::Trajectory(points) => points.last().map(|last| last.at_s),
-        Goal::ToolPose(_) | Goal::JointAngles(_) | Goal::Fingers(_) => None,
+        Goal::Pose(_) | Goal::Fingers(_) => None,
     }
 }

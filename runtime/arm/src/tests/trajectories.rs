@@ -133,3 +133,40 @@ fn joints_do_not_come_below_the_table() {
     assert!(why.contains("below the table"), "{why}");
     assert_eq!(high.port().tool(), before);
 }
+
+/// A controller alone: no pose server reveals a stop, and no service latches it.
+#[test]
+fn an_arm_without_the_vendors_servers_moves_and_is_stopped() {
+    for (lost, is_verified) in [(0, true), (2, true), (20, false)] {
+        let settings = settings();
+        let faults = vec![(FaultKind::LostCancel, ON_THE_WAY_S); lost];
+        let port = SimulatedArm::new(simulation(&settings, 0, &faults), None);
+        let mut arm = By::Trajectories.drive(Tapped::generic(port), &settings);
+        let halted = arm.move_tool(
+            &there(),
+            // Slow enough that it does not arrive while it is told to stop.
+            0.2 * SPEED_M_S,
+            &mut |state| match state.at_s > ON_THE_WAY_S {
+                true => Err(Halt::Stop(ArmError::Interrupted)),
+                false => Ok(()),
+            },
+        );
+        assert_eq!(halted, Err(ArmError::Interrupted));
+        let stopped = arm.stop();
+        if !is_verified {
+            assert!(
+                matches!(stopped, Err(ArmError::StopNotAcknowledged { .. })),
+                "{stopped:?}"
+            );
+            continue;
+        }
+        stopped.unwrap();
+        let at = arm.port().arm.tool();
+        arm.wait(5.0);
+        let moved = arm.port().arm.tool().translation.vector - at.translation.vector;
+        assert!(moved.norm() < 1e-9, "it moved by {} m", moved.norm());
+        assert_eq!(go(&mut arm), Err(ArmError::Stopped));
+        arm.enable().unwrap();
+        go(&mut arm).unwrap();
+    }
+}

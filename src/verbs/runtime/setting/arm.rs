@@ -70,10 +70,19 @@ pub enum ArmMode {
     PlanOnly,
 }
 
+/// What the driver `kinova` cannot hold.
+const POSES_ALONE: &str = "\
+note: the driver `kinova` sends pose by pose to a node that takes nothing else and chooses speed, acceleration and joint \
+path itself: `motion.speed_m_s`, the limits of the joints, a straight way and the clearance of the links are not held; \
+only the tool is watched, and the arm is stopped when its measured place or speed is out of its limits";
+
 /// Checks first of all that the settings are usable and that a supervisor can be asked.
 pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Settings, Failure> {
     let (settings, _, calibration) = world::load(arguments.robot()).map_err(Failure::environment)?;
     FlatPicture::load(arguments.robot(), &settings, &calibration).map_err(Failure::environment)?;
+    if settings.driver == DriverKind::Kinova {
+        io.talk(POSES_ALONE);
+    }
     if mode == ArmMode::PlanOnly {
         return Ok(settings);
     }
