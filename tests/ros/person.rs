@@ -3,6 +3,7 @@
 use super::lab::{Driver, Lab, Run};
 use fab_arm::calibration::read_pairs;
 use fab_arm::driver::{Arm, PortArm};
+use fab_arm::guard::Guard;
 use fab_arm::kinematics::tool_down::tool_down;
 use fab_arm::port::Port;
 use fab_arm::rgbd::RgbdSource;
@@ -148,7 +149,12 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     line_with(&mut lines, "type `u,v`");
     // Another client moves the arm, like a joystick.
     let port = lab.ros.connect();
-    let mut arm = PortArm::by_poses(port, &settings.model, settings.fingers, settings.tolerance);
+    let mut arm = PortArm::by_poses(
+        port,
+        Guard::level(&settings).unwrap(),
+        settings.fingers,
+        settings.tolerance,
+    );
     let mut places = Vec::new();
     for (at, pixel) in [
         ([0.40, -0.10, 0.02], "150,200"),

@@ -7,6 +7,7 @@
 use super::lab::Lab;
 use super::nodes::PATIENCE_S;
 use fab_arm::driver::{Arm, PortArm};
+use fab_arm::guard::Guard;
 use fab_arm::kinematics::tool_down::tool_down;
 use fab_arm::rgbd::RgbdSource;
 use fab_arm_ros::RosCamera;
@@ -71,7 +72,12 @@ pub fn calibrate(lab: &mut Lab, touching: Touching) {
 fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let settings = lab.settings();
     let port = lab.ros.connect();
-    let mut arm = PortArm::by_poses(port, &settings.model, settings.fingers, settings.tolerance);
+    let mut arm = PortArm::by_poses(
+        port,
+        Guard::level(&settings).unwrap(),
+        settings.fingers,
+        settings.tolerance,
+    );
     let mut go = |[x, y, z]: [f64; 3]| {
         let to = tool_down(&Point3::new(x, y, z), 0.0);
         let speed_m_s = settings.motion.speed_m_s;

@@ -88,7 +88,7 @@ fn a_plan_is_drawn_and_nothing_moves() {
 #[test]
 #[ignore = "long"]
 fn a_plan_that_is_not_possible_is_drawn_up_to_there() {
-    let zone = "rest_m = [0.30, -0.40, 0.25]\nkeep_out = [{ name = 'lamp', min_m = [0.40, -0.1, 0.0], max_m = [0.5, 0.1, 0.4] }]";
+    let zone = "rest_m = [0.30, -0.40, 0.25]\nkeep_out = [{ name = 'lamp', min_m = [0.44, -0.01, 0.0], max_m = [0.46, 0.01, 0.06] }]";
     let (folder, output) = planned(&[("rest_m = [0.30, -0.40, 0.25]", zone)]);
     let report: Value = serde_json::from_str(&output.stdout).unwrap();
     assert_eq!(report["outcome"], "world_failed", "{report}");

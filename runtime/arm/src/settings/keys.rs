@@ -1,8 +1,8 @@
 //! Every key of a settings file: its unit, the values accepted, its default, and why. One table.
 //!
 //! In: the text of a settings file. Out: a document in which every key is known and every value accepted, with the
-//! defaults filled in; else all faults. `docs/arm-settings.md` is printed from the same rows. What one key requires of
-//! another is left to `check`.
+//! defaults filled in; else all faults. A test prints `docs/arm-settings.md` from the same rows. What one key requires
+//! of another is left to `check`.
 
 use std::fmt::Write as _;
 use toml::{Table, Value};
@@ -754,63 +754,6 @@ impl Key {
             Sections => "a list of sections".to_owned(),
         }
     }
-}
-
-/// Prints the table of the keys, section by section, in Markdown.
-pub(super) fn page() -> String {
-    let mut page = String::new();
-    let mut last = None;
-    for key in KEYS {
-        let (section, name) = match (&key.accepts, key.name.rsplit_once('.')) {
-            (Section, _) | (_, None) => (key.name, key.name),
-            (_, Some((section, name))) => (section, name),
-        };
-        let section = match key.name.contains('.') || matches!(key.accepts, Section) {
-            true => section,
-            false => "",
-        };
-        if last != Some(section) {
-            let title = match section {
-                "" => "\n## At the top of the file\n".to_owned(),
-                list if is_list(list) => format!("\n## `[[{list}]]`\n"),
-                section => format!("\n## `[{section}]`\n"),
-            };
-            _ = writeln!(page, "{title}");
-            if let Some(own) = KEYS.iter().find(|key| key.name == section) {
-                _ = writeln!(page, "{}.\n", capitalized(own.why));
-            }
-            page.push_str("| key | values | default | why |\n|---|---|---|---|\n");
-            last = Some(section);
-        }
-        if matches!(key.accepts, Section) {
-            continue;
-        }
-        let default = match key.absent {
-            Refused => "must be given".to_owned(),
-            Nothing => "none".to_owned(),
-            Is(value) => format!("`{value}`"),
-        };
-        _ = writeln!(
-            page,
-            "| `{name}` | {} | {default} | {} |",
-            key.expected(),
-            key.why
-        );
-    }
-    page.trim_start().to_owned()
-}
-
-fn is_list(name: &str) -> bool {
-    KEYS.iter()
-        .any(|key| key.name == name && matches!(key.accepts, Sections))
-}
-
-fn capitalized(text: &str) -> String {
-    let mut letters = text.chars();
-    letters
-        .next()
-        .map(|first| first.to_uppercase().chain(letters).collect())
-        .unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -26,7 +26,6 @@ pub struct Arm {
 
 /// Checks first of all that the arm can run the suite; `None` if no arm is asked for.
 pub fn check(arguments: &BenchArguments, suite: &Suite, io: &Io) -> Result<Option<Arm>, Failure> {
-    arguments.arm.check_world(&arguments.world)?;
     if arguments.world != WorldChoice::Jaco {
         return Ok(None);
     }

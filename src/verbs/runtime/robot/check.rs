@@ -8,9 +8,9 @@ use crate::io::Io;
 use clap::Args;
 use clap::ValueHint;
 use fab_arm::calibration::Calibration;
+use fab_arm::guard::{Guard, Surface};
 use fab_arm::kinematics::chain::Chain;
 use fab_arm::kinematics::reach::{Reach, Turn};
-use fab_arm::limits;
 use fab_arm::settings::Settings;
 use nalgebra::Point3;
 use serde_json::{Value, json};
@@ -74,6 +74,7 @@ fn is_corner(place: &NamedPose) -> bool {
 fn places(settings: &Settings, chain: &Chain) -> Vec<NamedPose> {
     let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
     let reach = Reach::tool_down(chain, turn);
+    let guard = Guard::new(settings, chain.clone(), Surface::level(settings));
     let [x, y, z] = settings.table.center_m;
     let ([left, low, _], [right, high, _]) = (settings.workspace.min_m, settings.workspace.max_m);
     let motion = &settings.motion;
@@ -96,10 +97,7 @@ fn places(settings: &Settings, chain: &Chain) -> Vec<NamedPose> {
     let in_box = |place: NamedPose, above_m: f64| {
         let [x, y, z] = place.at_m;
         let ends = [z, z + above_m].map(|z| Point3::new(x, y, z));
-        let margin_m = settings.tolerance.position_m;
-        let mut why = ends
-            .iter()
-            .filter_map(|end| limits::check_goal(&settings.workspace, margin_m, end).err());
+        let mut why = ends.iter().filter_map(|end| guard.goal(end).err());
         NamedPose {
             why_not: place.why_not.clone().or_else(|| why.next()),
             ..place

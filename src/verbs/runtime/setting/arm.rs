@@ -74,11 +74,12 @@ pub enum ArmMode {
 const POSES_ALONE: &str = "\
 note: the driver `kinova` sends pose by pose to a node that takes nothing else and chooses speed, acceleration and joint \
 path itself: `motion.speed_m_s`, the limits of the joints, a straight way and the clearance of the links are not held; \
-only the tool is watched, and the arm is stopped when its measured place or speed is out of its limits";
+the arm is stopped when its measured place, joint angles or speed are out of their limits";
 
 /// Checks first of all that the settings are usable and that a supervisor can be asked.
 pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Settings, Failure> {
-    let (settings, _, calibration) = world::load(arguments.robot()).map_err(Failure::environment)?;
+    let (settings, _, calibration) =
+        world::load(arguments.robot()).map_err(Failure::environment)?;
     FlatPicture::load(arguments.robot(), &settings, &calibration).map_err(Failure::environment)?;
     if settings.driver == DriverKind::Kinova {
         io.talk(POSES_ALONE);
@@ -91,7 +92,9 @@ pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Setting
         preflight::claim(arguments.robot()).map_err(Failure::environment)?;
         preflight::check(arguments.robot()).map_err(Failure::environment)?;
         if !cfg!(feature = "ros") {
-            return Err(Failure::environment(connect::without_ros(arguments.robot())));
+            return Err(Failure::environment(connect::without_ros(
+                arguments.robot(),
+            )));
         }
     }
     supervisor(arguments, &settings, io)?;
@@ -152,7 +155,8 @@ pub fn world(
             return Ok(Box::new(ArmWorld::simulated(parts)?.with_flat(flat)));
         }
         (ArmMode::PlanOnly, false) => {
-            let camera = connect::camera(&parts.settings, arguments.robot(), PictureSelection::Last);
+            let camera =
+                connect::camera(&parts.settings, arguments.robot(), PictureSelection::Last);
             let camera = camera.map_err(|why| WorldError::Camera { why })?;
             return Ok(Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat)));
         }
@@ -171,9 +175,9 @@ pub fn world(
 
 /// Makes a simulated world that refuses points out of the arm's reach: nobody is asked, and nothing moves.
 pub fn look(program: &Program, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
-    let (settings, ..) = world::load(arguments.robot()).map_err(failed)?;
+    let (settings, _, calibration) = world::load(arguments.robot()).map_err(failed)?;
     let world = super::world(program)?;
-    Ok(Box::new(WithinReach::new(world, settings)?))
+    Ok(Box::new(WithinReach::new(world, settings, &calibration)?))
 }
 
 /// Returns whether a person beside the arm judges the result, if the command line does not say.
@@ -193,7 +197,7 @@ fn real(parts: Parts, arguments: &ArmArguments) -> Result<ArmWorld, WorldError> 
         PictureSelection::Fresh { timeout_s },
     );
     let camera = camera.map_err(|why| WorldError::Camera { why })?;
-    let arm = connect::arm(settings).map_err(failed)?;
+    let arm = connect::arm(settings, parts.guard()?).map_err(failed)?;
     ArmWorld::new(parts, arm, camera)
 }
 

@@ -44,6 +44,63 @@ fn every_default_is_accepted_by_its_own_row() {
     }
 }
 
+/// Prints the table of the keys, section by section, in Markdown.
+fn page() -> String {
+    let mut page = String::new();
+    let mut last = None;
+    for key in KEYS {
+        let (section, name) = match (&key.accepts, key.name.rsplit_once('.')) {
+            (Section, _) | (_, None) => (key.name, key.name),
+            (_, Some((section, name))) => (section, name),
+        };
+        let section = match key.name.contains('.') || matches!(key.accepts, Section) {
+            true => section,
+            false => "",
+        };
+        if last != Some(section) {
+            let title = match section {
+                "" => "\n## At the top of the file\n".to_owned(),
+                list if is_list(list) => format!("\n## `[[{list}]]`\n"),
+                section => format!("\n## `[{section}]`\n"),
+            };
+            _ = writeln!(page, "{title}");
+            if let Some(own) = KEYS.iter().find(|key| key.name == section) {
+                _ = writeln!(page, "{}.\n", capitalized(own.why));
+            }
+            page.push_str("| key | values | default | why |\n|---|---|---|---|\n");
+            last = Some(section);
+        }
+        if matches!(key.accepts, Section) {
+            continue;
+        }
+        let default = match key.absent {
+            Refused => "must be given".to_owned(),
+            Nothing => "none".to_owned(),
+            Is(value) => format!("`{value}`"),
+        };
+        _ = writeln!(
+            page,
+            "| `{name}` | {} | {default} | {} |",
+            key.expected(),
+            key.why
+        );
+    }
+    page.trim_start().to_owned()
+}
+
+fn is_list(name: &str) -> bool {
+    KEYS.iter()
+        .any(|key| key.name == name && matches!(key.accepts, Sections))
+}
+
+fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    letters
+        .next()
+        .map(|first| first.to_uppercase().chain(letters).collect())
+        .unwrap_or_default()
+}
+
 /// A value that the row accepts.
 fn sample(accepts: &Accepts) -> String {
     let number = |range: &Range| format!("{:?}", range.most.min(1e5));
