@@ -186,6 +186,12 @@ fn camera(camera: &CameraSettings, driver: DriverKind) -> Checked {
     if let Some(intrinsics) = &camera.intrinsics {
         projects(intrinsics)?;
     }
+    if let Some(height_m) = camera.height_m {
+        within("camera.height_m", height_m, 0.1..=MAX_PLACE_M)?;
+    }
+    if let Some(up_deg) = camera.up_deg {
+        within("camera.up_deg", up_deg, -360.0..=360.0)?;
+    }
     above_zero("camera.timeout_s", camera.timeout_s, MAX_WAIT_S)?;
     if let Some(flat) = &camera.flat
         && flat.as_os_str().is_empty()
