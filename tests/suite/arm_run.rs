@@ -108,6 +108,29 @@ fn plans_are_for_arms_alone() {
     assert!(said.contains("--world jaco"), "{said}");
 }
 
+/// Whoever gives one of them believes that an arm is watched.
+#[test]
+fn options_of_an_arm_are_refused_in_another_world() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = root().join("tasks/double_triangle.fab");
+    for world in ["sim", "exec:true"] {
+        for option in [
+            &["--robot", "robot.toml"][..],
+            &["--confirm", "none"],
+            &["--hold-to-run"],
+        ] {
+            for verb in [&["run", task.to_str().unwrap()], &["bench", "physical"]] {
+                let mut command = fabc(folder.path());
+                let said = finish(command.args(verb).args(["--world", world]).args(option));
+                assert_eq!(said.code, 64, "{verb:?} {option:?}: {}", said.stderr);
+                let expected = format!("`{}` is for an arm", option[0]);
+                assert!(said.stderr.contains(&expected), "{}", said.stderr);
+            }
+        }
+    }
+    assert_eq!(folder.path().read_dir().unwrap().count(), 0);
+}
+
 #[test]
 #[ignore = "long"]
 fn a_camera_that_was_moved_since_its_calibration_is_noticed_before_anything_moves() {

@@ -21,7 +21,7 @@ calibration = \"lab.toml\"
 center_m = [0.45, 0.0, 0.02]
 
 [workspace]
-min_m = [0.15, -0.525, 0.0]
+min_m = [0.15, -0.525, 0.01]
 max_m = [0.75, 0.525, 0.5]
 rest_m = [0.30, -0.40, 0.25]
 

@@ -14,7 +14,7 @@ model = \"j2n6s200\"
 driver = \"simulated\"
 calibration = \"lab.toml\"
 table = { center_m = [0.45, 0.0, 0.02] }
-workspace = { min_m = [0.3, -0.3, 0.0], max_m = [0.75, 0.3, 0.5], rest_m = [0.35, -0.25, 0.3] }
+workspace = { min_m = [0.3, -0.3, 0.01], max_m = [0.75, 0.3, 0.5], rest_m = [0.35, -0.25, 0.3] }
 fingers = { count = 2, open = 0.0, closed = 6400.0, tolerance = 200.0 }
 camera = { source = \"simulated\", window_px = [0, 0, 480] }
 ";
@@ -177,11 +177,17 @@ fn what_check_refuses_is_neither_planned_nor_run() {
     let task = project("tasks/real/double_triangle.fab");
     let cases: [(&[(&str, &str)], &str, &str); 5] = [
         (
-            &[(
-                "center_m = [0.45, 0.0, 0.02]",
-                "center_m = [0.45, 0.0, 0.12]",
-            )],
-            "100.0 mm from its height there; at most 5 mm are accepted",
+            &[
+                (
+                    "center_m = [0.45, 0.0, 0.02]",
+                    "center_m = [0.45, 0.0, 0.12]",
+                ),
+                (
+                    "min_m = [0.15, -0.525, 0.01]",
+                    "min_m = [0.15, -0.525, 0.11]",
+                ),
+            ],
+            "99.9 mm from its height there; at most 5 mm are accepted",
             "next: correct what is said of it in `robot.toml`",
         ),
         (

@@ -218,6 +218,8 @@ fn careful_calibrations_are_accepted() {
         }
     }
     assert!(most.iter().all(|share| *share < 0.9), "{most:?}");
+    // Of their bounds: 0.6 of 2 degrees of shear, 1 of 3 % of stretch.
+    assert!(most[4] < 0.3 && most[5] < 0.34, "{most:?}");
 }
 
 /// A grid with the errors of a careful person, and one change.

@@ -39,7 +39,7 @@ model = 'j2n6s200'
 driver = 'simulated'
 calibration = 'lab.toml'
 table = {{ center_m = {center_m:?} }}
-workspace = {{ min_m = [0.15, -0.525, 0.0], max_m = [0.75, 0.525, 0.5], rest_m = [0.3, -0.4, 0.25] }}
+workspace = {{ min_m = [0.15, -0.525, 0.012], max_m = [0.75, 0.525, 0.5], rest_m = [0.3, -0.4, 0.25] }}
 fingers = {{ count = 2, open = 0.0, closed = 6400.0, tolerance = 200.0 }}
 [camera]
 source = 'directory'
