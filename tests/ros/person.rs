@@ -126,19 +126,9 @@ fn line_with(lines: &mut Lines<BufReader<ChildStderr>>, words: &str) -> String {
 fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     let lab = Lab::new(Driver::Kinova, 42);
     let settings = lab.settings();
-    let ros = settings.ros.clone().unwrap();
-    let shot = RosCamera::subscribe(&ros, 30.0).unwrap().shoot().unwrap();
-    shot.rgb.save(lab.folder().join("table.png")).unwrap();
     let mut child = lab
         .fabc()
-        .args([
-            "calibrate",
-            "--robot",
-            "robot.toml",
-            "--jog",
-            "--image",
-            "table.png",
-        ])
+        .args(["calibrate", "--robot", "robot.toml", "--jog", "--shoot"])
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
@@ -182,7 +172,7 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     drop(typed);
     // Two points are too few; they are saved.
     assert_eq!(child.wait().unwrap().code(), Some(2));
-    let kept = read_pairs(&lab.folder().join("lab.calibration.pairs.csv")).unwrap();
+    let kept = read_pairs(&lab.folder().join("lab.calibration.pairs.csv"), &[]).unwrap();
     assert_eq!(kept.len(), 2);
     for (pair, place) in kept.iter().zip(&places) {
         let off_m = (Vector3::from(pair.base_m) - place).norm();

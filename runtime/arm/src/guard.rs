@@ -82,13 +82,16 @@ impl Checked<Motion> {
     }
 }
 
+/// A segment, and the arm's state at its end if it is allowed.
+pub type SegmentEnd = (Segment, Option<ArmState>);
+
 /// A route, as far as it is allowed.
 #[derive(Debug)]
 pub struct Walk {
-    /// Its segments with the arm's state at the end of each; a refused segment is the last one, and has none.
-    pub ends: Vec<(Segment, Option<ArmState>)>,
+    /// Its segments; a refused one is the last.
+    pub ends: Vec<SegmentEnd>,
     /// Likewise those after a missed grasp.
-    pub home: Vec<(Segment, Option<ArmState>)>,
+    pub home: Vec<SegmentEnd>,
     /// The route, or why its last segment is not allowed.
     pub route: Result<Checked<Route>, String>,
 }
@@ -254,7 +257,7 @@ impl Guard {
             home: Vec::new(),
             route: Err(String::new()),
         };
-        let is_grasp = |(segment, _): &&(Segment, _)| segment.name == SegmentName::Grasp;
+        let is_grasp = |(segment, _): &&SegmentEnd| segment.name == SegmentName::Grasp;
         let grasped = walk.ends.iter().find(is_grasp);
         let walked = walked.and_then(|()| {
             let Some((_, Some(grasped))) = grasped else {
@@ -274,7 +277,7 @@ impl Guard {
         from: &ArmState,
         segments: &[Segment],
         speed_m_s: f64,
-    ) -> (Vec<(Segment, Option<ArmState>)>, Result<(), String>) {
+    ) -> (Vec<SegmentEnd>, Result<(), String>) {
         let mut ends = Vec::with_capacity(segments.len());
         let mut at = from.clone();
         for segment in segments {

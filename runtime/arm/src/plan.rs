@@ -5,9 +5,9 @@
 //! possible. A whole plan comes with its checked route, which alone can be executed. Nothing is executed here.
 
 use super::driver::{ArmState, Opening};
-use super::guard::{Checked, Guard, Walk};
+use super::guard::{Checked, Guard, SegmentEnd, Walk};
 use super::kinematics::reach::{Reach, Turn};
-use super::route::{Act, Route, Segment, SegmentName};
+use super::route::{Act, Route, SegmentName};
 use super::settings::Settings;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
@@ -135,11 +135,7 @@ fn with_joints(settings: &Settings, guard: &Guard, from: &ArmState) -> Result<Ar
 }
 
 /// Describes segments with the arm's state at the end of each; a refused one has none.
-fn planned(
-    from: &ArmState,
-    ends: &[(Segment, Option<ArmState>)],
-    speed_m_s: f64,
-) -> Vec<PlannedSegment> {
+fn planned(from: &ArmState, ends: &[SegmentEnd], speed_m_s: f64) -> Vec<PlannedSegment> {
     let mut at = from.tool;
     let planned = ends.iter().map(|(segment, end)| {
         let (to, hand) = match segment.act {

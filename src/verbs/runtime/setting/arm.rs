@@ -2,6 +2,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
+use crate::verbs::runtime::robot::check::usable;
 use crate::verbs::runtime::robot::terminal::{Confirm, HoldToRun, TerminalSupervisor};
 use crate::verbs::runtime::robot::watchdog::Process;
 use crate::verbs::runtime::robot::{connect, preflight};
@@ -78,24 +79,25 @@ the arm is stopped when its measured place, joint angles or speed are out of the
 
 /// Checks first of all that the settings are usable and that a supervisor can be asked.
 pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Settings, Failure> {
-    let (settings, _, calibration) =
-        world::load(arguments.robot()).map_err(Failure::environment)?;
-    FlatPicture::load(arguments.robot(), &settings, &calibration).map_err(Failure::environment)?;
+    let robot = arguments.robot();
+    let settings = Settings::load(robot).map_err(Failure::environment)?;
+    let moves_real = mode == ArmMode::Execute && settings.driver != DriverKind::Simulated;
+    if moves_real {
+        // The state of the arm comes first: it does not depend on anything else.
+        preflight::claim(robot).map_err(Failure::environment)?;
+        preflight::check(robot).map_err(Failure::environment)?;
+    }
+    usable(robot)?;
+    let (settings, _, calibration) = world::load(robot).map_err(Failure::environment)?;
+    FlatPicture::load(robot, &settings, &calibration).map_err(Failure::environment)?;
     if settings.driver == DriverKind::Kinova {
         io.talk(POSES_ALONE);
     }
     if mode == ArmMode::PlanOnly {
         return Ok(settings);
     }
-    if settings.driver != DriverKind::Simulated {
-        // The state of the arm comes first: it does not depend on what this build can reach.
-        preflight::claim(arguments.robot()).map_err(Failure::environment)?;
-        preflight::check(arguments.robot()).map_err(Failure::environment)?;
-        if !cfg!(feature = "ros") {
-            return Err(Failure::environment(connect::without_ros(
-                arguments.robot(),
-            )));
-        }
+    if moves_real && !cfg!(feature = "ros") {
+        return Err(Failure::environment(connect::without_ros(robot)));
     }
     supervisor(arguments, &settings, io)?;
     Ok(settings)
@@ -126,6 +128,8 @@ pub fn world(
     folder: Option<&PathBuf>,
     io: &Io,
 ) -> Result<Box<dyn World>, WorldError> {
+    // Again, because the files may have changed since.
+    usable(arguments.robot()).map_err(|failure| failed(failure.to_string()))?;
     let (settings, settings_hash, calibration) = world::load(arguments.robot()).map_err(failed)?;
     let flat = FlatPicture::load(arguments.robot(), &settings, &calibration).map_err(failed)?;
     let supervisor = match mode {
