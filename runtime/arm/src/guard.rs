@@ -46,7 +46,7 @@ impl<T> Checked<T> {
 
 impl Checked<Isometry3<f64>> {
     /// The pose in which the arm was measured: as a goal it moves nothing.
-    pub fn here(state: &ArmState) -> Checked<Isometry3<f64>> {
+    pub(crate) fn here(state: &ArmState) -> Checked<Isometry3<f64>> {
         Checked(state.tool)
     }
 }
@@ -55,7 +55,7 @@ impl Checked<Vec<Waypoint>> {
     /// A trajectory that holds the joints where they were measured.
     ///
     /// - `at_s`: the times of its points, seconds.
-    pub fn hold(state: &ArmState, at_s: &[f64]) -> Checked<Vec<Waypoint>> {
+    pub(crate) fn hold(state: &ArmState, at_s: &[f64]) -> Checked<Vec<Waypoint>> {
         let hold = |at_s: &f64| Waypoint {
             joints_rad: state.joints_rad.clone(),
             at_s: *at_s,

@@ -207,3 +207,32 @@ fn a_hand_that_is_carried_off_while_its_fingers_move_is_stopped() {
         "{closed:?}"
     );
 }
+
+/// A port sends what it is given. Only checked goals are given to it: `Goal` takes nothing else, and nothing but `Goal`
+/// sends.
+#[test]
+fn motions_are_sent_in_one_place() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut senders = Vec::new();
+    let mut folders = vec![crates.join("runtime"), crates.join("src")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+            if path.is_dir() && !["tests", "examples"].contains(&name.as_str()) {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                if [".send_pose(", ".send_trajectory("]
+                    .iter()
+                    .any(|it| text.contains(it))
+                {
+                    senders.push(name);
+                }
+            }
+        }
+    }
+    senders.sort();
+    // A shared simulated arm hands on what it is sent.
+    assert_eq!(senders, ["goal.rs", "shared.rs"]);
+}
