@@ -374,7 +374,7 @@ fn two_thousand_settings_keep_everything_above_the_table() {
 
 #[test]
 fn some_plans_stay_above_the_table() {
-    judge_plans(30);
+    judge_plans(12);
 }
 
 #[test]
