@@ -28,6 +28,10 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 FINGER_JOINT = 1.4 / 6400.0
 
 
+# How far the clock of the arm's machine is behind.
+BEHIND = rospy.Duration(1000000)
+
+
 class Engine:
     """The program that plays the arm."""
 
@@ -121,6 +125,7 @@ class Publisher:
 
     def __init__(self, engine, model, joints):
         self.engine, self.model, self.joints = engine, model, joints
+        self.taken_s = self.stamp = None
         self.tool = rospy.Publisher("~out/tool_pose", PoseStamped, queue_size=2)
         self.joint_state = rospy.Publisher("~out/joint_state", JointState, queue_size=2)
         self.fingers = rospy.Publisher("~out/finger_position", FingerPosition, queue_size=2)
@@ -132,8 +137,10 @@ class Publisher:
         said, _ = self.engine.ask("readings")
         if said["loses"]:
             return
-        # Another clock than that of whoever listens; an arm that repeats itself repeats its stamp.
-        now = rospy.Time.from_sec(said["stamp_s"])
+        if said["taken_s"] != self.taken_s:
+            # Another clock than that of whoever listens; an arm that repeats itself repeats its stamp.
+            self.taken_s, self.stamp = said["taken_s"], rospy.Time.now() - BEHIND
+        now = self.stamp
         pose = PoseStamped()
         pose.header.stamp, pose.header.frame_id = now, self.model + "_link_base"
         at, turn = pose.pose.position, pose.pose.orientation

@@ -17,7 +17,7 @@ pub struct Outbox<T> {
 }
 
 impl<T: Send + 'static> Outbox<T> {
-    /// Starts a thread that writes each item; it ends when the outbox is dropped.
+    /// Starts a thread that writes each item; it ends when the outbox is dropped and all that waits is written.
     ///
     /// - `most`: how many items may wait.
     pub fn new(
@@ -29,9 +29,8 @@ impl<T: Send + 'static> Outbox<T> {
         let (answers, written) = sync_channel(most + 2);
         thread::spawn(move || {
             for item in queue {
-                if answers.send(write(item)).is_err() {
-                    break;
-                }
+                // Nobody asks any more once the outbox is dropped; what waits is written nevertheless.
+                let _ = answers.send(write(item));
             }
         });
         Outbox {
@@ -116,8 +115,10 @@ mod tests {
         outbox.send(1).unwrap();
         outbox.write(2, LONG).unwrap();
         assert_eq!(outbox.write(9, LONG), Err("the disk is full".to_owned()));
-        outbox.write(3, LONG).unwrap();
+        for item in [3, 4, 5] {
+            outbox.send(item).unwrap();
+        }
         drop(outbox);
-        assert_eq!(written.iter().collect::<Vec<_>>(), [1, 2, 3]);
+        assert_eq!(written.iter().collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
     }
 }

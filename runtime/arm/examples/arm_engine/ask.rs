@@ -118,8 +118,7 @@ fn readings(stage: &mut dyn Stage) -> Value {
         })
     });
     json!({
-        // On the engine's own clock, which is nobody else's.
-        "stamp_s": readings.tool.as_ref().map(|tool| 1.0 + tool.at_s),
+        "taken_s": readings.tool.as_ref().map(|tool| tool.at_s),
         "tool": tool_json,
         "joints": readings.joints_rad.map(|joints| joints.value),
         "fingers": readings.fingers.map(|fingers| fingers.value),
