@@ -231,9 +231,14 @@ fn as_text(inspection: &Inspection, next: &[String]) -> String {
             ));
             lines.extend(compared.corners.iter().map(|corner| {
                 let [x, y, _] = corner.at_m;
+                let side = match corner.above_mm < 0.0 {
+                    true => "below",
+                    false => "above",
+                };
                 format!(
-                    "corner       ({x:.3}, {y:.3}): {:.1} mm above the table's middle, known to {:.1} mm",
-                    corner.above_mm, corner.error_mm
+                    "corner       ({x:.3}, {y:.3}): {:.1} mm {side} the table's middle, known to {:.1} mm",
+                    corner.above_mm.abs(),
+                    corner.error_mm
                 )
             }));
         }
