@@ -36,6 +36,8 @@ fn peer_ros_an_arm_whose_program_was_killed_is_refused_until_a_person_has_seen_t
     lab.lay();
     let mut run: Run = lab.run();
     run.until("over");
+    // Before it moves, nothing is watched and nothing needs to be stopped.
+    std::thread::sleep(super::rollouts::UNDER_WAY);
     run.signal("KILL");
     run.end();
     until_stopped(&mut lab);
