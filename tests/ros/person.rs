@@ -3,6 +3,7 @@
 use super::lab::{Driver, Lab, Run};
 use fab_arm::calibration::read_pairs;
 use fab_arm::driver::{Arm, PortArm};
+use fab_arm::guard::Guard;
 use fab_arm::kinematics::tool_down::tool_down;
 use fab_arm::port::Port;
 use fab_arm::rgbd::RgbdSource;
@@ -127,19 +128,9 @@ fn line_with(lines: &mut Lines<BufReader<ChildStderr>>, words: &str) -> String {
 fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     let lab = Lab::new(Driver::Kinova, 42);
     let settings = lab.settings();
-    let ros = settings.ros.clone().unwrap();
-    let shot = RosCamera::subscribe(&ros, 30.0).unwrap().shoot().unwrap();
-    shot.rgb.save(lab.folder().join("table.png")).unwrap();
     let mut child = lab
         .fabc()
-        .args([
-            "calibrate",
-            "--robot",
-            "robot.toml",
-            "--jog",
-            "--image",
-            "table.png",
-        ])
+        .args(["calibrate", "--robot", "robot.toml", "--jog", "--shoot"])
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
@@ -150,7 +141,12 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     line_with(&mut lines, "type `u,v`");
     // Another client moves the arm, like a joystick.
     let port = lab.ros.connect();
-    let mut arm = PortArm::by_poses(port, &settings.model, settings.fingers, settings.tolerance);
+    let mut arm = PortArm::by_poses(
+        port,
+        Guard::level(&settings).unwrap(),
+        settings.fingers,
+        settings.tolerance,
+    );
     let mut places = Vec::new();
     for (at, pixel) in [
         ([0.40, -0.10, 0.02], "150,200"),
@@ -178,7 +174,7 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     drop(typed);
     // Two points are too few; they are saved.
     assert_eq!(child.wait().unwrap().code(), Some(2));
-    let kept = read_pairs(&lab.folder().join("lab.calibration.pairs.csv")).unwrap();
+    let kept = read_pairs(&lab.folder().join("lab.calibration.pairs.csv"), &[]).unwrap();
     assert_eq!(kept.len(), 2);
     for (pair, place) in kept.iter().zip(&places) {
         let off_m = (Vector3::from(pair.base_m) - place).norm();

@@ -6,6 +6,7 @@
 use super::pause::{Track, pause};
 use super::state::{POLL_S, REST_M, state};
 use super::{ArmError, Deviation, Halt, Watch};
+use crate::guard::Checked;
 use crate::port::{Ending, GoalId, GoalState, Port, PortError, Waypoint};
 use crate::settings::Tolerance;
 use nalgebra::Isometry3;
@@ -16,13 +17,13 @@ const ACCEPT_S: f64 = 1.0;
 /// How often an unacknowledged goal is sent again.
 const RESENDS: u32 = 2;
 
-/// A goal for one of the arm's servers.
-#[derive(Clone, Debug, PartialEq)]
+/// A goal for one of the arm's servers. Only checked motions can be one.
+#[derive(Debug, PartialEq)]
 pub(crate) enum Goal {
     /// Move the tool to a pose, `base_from_tool`.
-    Pose(Isometry3<f64>),
+    Pose(Checked<Isometry3<f64>>),
     /// Move the joints through these points.
-    Trajectory(Vec<Waypoint>),
+    Trajectory(Checked<Vec<Waypoint>>),
     /// Move the fingers to these positions, in the arm's own units.
     Fingers(Vec<f64>),
 }
@@ -31,8 +32,8 @@ impl Goal {
     /// Sends the goal. Nothing else in this program makes an arm move.
     pub(super) fn send<P: Port>(&self, port: &mut P) -> Result<GoalId, PortError> {
         match self {
-            Goal::Pose(tool) => port.send_pose(tool),
-            Goal::Trajectory(points) => port.send_trajectory(points),
+            Goal::Pose(tool) => port.send_pose(tool.get()),
+            Goal::Trajectory(points) => port.send_trajectory(points.get()),
             Goal::Fingers(positions) => port.send_fingers(positions),
         }
     }

@@ -14,7 +14,7 @@ mod port_arm;
 mod state;
 
 pub use error::{ArmError, Deviation};
-pub(crate) use goal::Goal;
+
 pub use port_arm::PortArm;
 
 use nalgebra::Isometry3;

@@ -173,8 +173,9 @@ fn ends_soon(goal: &Goal, state: &ArmState) -> bool {
     };
     match goal {
         Goal::Fingers(_) => true,
-        Goal::Pose(pose) => Deviation::between(pose, &state.tool).position_m < NEAR_M,
+        Goal::Pose(pose) => Deviation::between(pose.get(), &state.tool).position_m < NEAR_M,
         Goal::Trajectory(points) => points
+            .get()
             .last()
             .is_some_and(|last| deviation(&last.joints_rad) < NEAR_RAD),
     }

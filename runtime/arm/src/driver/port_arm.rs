@@ -15,7 +15,7 @@ use super::fingers::move_fingers;
 use super::goal::{Goal, Outcome, execute};
 use super::state::{is_at_rest, state, state_with_joints, wait_until_at_rest};
 use super::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
-use crate::kinematics::chain::Chain;
+use crate::guard::{Checked, Guard};
 use crate::port::{AfterStop, Ending, GoalId, GoalState, Port};
 use crate::settings::{FingerSettings, Tolerance};
 use nalgebra::Isometry3;
@@ -34,8 +34,8 @@ const CANCEL_LOOK_S: f64 = 0.02;
 /// An arm behind a port.
 pub struct PortArm<P: Port> {
     port: P,
-    name: String,
     mode: CommandMode,
+    guard: Guard,
     fingers: FingerSettings,
     tolerance: Tolerance,
     /// Whether this driver stopped the arm, or found it stopped, and it was not enabled since.
@@ -47,18 +47,18 @@ pub struct PortArm<P: Port> {
 impl<P: Port> PortArm<P> {
     /// Drives the node of kinova-ros with tool poses.
     ///
-    /// The node solves the inverse kinematics and does not report the joint path, so nothing here can check that elbow
-    /// and wrist clear the table. A person has to watch them.
+    /// The node solves the inverse kinematics and does not report the joint path, so the path of elbow and wrist that
+    /// was checked may be another one. A person has to watch them.
     pub fn by_poses(
         port: P,
-        name: &str,
+        guard: Guard,
         fingers: FingerSettings,
         tolerance: Tolerance,
     ) -> PortArm<P> {
         PortArm {
             port,
-            name: name.to_owned(),
             mode: CommandMode::Poses,
+            guard,
             fingers,
             tolerance,
             is_stopped: false,
@@ -72,26 +72,14 @@ impl<P: Port> PortArm<P> {
     /// trajectories even when the arm is stopped.
     pub fn by_trajectories(
         port: P,
-        chain: Chain,
+        guard: Guard,
         fingers: FingerSettings,
         tolerance: Tolerance,
     ) -> PortArm<P> {
-        let name = chain.model().to_owned();
         PortArm {
-            mode: CommandMode::by_trajectories(chain),
-            ..PortArm::by_poses(port, &name, fingers, tolerance)
+            mode: CommandMode::Trajectories,
+            ..PortArm::by_poses(port, guard, fingers, tolerance)
         }
-    }
-
-    /// Refuses trajectories in which a joint goes below a height. Has no effect with tool poses, whose joint path is
-    /// unknown.
-    ///
-    /// - `floor_m`: base frame, metres.
-    pub fn with_floor(mut self, floor_m: f64) -> PortArm<P> {
-        if let CommandMode::Trajectories(trajectories) = &mut self.mode {
-            trajectories.floor_m = floor_m;
-        }
-        self
     }
 
     /// Returns the port, e.g. to inspect a simulated arm.
@@ -103,7 +91,7 @@ impl<P: Port> PortArm<P> {
     fn current_state(&mut self) -> Result<ArmState, ArmError> {
         match self.mode {
             CommandMode::Poses => state(&mut self.port, &self.tolerance),
-            CommandMode::Trajectories(_) => state_with_joints(&mut self.port, &self.tolerance),
+            CommandMode::Trajectories => state_with_joints(&mut self.port, &self.tolerance),
         }
     }
 
@@ -135,7 +123,7 @@ impl<P: Port> PortArm<P> {
     /// Re-sends the current pose; a stopped arm aborts it, which reveals the stop.
     fn probe(&mut self, watch: &mut Watch<'_>) -> Result<Outcome, ArmError> {
         let here = state(&mut self.port, &self.tolerance)?;
-        self.execute(&Goal::Pose(here.tool), PROBE_S, watch)
+        self.execute(&Goal::Pose(Checked::here(&here)), PROBE_S, watch)
     }
 
     /// Fails if the arm is stopped.
@@ -203,8 +191,8 @@ impl<P: Port> PortArm<P> {
             }
             // The server is done with it, but the controller may not be: only another trajectory replaces it.
             GoalState::Ended(Ending::Aborted) => {
-                let joints = state_with_joints(&mut self.port, &self.tolerance)?.joints_rad;
-                self.trajectory = Some(hold_position(&joints).send(&mut self.port)?);
+                let here = state_with_joints(&mut self.port, &self.tolerance)?;
+                self.trajectory = Some(hold_position(&here).send(&mut self.port)?);
             }
             GoalState::Sent | GoalState::Active => self.port.cancel(&id)?,
         }
@@ -249,7 +237,7 @@ impl<P: Port> PortArm<P> {
 
 impl<P: Port> Arm for PortArm<P> {
     fn name(&self) -> String {
-        self.name.clone()
+        self.guard.chain().model().to_owned()
     }
 
     fn now_s(&self) -> f64 {
@@ -272,7 +260,9 @@ impl<P: Port> Arm for PortArm<P> {
     ) -> Result<ArmState, ArmError> {
         self.check_enabled(watch)?;
         let from = self.check_motion_allowed(watch)?;
-        let goal = self.mode.goal(&from, to, speed_m_s)?;
+        let motion = self.guard.motion(&from, to, speed_m_s);
+        let motion = motion.map_err(ArmError::Refused)?;
+        let goal = self.mode.goal(&self.guard, &from, &motion)?;
         let travel_s = Deviation::between(&from.tool, to).position_m / speed_m_s;
         let limit_s = 2.0 * duration_s(&goal).unwrap_or(travel_s) + self.tolerance.settle_s;
         let outcome = self.execute(&goal, limit_s, watch)?;
@@ -298,7 +288,7 @@ impl<P: Port> Arm for PortArm<P> {
             }
             Outcome::TimedOut => {
                 // A stop does not end a trajectory. A pose goal in progress would be preempted by the probe.
-                if let CommandMode::Trajectories(_) = self.mode {
+                if let CommandMode::Trajectories = self.mode {
                     self.check_enabled(watch)?;
                 }
                 Err(ArmError::TimedOut { after_s: limit_s })
@@ -340,10 +330,10 @@ impl<P: Port> Arm for PortArm<P> {
 
     fn enable(&mut self) -> Result<(), ArmError> {
         let unwatched = &mut |_: &ArmState| Ok(());
-        if let CommandMode::Trajectories(_) = self.mode {
+        if let CommandMode::Trajectories = self.mode {
             // Replace whatever trajectory the controller still has, whoever sent it.
-            let joints = state_with_joints(&mut self.port, &self.tolerance)?.joints_rad;
-            let outcome = self.execute(&hold_position(&joints), PROBE_S, unwatched)?;
+            let here = state_with_joints(&mut self.port, &self.tolerance)?;
+            let outcome = self.execute(&hold_position(&here), PROBE_S, unwatched)?;
             // Acceptance is enough: servers differ in whether a held arm counts as arrived.
             let is_accepted = match (outcome, &self.trajectory) {
                 (Outcome::Ended(ending), _) => ending != Ending::Rejected,

@@ -16,7 +16,6 @@ pub use body::SimulatedTable;
 pub use faults::{Fault, FaultKind};
 pub use shared::SharedArm;
 
-use super::driver::Goal;
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::{Reach, Turn};
 use super::port::{
@@ -26,7 +25,7 @@ use super::settings::{FingerSettings, Settings};
 use body::Body;
 use faults::Faults;
 use nalgebra::{Isometry3, Point3};
-use node::Node;
+use node::{Goal, Node};
 use std::cell::RefCell;
 use std::rc::Rc;
 

@@ -2,8 +2,9 @@
 
 use super::body::Body;
 use super::faults::{FaultKind, Faults};
-use crate::driver::{Deviation, Goal};
+use crate::driver::Deviation;
 use crate::port::{Ending, GoalId, GoalState, Waypoint};
+use nalgebra::Isometry3;
 use std::collections::BTreeMap;
 use std::mem::discriminant;
 
@@ -36,6 +37,14 @@ const TRAJECTORY_S: f64 = 3.0;
 
 /// The most ended goals that are remembered.
 const MAX_REMEMBERED: usize = 64;
+
+/// A goal as it arrives at the node, which moves to whatever it is told.
+#[derive(Clone, Debug)]
+pub(super) enum Goal {
+    Pose(Isometry3<f64>),
+    Trajectory(Vec<Waypoint>),
+    Fingers(Vec<f64>),
+}
 
 /// A goal that a server is executing.
 struct Active {

@@ -72,7 +72,8 @@ impl<F: FnMut() -> bool> Supervisor for At<F> {
 fn a_pick_and_place_ends_where_it_says() {
     let mut bench = Bench::with(&[]);
     let names: Vec<SegmentName> = bench
-        .segments()
+        .route()
+        .segments
         .iter()
         .map(|segment| segment.name)
         .collect();
@@ -132,7 +133,7 @@ fn every_motion_is_written_down_before_it_begins() {
 #[test]
 #[ignore = "long"]
 fn an_interrupt_stops_the_arm_in_every_segment() {
-    let count = Bench::with(&[]).segments().len();
+    let count = Bench::with(&[]).route().segments.len();
     for segment in 1..=count {
         for looks in [1, 2, 5] {
             let mut bench = Bench::with(&[]);
@@ -141,7 +142,7 @@ fn an_interrupt_stops_the_arm_in_every_segment() {
                 interrupt.raise();
                 true
             });
-            let name = bench.segments()[segment - 1].name;
+            let name = bench.route().segments[segment - 1].name;
             let broken = bench.run(&mut raiser, &mut NoWatchdog).unwrap_err();
             assert_eq!(broken.why, ArmError::Interrupted, "{segment}");
             assert_eq!(broken.stopped, Some(Ok(())), "{segment}");
@@ -177,7 +178,7 @@ fn a_mistake_of_this_program_stops_the_arm() {
 #[test]
 #[ignore = "long"]
 fn a_key_that_is_let_go_ends_no_segment() {
-    let count = Bench::with(&[]).segments().len();
+    let count = Bench::with(&[]).route().segments.len();
     for segment in 1..=count {
         let mut bench = Bench::with(&[]);
         // The key is released at the sixth check, and held again at the next.

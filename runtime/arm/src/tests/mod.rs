@@ -6,18 +6,20 @@ mod drivers;
 mod executions;
 mod faults;
 mod journals;
+mod judged;
 mod limited;
 mod pauses;
 mod simulations;
 mod trajectories;
 
 use super::driver::{Arm, ArmState, Halt, PortArm};
-use super::execute::{CompletedAction, Execution, FailedAction, without_cloth};
+use super::execute::{CompletedAction, Execution, FailedAction};
+use super::guard::{Guard, Surface};
 use super::kinematics::chain::Chain;
 use super::limits::Limited;
 use super::log::ArmLog;
 use super::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
-use super::route::{Segment, segments};
+use super::route::Route;
 use super::settings::Settings;
 use super::simulated::{Fault, FaultKind, SimulatedArm, SimulatedTable, Simulation};
 use super::supervisor::{Supervisor, Watchdog};
@@ -43,6 +45,10 @@ const PLACE_M: [f64; 3] = [0.50, -0.06, 0.02];
 
 /// The speed at which tests move, m/s.
 const SPEED_M_S: f64 = 0.1;
+
+fn guard(settings: &Settings) -> Guard {
+    Guard::level(settings).unwrap()
+}
 
 fn settings() -> Settings {
     Settings::parse(ROBOT).unwrap()
@@ -82,12 +88,8 @@ impl By {
     fn drive<P: Port>(self, port: P, settings: &Settings) -> PortArm<P> {
         let (fingers, tolerance) = (settings.fingers, settings.tolerance);
         match self {
-            By::Poses => PortArm::by_poses(port, &settings.model, fingers, tolerance),
-            By::Trajectories => {
-                let chain = Chain::of_model(&settings.model).unwrap();
-                PortArm::by_trajectories(port, chain, fingers, tolerance)
-                    .with_floor(settings.table.center_m[2])
-            }
+            By::Poses => PortArm::by_poses(port, guard(settings), fingers, tolerance),
+            By::Trajectories => PortArm::by_trajectories(port, guard(settings), fingers, tolerance),
         }
     }
 }
@@ -126,7 +128,7 @@ impl Bench {
             &settings,
         );
         Bench {
-            arm: Limited::new(arm, settings.workspace.clone(), &settings.tolerance),
+            arm: Limited::new(arm, guard(&settings), &settings.tolerance),
             settings,
             cloth,
             folder: tempfile::tempdir().unwrap(),
@@ -158,9 +160,16 @@ impl Bench {
         self.folder.path()
     }
 
-    fn segments(&mut self) -> Vec<Segment> {
+    fn route(&mut self) -> Route {
         let here = self.port().tool();
-        segments(&self.settings, &here, &PICK_M.into(), &PLACE_M.into())
+        let surface = Surface::level(&self.settings);
+        Route::new(
+            &self.settings,
+            &surface,
+            &here,
+            &PICK_M.into(),
+            &PLACE_M.into(),
+        )
     }
 
     /// Executes a pick and place.
@@ -180,8 +189,12 @@ impl Bench {
         supervisor: &mut dyn Supervisor,
         watchdog: &mut dyn Watchdog,
     ) -> Result<CompletedAction, FailedAction> {
-        let segments = self.segments();
-        let tail = without_cloth(&segments, &PICK_M.into(), self.settings.motion.retreat_m);
+        let route = self.route();
+        let here = self.driver().state().unwrap();
+        let route = guard(&self.settings)
+            .route(&here, route, SPEED_M_S)
+            .route
+            .unwrap();
         let execution = &mut Execution {
             arm: &mut self.arm,
             log,
@@ -191,7 +204,7 @@ impl Bench {
             speed_m_s: SPEED_M_S,
             number: 1,
         };
-        execution.run([PICK_M.into(), PLACE_M.into()], &segments, &tail)
+        execution.run([PICK_M.into(), PLACE_M.into()], &route)
     }
 
     /// Lets time pass, and fails if a stopped arm moves or is enabled.
