@@ -6,8 +6,6 @@ use fab_arm::driver::{Arm, PortArm};
 use fab_arm::guard::Guard;
 use fab_arm::kinematics::tool_down::tool_down;
 use fab_arm::port::Port;
-use fab_arm::rgbd::RgbdSource;
-use fab_arm_ros::RosCamera;
 use nalgebra::{Point3, Vector3};
 use std::io::{BufRead, BufReader, Lines, Write};
 use std::process::{ChildStderr, Stdio};
@@ -37,6 +35,8 @@ fn peer_ros_an_arm_whose_program_was_killed_is_refused_until_a_person_has_seen_t
     lab.lay();
     let mut run: Run = lab.run();
     run.until("over");
+    // Before it moves, nothing is watched and nothing needs to be stopped.
+    std::thread::sleep(super::rollouts::UNDER_WAY);
     run.signal("KILL");
     run.end();
     until_stopped(&mut lab);

@@ -89,7 +89,7 @@ const CASES: [(What, &str, End); 24] = [
 ];
 
 /// Time from the beginning of a segment until its motion has certainly begun.
-const UNDER_WAY: Duration = Duration::from_millis(500);
+pub const UNDER_WAY: Duration = Duration::from_millis(500);
 
 /// How long the key is released: it counts as held for 0.6 s.
 const LET_GO: Duration = Duration::from_millis(2500);

@@ -32,10 +32,9 @@ impl Stamps {
     pub fn taken_s(&mut self, stamp_s: f64, heard_s: f64) -> Option<f64> {
         let seen_s = heard_s - stamp_s;
         let offset_s = match self.last {
-            // NaN must not count as newer.
-            Some(last) if !(stamp_s > last.stamp_s) => return None,
+            _ if !stamp_s.is_finite() => return None,
+            Some(last) if stamp_s <= last.stamp_s => return None,
             Some(last) => seen_s.min(last.offset_s + DRIFT * (heard_s - last.heard_s)),
-            None if !stamp_s.is_finite() => return None,
             None => seen_s,
         };
         self.last = Some(Stamp {
