@@ -5,8 +5,6 @@ use fab_arm::calibration::read_pairs;
 use fab_arm::driver::{Arm, PortArm};
 use fab_arm::kinematics::tool_down::tool_down;
 use fab_arm::port::Port;
-use fab_arm::rgbd::RgbdSource;
-use fab_arm_ros::RosCamera;
 use nalgebra::{Point3, Vector3};
 use std::io::{BufRead, BufReader, Lines, Write};
 use std::process::{ChildStderr, Stdio};
