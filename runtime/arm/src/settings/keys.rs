@@ -452,7 +452,7 @@ pub(super) const KEYS: &[Key] = &[
         "deg",
         Nothing,
         "direction on the table of the picture's top, about z from the base's x axis; a calibration of a real camera is \
-         refused without it, or if it is 10 degrees off",
+         refused without it, or if it is 5 degrees off",
     ),
     key(
         "camera.timeout_s",
