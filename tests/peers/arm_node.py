@@ -9,7 +9,6 @@ which messages are lost on their way.
 """
 
 import json
-import math
 import struct
 import subprocess
 import sys
@@ -21,12 +20,16 @@ import actionlib
 import rospy
 from control_msgs.msg import FollowJointTrajectoryAction
 from geometry_msgs.msg import PoseStamped
-from kinova_msgs.msg import ArmJointAnglesAction, ArmPoseAction, FingerPosition, SetFingersPositionAction
+from kinova_msgs.msg import ArmPoseAction, FingerPosition, SetFingersPositionAction
 from kinova_msgs.srv import Start, StartResponse, Stop, StopResponse
 from sensor_msgs.msg import CameraInfo, Image, JointState
 
 # kinova-ros: radians of a finger's joint over units of its position.
 FINGER_JOINT = 1.4 / 6400.0
+
+
+# How far the clock of the arm's machine is behind.
+BEHIND = rospy.Duration(1000000)
 
 
 class Engine:
@@ -96,11 +99,6 @@ def tool_pose(goal):
     return {"ask": "tool_pose", "position": [at.x, at.y, at.z], "turn": [turn.x, turn.y, turn.z, turn.w]}
 
 
-def joint_angles(goal):
-    degrees = [getattr(goal.angles, f"joint{joint}") for joint in range(1, 7)]
-    return {"ask": "joint_angles", "radians": [math.radians(angle) for angle in degrees]}
-
-
 def fingers(n_fingers):
     return lambda goal: {
         "ask": "fingers",
@@ -127,6 +125,7 @@ class Publisher:
 
     def __init__(self, engine, model, joints):
         self.engine, self.model, self.joints = engine, model, joints
+        self.taken_s = self.stamp = None
         self.tool = rospy.Publisher("~out/tool_pose", PoseStamped, queue_size=2)
         self.joint_state = rospy.Publisher("~out/joint_state", JointState, queue_size=2)
         self.fingers = rospy.Publisher("~out/finger_position", FingerPosition, queue_size=2)
@@ -138,7 +137,10 @@ class Publisher:
         said, _ = self.engine.ask("readings")
         if said["loses"]:
             return
-        now = rospy.Time.now()
+        if said["taken_s"] != self.taken_s:
+            # Another clock than that of whoever listens; an arm that repeats itself repeats its stamp.
+            self.taken_s, self.stamp = said["taken_s"], rospy.Time.now() - BEHIND
+        now = self.stamp
         pose = PoseStamped()
         pose.header.stamp, pose.header.frame_id = now, self.model + "_link_base"
         at, turn = pose.pose.position, pose.pose.orientation
@@ -194,7 +196,6 @@ def main():
     engine = Engine(command)
     joints = [f"{model}_joint_{joint}" for joint in range(1, int(model[3]) + 1)]
     Server(engine, "~pose_action/tool_pose", ArmPoseAction, tool_pose)
-    Server(engine, "~joints_action/joint_angles", ArmJointAnglesAction, joint_angles)
     Server(engine, "~fingers_action/finger_positions", SetFingersPositionAction, fingers(int(model[5])))
     Server(engine, trajectory_server, FollowJointTrajectoryAction, trajectory(joints))
     answer_start = lambda _: (engine.ask("start"), StartResponse("Arm started"))[1]

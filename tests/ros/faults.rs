@@ -1,7 +1,7 @@
 //! Missing nodes and broken connections: reported in words, in time, without waiting forever.
 
-use super::nodes::{MODEL, Ros, TRAJECTORY, free_port, outcome, send_until_active};
-use fab_arm::port::{Ending, Goal, GoalState, Port};
+use super::nodes::{MODEL, Ros, TRAJECTORY, free_port, outcome, until_active};
+use fab_arm::port::{Ending, GoalState, Port};
 use fab_arm::settings::RosSettings;
 use fab_arm_ros::RosError;
 use std::time::{Duration, Instant};
@@ -100,20 +100,20 @@ fn peer_ros_an_arm_of_another_model_is_not_believed() {
 fn peer_ros_a_killed_node_is_an_error_within_seconds() {
     let mut ros = Ros::with_arm();
     let mut port = ros.connect();
-    let fingers = Goal::Fingers(vec![60_000.0; 2]);
-    let goal = send_until_active(&mut port, &fingers);
+    let sent = port.send_fingers(&[60_000.0; 2]).unwrap();
+    let goal = until_active(&mut port, sent);
     ros.kill_node();
     port.wait(1.3);
     let began = Instant::now();
-    let refused = port.send(&fingers).unwrap_err();
+    let refused = port.send_fingers(&[60_000.0; 2]).unwrap_err();
     assert!(refused.why.contains("has been silent for 1."), "{refused}");
-    let last = port.readings().fingers.unwrap().at_s;
+    let last = port.state().fingers.unwrap().at_s;
     assert!(
         port.now_s() - last > 1.0,
         "no reading is newer than the node's end"
     );
     assert!(!matches!(
-        port.state(&goal),
+        port.goal(&goal),
         GoalState::Ended(Ending::Succeeded)
     ));
     let unheard = port.stop().unwrap_err();
@@ -130,23 +130,24 @@ fn peer_ros_a_killed_node_is_an_error_within_seconds() {
 fn peer_ros_a_node_that_comes_back_is_not_handed_an_old_goal() {
     let mut ros = Ros::with_arm();
     let mut port = ros.connect();
-    let goal = send_until_active(&mut port, &Goal::Fingers(vec![60_000.0; 2]));
+    let sent = port.send_fingers(&[60_000.0; 2]).unwrap();
+    let goal = until_active(&mut port, sent);
     ros.kill_node();
     port.wait(0.5);
     ros.start_node();
     let deadline = Instant::now() + Duration::from_secs(30);
     // Only a status list of the new node can show that it does not know the goal.
-    while port.state(&goal) == GoalState::Active && Instant::now() < deadline {
+    while port.goal(&goal) == GoalState::Active && Instant::now() < deadline {
         port.wait(0.1);
     }
-    assert_eq!(port.state(&goal), GoalState::Ended(Ending::Aborted));
+    assert_eq!(port.goal(&goal), GoalState::Ended(Ending::Aborted));
     port.wait(1.0);
     assert_eq!(
-        port.readings().fingers.unwrap().value,
+        port.state().fingers.unwrap().value,
         [0.0, 0.0],
         "the new node moves nothing"
     );
-    let goal = port.send(&Goal::Fingers(vec![100.0; 2])).unwrap();
+    let goal = port.send_fingers(&[100.0; 2]).unwrap();
     assert_eq!(outcome(&mut port, &goal), Some(Ending::Succeeded));
     port.stop().unwrap();
 }

@@ -321,7 +321,7 @@ fn robot(ros: &Ros, driver: Driver) -> String {
     let address = ros.address();
     format!(
         "driver = '{driver}'\n{COMMON}
-        [camera]\nsource = 'ros'\nwindow_px = [0, 0, {SIDE_PX}]\ntimeout_s = 10.0
+        [camera]\nsource = 'ros'\nwindow_px = [0, 0, {SIDE_PX}]\ntimeout_s = 10.0\nheight_m = 1.0\nup_deg = 90.0
         [ros]\nmaster = '{address}'\narm = '/{MODEL}_driver'\n{controller}
         color = '/camera/color/image_raw'
         depth = '/camera/aligned_depth_to_color/image_raw'

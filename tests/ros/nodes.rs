@@ -1,6 +1,6 @@
 //! A separate master and arm node for each test, both ended with it.
 
-use fab_arm::port::{Goal, GoalId, GoalState, Port};
+use fab_arm::port::{GoalId, GoalState, Port};
 use fab_arm::settings::RosSettings;
 use fab_arm_ros::RosPort;
 use std::fs::OpenOptions;
@@ -186,7 +186,7 @@ pub fn generate(modules: &Path, types: &[&str]) -> String {
 pub fn outcome(port: &mut RosPort, goal: &GoalId) -> Option<fab_arm::port::Ending> {
     let deadline_s = port.now_s() + 20.0;
     while port.now_s() < deadline_s {
-        if let GoalState::Ended(ending) = port.state(goal) {
+        if let GoalState::Ended(ending) = port.goal(goal) {
             return Some(ending);
         }
         port.wait(0.02);
@@ -194,12 +194,11 @@ pub fn outcome(port: &mut RosPort, goal: &GoalId) -> Option<fab_arm::port::Endin
     None
 }
 
-/// Sends a goal and waits until it is active.
-pub fn send_until_active(port: &mut RosPort, goal: &Goal) -> GoalId {
-    let id = port.send(goal).unwrap();
+/// Waits until a goal that was sent is active.
+pub fn until_active(port: &mut RosPort, id: GoalId) -> GoalId {
     let deadline_s = port.now_s() + 10.0;
-    while port.state(&id) != GoalState::Active {
-        assert!(port.now_s() < deadline_s, "{:?}", port.state(&id));
+    while port.goal(&id) != GoalState::Active {
+        assert!(port.now_s() < deadline_s, "{:?}", port.goal(&id));
         port.wait(0.02);
     }
     id

@@ -3,10 +3,9 @@
 use super::lab::{Driver, Lab, Run};
 use fab_arm::calibration::read_pairs;
 use fab_arm::driver::{Arm, PortArm};
+use fab_arm::guard::Guard;
 use fab_arm::kinematics::tool_down::tool_down;
 use fab_arm::port::Port;
-use fab_arm::rgbd::RgbdSource;
-use fab_arm_ros::RosCamera;
 use nalgebra::{Point3, Vector3};
 use std::io::{BufRead, BufReader, Lines, Write};
 use std::process::{ChildStderr, Stdio};
@@ -36,6 +35,8 @@ fn peer_ros_an_arm_whose_program_was_killed_is_refused_until_a_person_has_seen_t
     lab.lay();
     let mut run: Run = lab.run();
     run.until("over");
+    // Before it moves, nothing is watched and nothing needs to be stopped.
+    std::thread::sleep(super::rollouts::UNDER_WAY);
     run.signal("KILL");
     run.end();
     until_stopped(&mut lab);
@@ -125,19 +126,9 @@ fn line_with(lines: &mut Lines<BufReader<ChildStderr>>, words: &str) -> String {
 fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     let lab = Lab::new(Driver::Kinova, 42);
     let settings = lab.settings();
-    let ros = settings.ros.clone().unwrap();
-    let shot = RosCamera::subscribe(&ros, 30.0).unwrap().shoot().unwrap();
-    shot.rgb.save(lab.folder().join("table.png")).unwrap();
     let mut child = lab
         .fabc()
-        .args([
-            "calibrate",
-            "--robot",
-            "robot.toml",
-            "--jog",
-            "--image",
-            "table.png",
-        ])
+        .args(["calibrate", "--robot", "robot.toml", "--jog", "--shoot"])
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
@@ -148,7 +139,12 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     line_with(&mut lines, "type `u,v`");
     // Another client moves the arm, like a joystick.
     let port = lab.ros.connect();
-    let mut arm = PortArm::by_poses(port, &settings.model, settings.fingers, settings.tolerance);
+    let mut arm = PortArm::by_poses(
+        port,
+        Guard::level(&settings).unwrap(),
+        settings.fingers,
+        settings.tolerance,
+    );
     let mut places = Vec::new();
     for (at, pixel) in [
         ([0.40, -0.10, 0.02], "150,200"),
@@ -176,12 +172,12 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     drop(typed);
     // Two points are too few; they are saved.
     assert_eq!(child.wait().unwrap().code(), Some(2));
-    let kept = read_pairs(&lab.folder().join("lab.calibration.pairs.csv")).unwrap();
+    let kept = read_pairs(&lab.folder().join("lab.calibration.pairs.csv"), &[]).unwrap();
     assert_eq!(kept.len(), 2);
     for (pair, place) in kept.iter().zip(&places) {
         let off_m = (Vector3::from(pair.base_m) - place).norm();
         assert!(off_m < 0.001, "{pair:?}: {place:?}");
     }
     assert_eq!(kept[1].pixel, [300.5, 100.0]);
-    assert!(arm.port().readings().tool.is_some());
+    assert!(arm.port().state().tool.is_some());
 }

@@ -49,12 +49,17 @@ enum End {
 use End::*;
 use What::*;
 
-const CASES: [(What, &str, End); 23] = [
+const CASES: [(What, &str, End); 24] = [
     (Fails(LostGoal), "over_pick", Made),
     (Fails(LostResult), "over", Made),
     (Fails(ShortSilence), "down", Made),
     (Fails(LostGoals), "over_pick", Made),
     (LetsGoAndLostCancel, "over", Made),
+    (
+        Fails(RepeatedReading),
+        "over",
+        Unverified("has not reported for"),
+    ),
     (Fails(StuckJoint), "over_pick", Stopped("stalled")),
     (Fails(StuckJoint), "over", Stopped("stalled")),
     (Fails(StuckFingers), "grasp", Stopped("the fingers are at")),
@@ -84,7 +89,7 @@ const CASES: [(What, &str, End); 23] = [
 ];
 
 /// Time from the beginning of a segment until its motion has certainly begun.
-const UNDER_WAY: Duration = Duration::from_millis(500);
+pub const UNDER_WAY: Duration = Duration::from_millis(500);
 
 /// How long the key is released: it counts as held for 0.6 s.
 const LET_GO: Duration = Duration::from_millis(2500);
@@ -144,7 +149,7 @@ fn rollout(seed: u64, what: What, when: &str, end: End) {
     lab.lay();
     let (mut run, key) = match what {
         LetsGoAndLostCancel => {
-            let (terminal, key) = Key::held();
+            let (terminal, key) = Key::held(lab.folder().join("stderr"));
             (lab.run_from(terminal, &["--hold-to-run"]), Some(key))
         }
         _ => (lab.run(), None),
@@ -220,7 +225,9 @@ fn rollout(seed: u64, what: What, when: &str, end: End) {
                 .count();
             // A paused motion is restarted.
             let paused = usize::from(key.is_some());
-            assert_eq!(begun, 2 + paused, "{}", ended.journal);
+            // A busy machine stalls, which pauses it as well.
+            let is_expected = begun == 2 || begun > 2 && key.is_some();
+            assert!(is_expected && begun >= 2 + paused, "{}", ended.journal);
         }
         Stopped(words) | Unverified(words) => {
             ends(&ended, 2, "world_failed");

@@ -5,11 +5,9 @@
 //! of these errors.
 
 use super::lab::Lab;
-use super::nodes::PATIENCE_S;
 use fab_arm::driver::{Arm, PortArm};
+use fab_arm::guard::Guard;
 use fab_arm::kinematics::tool_down::tool_down;
-use fab_arm::rgbd::RgbdSource;
-use fab_arm_ros::RosCamera;
 use fab_base::chance::Chance;
 use nalgebra::Point3;
 use serde_json::json;
@@ -49,14 +47,10 @@ pub fn calibrate(lab: &mut Lab, touching: Touching) {
         lines += &format!("{u:.1},{v:.1},{x:.4},{y:.4},{z:.4}\n");
     }
     std::fs::write(lab.folder().join("pairs.csv"), lines).unwrap();
-    let ros = lab.settings().ros.unwrap();
-    let mut camera = RosCamera::subscribe(&ros, PATIENCE_S).unwrap();
-    let shot = camera.shoot().unwrap();
-    shot.rgb.save(lab.folder().join("table.png")).unwrap();
     let output = lab
         .fabc()
         .args(["calibrate", "--robot", "robot.toml"])
-        .args(["--pairs", "pairs.csv", "--image", "table.png"])
+        .args(["--pairs", "pairs.csv", "--shoot"])
         .output()
         .unwrap();
     assert!(
@@ -71,7 +65,12 @@ pub fn calibrate(lab: &mut Lab, touching: Touching) {
 fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let settings = lab.settings();
     let port = lab.ros.connect();
-    let mut arm = PortArm::by_poses(port, &settings.model, settings.fingers, settings.tolerance);
+    let mut arm = PortArm::by_poses(
+        port,
+        Guard::level(&settings).unwrap(),
+        settings.fingers,
+        settings.tolerance,
+    );
     let mut go = |[x, y, z]: [f64; 3]| {
         let to = tool_down(&Point3::new(x, y, z), 0.0);
         let speed_m_s = settings.motion.speed_m_s;

@@ -8,7 +8,7 @@ use fab_agent::outcome::Outcome;
 use fab_agent::policy::Prompted;
 use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout::{self, Job};
-use fab_arm::calibration::{Calibration, Method, Pair, Terms};
+use fab_arm::calibration::{Calibration, Pair, Terms};
 use fab_arm::log::{ARM_FILE, Entry, RunState, run_state};
 use fab_arm::port::Port;
 use fab_arm::route::SegmentName;
@@ -161,7 +161,7 @@ fn small_pictures() -> (Settings, Calibration) {
     settings.simulated.camera_px = SIDE_PX;
     settings.camera.window_px = [0, 0, SIDE_PX];
     settings.camera.intrinsics = None;
-    let terms = Terms::of(&settings, Method::Plane, [SIDE_PX; 2], 3.0);
+    let terms = Terms::of(&settings, [SIDE_PX; 2], 3.0);
     let pairs = calibration.pairs.into_iter().map(|pair| Pair {
         pixel: pair.pixel.map(|at| at * scale),
         ..pair

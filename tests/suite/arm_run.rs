@@ -88,7 +88,7 @@ fn a_plan_is_drawn_and_nothing_moves() {
 #[test]
 #[ignore = "long"]
 fn a_plan_that_is_not_possible_is_drawn_up_to_there() {
-    let zone = "rest_m = [0.30, -0.40, 0.25]\nkeep_out = [{ name = 'lamp', min_m = [0.40, -0.1, 0.0], max_m = [0.5, 0.1, 0.4] }]";
+    let zone = "rest_m = [0.30, -0.40, 0.25]\nkeep_out = [{ name = 'lamp', min_m = [0.44, -0.01, 0.0], max_m = [0.46, 0.01, 0.06] }]";
     let (folder, output) = planned(&[("rest_m = [0.30, -0.40, 0.25]", zone)]);
     let report: Value = serde_json::from_str(&output.stdout).unwrap();
     assert_eq!(report["outcome"], "world_failed", "{report}");
@@ -106,6 +106,29 @@ fn plans_are_for_arms_alone() {
     assert_eq!(output.code, 64);
     let said = output.stderr;
     assert!(said.contains("--world jaco"), "{said}");
+}
+
+/// Whoever gives one of them believes that an arm is watched.
+#[test]
+fn options_of_an_arm_are_refused_in_another_world() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = root().join("tasks/double_triangle.fab");
+    for world in ["sim", "exec:true"] {
+        for option in [
+            &["--robot", "robot.toml"][..],
+            &["--confirm", "none"],
+            &["--hold-to-run"],
+        ] {
+            for verb in [&["run", task.to_str().unwrap()], &["bench", "physical"]] {
+                let mut command = fabc(folder.path());
+                let said = finish(command.args(verb).args(["--world", world]).args(option));
+                assert_eq!(said.code, 64, "{verb:?} {option:?}: {}", said.stderr);
+                let expected = format!("`{}` is for an arm", option[0]);
+                assert!(said.stderr.contains(&expected), "{}", said.stderr);
+            }
+        }
+    }
+    assert_eq!(folder.path().read_dir().unwrap().count(), 0);
 }
 
 #[test]

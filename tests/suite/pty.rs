@@ -108,6 +108,14 @@ impl Session {
         self.send(key);
     }
 
+    /// Sends the command a signal, e.g. `STOP`.
+    #[cfg(target_os = "linux")]
+    pub fn signal(&self, name: &str) {
+        let mut kill = Command::new("kill");
+        kill.args([&format!("-{name}"), &self.child.id().to_string()]);
+        assert!(kill.status().unwrap().success());
+    }
+
     /// Sends bytes at once, e.g. a whole line.
     pub fn send(&mut self, bytes: &str) {
         self.keys.write_all(bytes.as_bytes()).unwrap();

@@ -2,7 +2,7 @@
 
 mod preflight;
 
-use super::support::{Captured, fabc, finish, root};
+use super::support::{Captured, fabc, finish, project, root};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ model = \"j2n6s200\"
 driver = \"simulated\"
 calibration = \"lab.toml\"
 table = { center_m = [0.45, 0.0, 0.02] }
-workspace = { min_m = [0.3, -0.3, 0.0], max_m = [0.75, 0.3, 0.5], rest_m = [0.35, -0.25, 0.3] }
+workspace = { min_m = [0.3, -0.3, 0.01], max_m = [0.75, 0.3, 0.5], rest_m = [0.35, -0.25, 0.3] }
 fingers = { count = 2, open = 0.0, closed = 6400.0, tolerance = 200.0 }
 camera = { source = \"simulated\", window_px = [0, 0, 480] }
 ";
@@ -106,16 +106,14 @@ fn check(folder: &Path, settings: &str) -> (i32, Value) {
 
 #[test]
 fn an_arm_that_is_set_up_is_told_what_it_reaches() {
-    let folder = tempfile::tempdir().unwrap();
-    let shipped = root().join("tasks/real");
-    for ending in ["toml", "png"] {
-        let calibration = format!("simulated.calibration.{ending}");
-        fs::copy(shipped.join(&calibration), folder.path().join(&calibration)).unwrap();
-    }
-    let settings = fs::read_to_string(shipped.join("simulated.toml")).unwrap();
+    let folder = simulated(&[]);
+    let settings = fs::read_to_string(folder.path().join("robot.toml")).unwrap();
     let (code, read) = check(folder.path(), &settings);
     assert_eq!(code, 0, "{read}");
     assert_eq!(read["calibration"]["usable"], true, "{read}");
+    assert_eq!(read["calibration"]["made_on"], "2026-11-22");
+    assert_eq!(read["calibration"]["checks"]["shear_deg"]["bound"], 2.0);
+    assert!(read["next"][0].as_str().unwrap().contains("--plan-only"));
     let reached: Vec<bool> = read["reach"]
         .as_array()
         .unwrap()
@@ -155,6 +153,113 @@ fn an_arm_that_cannot_be_used_is_named_by_what_lacks() {
             .contains("`fingers.count` is `4`"),
         "{read}"
     );
+}
+
+/// The shipped simulated arm, with edits of its settings, and its calibration.
+fn simulated(edits: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = root().join("tasks/real");
+    for ending in ["toml", "png"] {
+        let calibration = format!("simulated.calibration.{ending}");
+        fs::copy(shipped.join(&calibration), folder.path().join(&calibration)).unwrap();
+    }
+    let mut settings = fs::read_to_string(shipped.join("simulated.toml")).unwrap();
+    for (from, to) in edits {
+        assert!(settings.contains(from), "{from}");
+        settings = settings.replacen(from, to, 1);
+    }
+    fs::write(folder.path().join("robot.toml"), settings).unwrap();
+    folder
+}
+
+/// Edits of the shipped settings; why check refuses them, and what to do next.
+type Refused = (
+    &'static [(&'static str, &'static str)],
+    &'static str,
+    &'static str,
+);
+
+const REFUSED: [Refused; 5] = [
+    (
+        &[
+            (
+                "center_m = [0.45, 0.0, 0.02]",
+                "center_m = [0.45, 0.0, 0.12]",
+            ),
+            (
+                "min_m = [0.15, -0.525, 0.01]",
+                "min_m = [0.15, -0.525, 0.11]",
+            ),
+        ],
+        "99.9 mm from its height there; at most 5 mm are accepted",
+        "next: correct what is said of it in `robot.toml`",
+    ),
+    (
+        &[(
+            "center_m = [0.45, 0.0, 0.02]",
+            "center_m = [0.25, 0.0, 0.02]",
+        )],
+        "mm from `table.center_m`; at most 50 mm are accepted",
+        "next: correct what is said of it in `robot.toml`",
+    ),
+    (
+        &[("camera_height_m = 1.0", "camera_height_m = 1.3")],
+        "% from `camera.height_m`, which is 1.3; at most 5 % are accepted",
+        "next: correct what is said of it in `robot.toml`",
+    ),
+    (
+        &[("simulated.calibration.toml", "none.toml")],
+        "`none.toml` cannot be read",
+        "next: touch points and calibrate: `fabc calibrate --robot robot.toml --grid 4x4`",
+    ),
+    (
+        &[(
+            "rest_m = [0.30, -0.40, 0.25]",
+            "rest_m = [0.74, -0.50, 0.25]",
+        )],
+        "the rest (0.740, -0.500, 0.250) is out of reach",
+        "next: state another `workspace.rest_m` in `robot.toml`",
+    ),
+];
+
+#[test]
+fn what_check_refuses_is_neither_planned_nor_run() {
+    nothing_moves(&REFUSED[..1]);
+}
+
+#[test]
+#[ignore = "long"]
+fn whatever_check_refuses_is_neither_planned_nor_run() {
+    nothing_moves(&REFUSED[1..]);
+    let said = robot(
+        simulated(&[]).path(),
+        &["check", "--robot", "robot.toml"],
+        "",
+    );
+    let next = "next         `fabc run TASK --world jaco --robot robot.toml --plan-only`\n";
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    assert!(said.stdout.ends_with(next), "{}", said.stdout);
+}
+
+fn nothing_moves(cases: &[Refused]) {
+    let task = project("tasks/real/double_triangle.fab");
+    for (edits, why, next) in cases {
+        let folder = simulated(edits);
+        let said = robot(folder.path(), &["check", "--robot", "robot.toml"], "");
+        assert_eq!(said.code, 2, "{why}: {}", said.stdout);
+        let on_one_line = said.stdout.replace("next         ", "next: ");
+        assert!(on_one_line.contains(next), "{next}: {}", said.stdout);
+        for more in [&["--plan-only"][..], &[]] {
+            let mut command = fabc(folder.path());
+            command.args(["run", &task, "--world", "jaco", "--robot", "robot.toml"]);
+            let said = finish(command.args(["--out", "run"]).args(more));
+            assert_eq!(said.code, 2, "{more:?}");
+            for words in ["nothing is planned or moved", why, next] {
+                assert!(said.stderr.contains(words), "{words}: {}", said.stderr);
+            }
+            assert!(!folder.path().join("run/arm.jsonl").exists());
+        }
+    }
 }
 
 #[test]

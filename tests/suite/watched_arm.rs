@@ -160,8 +160,8 @@ fn the_arm_moves_while_the_key_is_held_and_ctrl_c_ends_it() {
     session.until("hold the space bar to move");
     std::thread::sleep(Duration::from_millis(700));
     assert_eq!(n_lines(folder.path(), "begin"), 0, "it moved by itself");
-    session.press(" ");
-    // Releasing the key during a motion pauses it; a fast machine has reached the next action by then.
+    press_until_begun(&mut session, folder.path(), 1);
+    // The key is released 0.75 s later, which pauses a motion; a fast machine has reached the next action by then.
     session.until("hold the space bar to ");
     let moved = n_lines(folder.path(), "begin");
     assert!(moved > 0);
@@ -171,16 +171,51 @@ fn the_arm_moves_while_the_key_is_held_and_ctrl_c_ends_it() {
         moved,
         "it went on by itself"
     );
-    let begun = Instant::now();
-    while n_lines(folder.path(), "begin") == moved {
-        assert!(begun.elapsed() < super::pty::PATIENCE, "it does not go on");
-        session.press(" ");
-        std::thread::sleep(Duration::from_millis(50));
-    }
+    press_until_begun(&mut session, folder.path(), moved + 1);
     session.send("\u{3}");
     let (code, shown, mode) = session.ended();
     assert_eq!((code, mode), (Some(130), USUAL), "{shown}");
     assert_eq!(report(folder.path())["outcome"], "interrupted");
+}
+
+/// Presses the key afresh until the arm has begun its `n`th motion: a machine that stalls misses a press.
+fn press_until_begun(session: &mut Session, folder: &Path, n: usize) {
+    let begun = Instant::now();
+    while n_lines(folder, "begin") < n {
+        assert!(begun.elapsed() < super::pty::PATIENCE, "it does not move");
+        session.press(" ");
+        let pressed = Instant::now();
+        while n_lines(folder, "begin") < n && pressed.elapsed() < Duration::from_millis(1500) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+#[test]
+#[ignore = "long"]
+fn repeats_that_waited_through_a_stall_and_those_after_it_move_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = watched(folder.path(), &["--hold-to-run"]);
+    session.until("hold the space bar to move");
+    std::thread::sleep(Duration::from_millis(700));
+    press_until_begun(&mut session, folder.path(), 1);
+    session.signal("STOP");
+    session.send(&" ".repeat(40));
+    std::thread::sleep(Duration::from_millis(500));
+    let done = n_lines(folder.path(), "done");
+    session.signal("CONT");
+    session.until("if you hold it, release it first");
+    for _ in 0..40 {
+        session.send(" ");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    // It may have been about to write that it had arrived.
+    assert!(n_lines(folder.path(), "done") <= done + 1, "it went on");
+    std::thread::sleep(Duration::from_millis(700));
+    press_until_begun(&mut session, folder.path(), done + 2);
+    session.send("\u{3}");
+    let (code, shown, _) = session.ended();
+    assert_eq!(code, Some(130), "{shown}");
 }
 
 #[test]

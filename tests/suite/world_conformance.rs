@@ -52,9 +52,9 @@ fn the_simulated_arm_conforms() {
 fn a_world_within_an_arms_reach_conforms() {
     let program = support::small_task();
     let robot = support::root().join("tasks/real/simulated.toml");
-    let (settings, ..) = world::load(&robot).unwrap();
+    let (settings, _, calibration) = world::load(&robot).unwrap();
     conforms(&|| {
         let world = support::world(&program).unwrap();
-        Box::new(WithinReach::new(world, settings.clone()).unwrap())
+        Box::new(WithinReach::new(world, settings.clone(), &calibration).unwrap())
     });
 }

@@ -6,7 +6,7 @@
 mod truth;
 
 use fab_agent::arm_sight::SIGHT;
-use fab_arm::calibration::{Calibration, Fit, Method, Moved, Pair, Terms, Window};
+use fab_arm::calibration::{Calibration, LIMIT_MM, Moved, Pair, Terms, Window};
 use fab_arm::rgbd::{Intrinsics, Shot};
 use fab_picture::DepthImage;
 use image::{Luma, Rgb, RgbImage};
@@ -80,10 +80,8 @@ impl Table {
 
 fn calibrated(table: &Table) -> Calibration {
     let reference = image::imageops::grayscale(&table.shot().rgb);
-    let mut terms = terms(Method::Plane);
-    terms.intrinsics = Some(Truth::usual().intrinsics());
     Calibration::make(
-        terms,
+        terms(),
         Truth::usual().grid(4, 0.8),
         "2026-11-22",
         Some(reference),

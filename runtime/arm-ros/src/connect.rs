@@ -20,7 +20,7 @@ const POLL: Duration = Duration::from_millis(20);
 /// Connects to the node of the arm `model`, e.g. `j2n6s200`, and waits until everything that a driver needs was
 /// received.
 ///
-/// That is kinova-ros's three servers, its three topics and `in/stop`; with a `trajectory` in the settings also that
+/// That is kinova-ros's servers for poses and fingers, its three topics and `in/stop`; with a `trajectory` in the settings also that
 /// server, and then `in/stop` may be missing. Gives up after `timeout_s` seconds, or two more if services do not
 /// answer, with a message that names what is missing.
 pub fn connect(settings: &RosSettings, model: &str, timeout_s: f64) -> Result<RosPort, RosError> {
@@ -123,7 +123,6 @@ async fn register(
 ) -> Result<(Servers, Topics), NodeError> {
     let servers = Servers {
         pose: ActionClient::open(node, &format!("{arm}/pose_action/tool_pose")).await?,
-        joints: ActionClient::open(node, &format!("{arm}/joints_action/joint_angles")).await?,
         fingers: ActionClient::open(node, &format!("{arm}/fingers_action/finger_positions"))
             .await?,
         trajectory: match trajectory {

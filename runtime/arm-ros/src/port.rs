@@ -3,12 +3,14 @@
 //! In: goals, cancellations, stops. Out: the state of each goal, and the arm's readings. The driver decides what a
 //! silence or an ending means; only a goal for a silent server is refused here, because nothing would accept it.
 
-use super::action::{ActionClient, Client};
+use super::action::{Action, ActionClient, Client};
 use super::link::Link;
+use super::messages::actionlib_msgs::GoalID;
 use super::messages::kinova_msgs::{Start, StartRequest, Stop, StopRequest};
-use super::servers::{self, Fingers, JointAngles, ToolPose, Trajectory};
+use super::servers::{self, Fingers, ToolPose, Trajectory};
 use super::topics::{Names, Topics};
-use fab_arm::port::{Ending, Goal, GoalId, GoalState, Port, PortError, Readings};
+use fab_arm::port::{AfterStop, Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use nalgebra::Isometry3;
 use roslibrust::RosServiceType;
 use roslibrust::ros1::ServiceClient;
 use std::sync::Arc;
@@ -21,8 +23,8 @@ const SILENCE: Duration = Duration::from_secs(1);
 /// Time limit of one service call.
 pub(super) const SERVICE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// How long goals may take to end after a stop.
-const STOP_SETTLE: Duration = Duration::from_millis(500);
+/// How long goals may take to end after a stop: their servers take a tenth of a second, and more on a busy machine.
+const STOP_SETTLE: Duration = Duration::from_millis(1500);
 
 /// The longest transit time of a cancellation.
 const CANCEL_SETTLE: Duration = Duration::from_millis(100);
@@ -47,14 +49,13 @@ pub struct RosPort {
 /// The clients of the arm's action servers.
 pub(super) struct Servers {
     pub(super) pose: ActionClient<ToolPose>,
-    pub(super) joints: ActionClient<JointAngles>,
     pub(super) fingers: ActionClient<Fingers>,
     pub(super) trajectory: Option<ActionClient<Trajectory>>,
 }
 
 impl Servers {
     pub(super) fn all(&self) -> Vec<&dyn Client> {
-        let mut all: Vec<&dyn Client> = vec![&self.pose, &self.joints, &self.fingers];
+        let mut all: Vec<&dyn Client> = vec![&self.pose, &self.fingers];
         all.extend(self.trajectory.iter().map(|client| client as &dyn Client));
         all
     }
@@ -122,6 +123,20 @@ impl RosPort {
         self.empty_controller()
     }
 
+    /// Waits until every goal has ended, which acknowledges its cancellation.
+    fn wait_for_ends(&self) -> Result<(), String> {
+        let begun = Instant::now();
+        while !self.open_goals().is_empty() {
+            if begun.elapsed() >= STOP_SETTLE {
+                return Err(format!(
+                    "no server reports within {STOP_SETTLE:?} that its goal was cancelled"
+                ));
+            }
+            std::thread::sleep(POLL);
+        }
+        Ok(())
+    }
+
     /// Cancels every trajectory, whoever sent it: `in/stop` only holds the joints, and the controller would resume once
     /// the arm is enabled. Only this server is addressed, because a cancellation makes the others enable a stopped arm.
     fn empty_controller(&self) -> Result<(), String> {
@@ -139,49 +154,27 @@ impl Port for RosPort {
         std::thread::sleep(Duration::try_from_secs_f64(seconds).unwrap_or_default());
     }
 
-    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
-        let Servers {
-            pose,
-            joints,
-            fingers,
-            trajectory,
-        } = &self.servers;
-        let names = &self.names;
-        let (name, sent) = match goal {
-            Goal::ToolPose(tool) => (
-                pose.name(),
-                check_alive(pose)
-                    .and_then(|()| pose.send(servers::tool_pose(tool, &names.base_frame)?)),
-            ),
-            Goal::JointAngles(angles) => (
-                joints.name(),
-                check_alive(joints)
-                    .and_then(|()| joints.send(servers::joint_angles(angles, names.joints.len())?)),
-            ),
-            Goal::Fingers(positions) => (
-                fingers.name(),
-                check_alive(fingers)
-                    .and_then(|()| fingers.send(servers::fingers(positions, names.n_fingers)?)),
-            ),
-            Goal::Trajectory(points) => match trajectory {
-                Some(client) => (
-                    client.name(),
-                    check_alive(client)
-                        .and_then(|()| client.send(servers::trajectory(points, &names.joints)?)),
-                ),
-                None => (
-                    "FollowJointTrajectory",
-                    Err("the settings name no `trajectory` under `[ros]`".to_owned()),
-                ),
-            },
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        let Some(client) = &self.servers.trajectory else {
+            return Err(PortError {
+                what: "a trajectory".to_owned(),
+                why: "the settings name no `trajectory` under `[ros]`".to_owned(),
+            });
         };
-        sent.map(GoalId).map_err(|why| PortError {
-            what: format!("a goal for `{name}`"),
-            why,
-        })
+        send(client, servers::trajectory(points, &self.names.joints))
     }
 
-    fn state(&mut self, goal: &GoalId) -> GoalState {
+    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        let message = servers::tool_pose(tool, &self.names.base_frame);
+        send(&self.servers.pose, message)
+    }
+
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        let message = servers::fingers(positions, self.names.n_fingers);
+        send(&self.servers.fingers, message)
+    }
+
+    fn goal(&mut self, goal: &GoalId) -> GoalState {
         let servers = self.servers.all().into_iter();
         let state = servers.filter_map(|server| server.state(&goal.0)).next();
         // A goal of another port was never sent to this one's servers.
@@ -207,14 +200,14 @@ impl Port for RosPort {
     /// with a stop and a start, which would release a stop that came in between. For the same reason goals are
     /// cancelled only if the service is not available.
     fn stop(&mut self) -> Result<(), PortError> {
-        let failed = |arm: &str, why: String| PortError {
-            what: format!("the service `{arm}/in/stop`"),
-            why,
+        let what = match self.has_stop {
+            true => format!("the service `{}/in/stop`", self.arm),
+            false => "the cancellation of every goal".to_owned(),
         };
+        let failed = |why| PortError { what, why };
         if !self.has_stop {
-            return self
-                .cancel_open_goals()
-                .map_err(|why| failed(&self.arm, why));
+            let cancelled = self.cancel_open_goals().and_then(|()| self.wait_for_ends());
+            return cancelled.map_err(failed);
         }
         let emptied = self.empty_controller();
         let begun = Instant::now();
@@ -228,12 +221,19 @@ impl Port for RosPort {
             if let Err(why) = self.call_stop() {
                 // The best that is possible without the service; the arm stays enabled, so this is a failure.
                 let _ = self.cancel_open_goals();
-                return Err(failed(&self.arm, why));
+                return Err(failed(why));
             }
             if are_over || begun.elapsed() >= STOP_SETTLE {
-                return emptied.map_err(|why| failed(&self.arm, why));
+                return emptied.map_err(failed);
             }
             std::thread::sleep(POLL);
+        }
+    }
+
+    fn after_stop(&self) -> AfterStop {
+        match self.has_stop {
+            true => AfterStop::Refuses,
+            false => AfterStop::Accepts,
         }
     }
 
@@ -249,9 +249,21 @@ impl Port for RosPort {
         })
     }
 
-    fn readings(&mut self) -> Readings {
+    fn state(&mut self) -> Readings {
         self.topics.readings()
     }
+}
+
+/// Sends a goal whose message could be made, to a server that is there.
+fn send<A: Action>(
+    client: &ActionClient<A>,
+    message: Result<impl FnOnce(GoalID) -> A::Goal, String>,
+) -> Result<GoalId, PortError> {
+    let sent = check_alive(client).and_then(|()| client.send(message?));
+    sent.map(GoalId).map_err(|why| PortError {
+        what: format!("a goal for `{}`", client.name()),
+        why,
+    })
 }
 
 fn check_alive(server: &dyn Client) -> Result<(), String> {

@@ -1,7 +1,7 @@
 //! The action servers of an arm's node, and the goal messages for them.
 //!
-//! In: goals in metres and radians. Out: messages in the units of kinova-ros: metres and unit quaternions, degrees,
-//! finger units; radians for trajectories. A goal that no message can represent is refused here, with a reason.
+//! In: goals in metres and radians. Out: messages in the units of kinova-ros: metres and unit quaternions, finger
+//! units; radians for trajectories. A goal that no message can represent is refused here, with a reason.
 
 use super::action::Action;
 use super::messages::actionlib_msgs::{GoalID, GoalStatus};
@@ -9,8 +9,8 @@ use super::messages::control_msgs::{
     FollowJointTrajectoryActionGoal, FollowJointTrajectoryActionResult,
 };
 use super::messages::kinova_msgs::{
-    ArmJointAnglesActionGoal, ArmJointAnglesActionResult, ArmPoseActionGoal, ArmPoseActionResult,
-    SetFingersPositionActionGoal, SetFingersPositionActionResult,
+    ArmPoseActionGoal, ArmPoseActionResult, SetFingersPositionActionGoal,
+    SetFingersPositionActionResult,
 };
 use super::messages::trajectory_msgs::JointTrajectoryPoint;
 use fab_arm::port::Waypoint;
@@ -39,12 +39,6 @@ action!(
     ToolPose,
     ArmPoseActionGoal,
     ArmPoseActionResult
-);
-action!(
-    /// `joints_action/joint_angles`.
-    JointAngles,
-    ArmJointAnglesActionGoal,
-    ArmJointAnglesActionResult
 );
 action!(
     /// `fingers_action/finger_positions`.
@@ -78,27 +72,6 @@ pub(super) fn tool_pose(
         (position.x, position.y, position.z) = (at.x, at.y, at.z);
         (orientation.x, orientation.y, orientation.z, orientation.w) =
             (turn.x, turn.y, turn.z, turn.w);
-        message
-    })
-}
-
-/// Makes the goal of `n_joints` joint angles, radians.
-pub(super) fn joint_angles(
-    angles_rad: &[f64],
-    n_joints: usize,
-) -> Result<impl FnOnce(GoalID) -> ArmJointAnglesActionGoal + use<>, String> {
-    let degrees: Vec<f64> = angles_rad.iter().map(|angle| angle.to_degrees()).collect();
-    let [joint1, joint2, joint3, joint4, joint5, joint6, joint7] =
-        padded(&degrees, n_joints, "joints")?;
-    Ok(move |id| {
-        let mut message = ArmJointAnglesActionGoal {
-            goal_id: id,
-            ..Default::default()
-        };
-        let angles = &mut message.goal.angles;
-        (angles.joint1, angles.joint2, angles.joint3) = (joint1, joint2, joint3);
-        (angles.joint4, angles.joint5, angles.joint6) = (joint4, joint5, joint6);
-        angles.joint7 = joint7;
         message
     })
 }
@@ -221,7 +194,6 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use std::f64::consts::{FRAC_PI_2, PI};
 
     fn waypoint(at_s: f64, angle: f64) -> Waypoint {
         Waypoint {
@@ -235,21 +207,6 @@ mod tests {
     }
 
     #[test]
-    fn angles_are_sent_in_degrees() {
-        let message =
-            joint_angles(&[PI, FRAC_PI_2, 0.0, -PI, 1.0, 0.0], 6).unwrap()(GoalID::default());
-        let angles = message.goal.angles;
-        assert_eq!(
-            (angles.joint1, angles.joint2, angles.joint4),
-            (180.0, 90.0, -180.0)
-        );
-        assert_eq!(
-            (angles.joint5, angles.joint7),
-            (1.0_f64.to_degrees() as f32, 0.0)
-        );
-    }
-
-    #[test]
     fn what_a_message_cannot_carry_is_refused_in_words() {
         let nowhere = Isometry3::translation(f64::NAN, 0.0, 0.0);
         let faults = [
@@ -258,11 +215,7 @@ mod tests {
                 "it holds `NaN`, which is not a number",
             ),
             (
-                joint_angles(&[0.0; 5], 6).err(),
-                "it names 5 joints, and the arm has 6",
-            ),
-            (
-                joint_angles(&[1e300; 6], 6).err(),
+                fingers(&[1e300; 2], 2).err(),
                 "it holds `inf`, which is not a number",
             ),
             (

@@ -1,12 +1,14 @@
 //! Receives the arm's readings from its topics.
 //!
-//! In: messages. Out: [`Readings`], each value with its time of receipt. An invalid message is dropped, and the reason
-//! kept for the error if no reading arrives.
+//! In: messages. Out: [`Readings`], each value with the time at which it was taken: by its stamp, so that a repeated pose
+//! is not fresh. Positions of fingers have no stamp, and count from their receipt. An invalid message is dropped, and the
+//! reason kept for the error if no reading arrives.
 
 use super::messages::geometry_msgs::PoseStamped;
 use super::messages::kinova_msgs::FingerPosition;
 use super::messages::sensor_msgs::JointState;
-use fab_arm::port::{Reading, Readings};
+use super::messages::std_msgs::Header;
+use fab_arm::port::{Reading, Readings, Stamps};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use roslibrust::RosMessageType;
 use roslibrust::ros1::{NodeError, NodeHandle};
@@ -60,7 +62,9 @@ impl Topics {
         subscription
             .topic(
                 "out/tool_pose",
-                move |message| tool_pose(message, &frame),
+                move |message: &PoseStamped| {
+                    Ok((Some(stamp_s(&message.header)?), tool_pose(message, &frame)?))
+                },
                 |readings| &mut readings.tool,
             )
             .await?;
@@ -68,7 +72,12 @@ impl Topics {
         subscription
             .topic(
                 "out/joint_state",
-                move |message| joint_angles(message, &joints),
+                move |message: &JointState| {
+                    Ok((
+                        Some(stamp_s(&message.header)?),
+                        joint_angles(message, &joints)?,
+                    ))
+                },
                 |readings| &mut readings.joints_rad,
             )
             .await?;
@@ -76,7 +85,7 @@ impl Topics {
         subscription
             .topic(
                 "out/finger_position",
-                move |message| fingers(message, n_fingers),
+                move |message| Ok((None, fingers(message, n_fingers)?)),
                 |readings| &mut readings.fingers,
             )
             .await?;
@@ -106,7 +115,7 @@ impl Subscription<'_> {
     async fn topic<T: RosMessageType, V: Send + 'static>(
         &self,
         name: &'static str,
-        read: impl Fn(&T) -> Result<V, String> + Send + 'static,
+        read: impl Fn(&T) -> Result<(Option<f64>, V), String> + Send + 'static,
         place: fn(&mut Readings) -> &mut Option<Reading<V>>,
     ) -> Result<(), NodeError> {
         // Only the newest message counts, so no old reading waits in a queue.
@@ -116,14 +125,21 @@ impl Subscription<'_> {
             .await?;
         let (received, clock) = (Arc::clone(self.received), self.clock);
         tokio::spawn(async move {
+            let mut stamps = Stamps::default();
             while let Some(message) = topic.next().await {
                 let Ok(message) = message else { continue };
-                let at_s = clock.elapsed().as_secs_f64();
+                let heard_s = clock.elapsed().as_secs_f64();
                 let mut received = lock(&received);
                 match read(&message) {
-                    Ok(value) => {
-                        *place(&mut received.readings) = Some(Reading { value, at_s });
+                    Ok((stamp_s, value)) => {
                         received.faults.remove(name);
+                        let taken_s = match stamp_s {
+                            Some(stamp_s) => stamps.taken_s(stamp_s, heard_s),
+                            None => Some(heard_s),
+                        };
+                        if let Some(at_s) = taken_s {
+                            *place(&mut received.readings) = Some(Reading { value, at_s });
+                        }
                     }
                     Err(why) => {
                         received.faults.insert(name, format!("`{name}` {why}"));
@@ -163,6 +179,15 @@ fn tool_pose(message: &PoseStamped, base_frame: &str) -> Result<Isometry3<f64>, 
         "has a quaternion of length `{}`, and not 1",
         turn.norm()
     ))
+}
+
+/// Returns the stamp of a message, seconds on the sender's clock; ROS writes 0 where there is none.
+fn stamp_s(header: &Header) -> Result<f64, String> {
+    let stamp_s = f64::from(header.stamp.secs) + f64::from(header.stamp.nsecs) * 1e-9;
+    match stamp_s > 0.0 {
+        true => Ok(stamp_s),
+        false => Err("has no stamp, so that nothing tells how old it is".to_owned()),
+    }
 }
 
 /// kinova-ros publishes nine positions, but only as many names as there are joints and fingers, so names decide.

@@ -1,12 +1,13 @@
 //! Executes the segments of a pick and place, one after the other. Each is confirmed, logged and verified.
 //!
-//! In: segments, all checked against the limits beforehand. Out: what the fingers held, and where they closed and
+//! In: a route, checked as a whole beforehand. Out: what the fingers held, and where they closed and
 //! opened; else the error, the last verified segment, and whether the arm is verified to be stopped. On any error, and
 //! on a panic, the arm is stopped before anything else happens.
 
-use super::driver::{Arm, ArmError, ArmState, Halt, HandContents, Opening};
+use super::driver::{Arm, ArmError, ArmState, Halt, HandContents};
+use super::guard::Checked;
 use super::log::{ArmLog, Entry, LogError};
-use super::route::{Act, Segment, SegmentName};
+use super::route::{Act, Route, Segment, SegmentName};
 use super::supervisor::{MotionRequest, Supervisor, Watchdog};
 use fab_base::interrupt::Interrupt;
 use nalgebra::{Isometry3, Point3};
@@ -82,13 +83,16 @@ impl Execution<'_> {
     /// Executes the segments.
     ///
     /// - `points`: pick and place, metres, base frame, for the supervisor's question.
-    /// - `without_cloth`: the segments that follow an empty grasp.
+    /// - `route`: checked as a whole, and each motion again before it is sent.
     pub fn run(
         &mut self,
         points: [Point3<f64>; 2],
-        segments: &[Segment],
-        without_cloth: &[Segment],
+        route: &Checked<Route>,
     ) -> Result<CompletedAction, FailedAction> {
+        let Route {
+            segments,
+            after_missed_grasp,
+        } = route.get();
         let begun_s = self.arm.now_s();
         let mut verified = None;
         let nothing_moved = |why| FailedAction {
@@ -111,7 +115,7 @@ impl Execution<'_> {
         let mut contents = HandContents::Unknown;
         let mut grasped_at = points[0];
         let mut released_at = None;
-        let mut rest: Vec<Segment> = segments.to_vec();
+        let mut rest: Vec<Segment> = segments.clone();
         rest.reverse();
         while let Some(segment) = rest.pop() {
             let done = match self.segment(&segment) {
@@ -129,7 +133,7 @@ impl Execution<'_> {
                     contents = done.contents;
                     grasped_at = done.at;
                     if contents == HandContents::Nothing {
-                        rest = without_cloth.iter().rev().copied().collect();
+                        rest = after_missed_grasp.iter().rev().copied().collect();
                     }
                 }
                 SegmentName::Release => released_at = Some(done.at),
@@ -236,8 +240,18 @@ impl Execution<'_> {
             why,
             ArmError::Refused(_) | ArmError::NotConfirmed | ArmError::JournalBeforeMotion(_)
         );
-        let stopped = moved.then(|| self.arm.stop());
-        self.watchdog.rest();
+        let mut stopped = moved.then(|| self.arm.stop());
+        match &mut stopped {
+            // The watchdog goes on watching until a stop is verified, and has a connection of its own to try.
+            Some(Err(ArmError::StopNotAcknowledged { why } | ArmError::NotStopped { why })) => {
+                match self.watchdog.stop() {
+                    Ok(()) => why.push_str("; the arm acknowledged a stop by the watchdog"),
+                    Err(error) => why.push_str(&format!("; the watchdog did not stop it: {error}")),
+                }
+            }
+            Some(Err(_)) => {}
+            Some(Ok(())) | None => self.watchdog.rest(),
+        }
         // A failure to log must not hide the error that ended the motion.
         let _ = self.log.write(&Entry::Halted {
             why: why.to_string(),
@@ -263,29 +277,4 @@ fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
     text.unwrap_or_else(|| "without words".to_owned())
-}
-
-/// Returns the segments that follow an empty grasp: up, and out of the camera's view.
-pub fn without_cloth(segments: &[Segment], pick: &Point3<f64>, retreat_m: f64) -> Vec<Segment> {
-    let Some(Act::Move(over)) = segments
-        .iter()
-        .find(|segment| segment.name == SegmentName::OverPick)
-        .map(|segment| segment.act)
-    else {
-        return Vec::new();
-    };
-    let mut up = over;
-    up.translation.vector.z = pick.z + retreat_m;
-    let act = |name, act| Segment { name, act };
-    let mut tail = vec![
-        act(SegmentName::Up, Act::Move(up)),
-        act(SegmentName::Release, Act::Hand(Opening::Open)),
-        act(SegmentName::Away, Act::Move(over)),
-    ];
-    tail.extend(
-        segments
-            .iter()
-            .filter(|segment| segment.name == SegmentName::Rest),
-    );
-    tail
 }

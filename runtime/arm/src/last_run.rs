@@ -44,9 +44,11 @@ pub enum Recovery {
     },
 }
 
-/// Returns the path of the file that names the last run, beside a settings file.
+/// Returns the path of the file that names the last run, beside a settings file; a symbolic link has that of its target.
 pub fn file_beside(settings: &Path) -> PathBuf {
-    settings.with_extension("last-run.json")
+    let file = fs::canonicalize(settings);
+    let file = file.unwrap_or_else(|_| settings.to_owned());
+    file.with_extension("last-run.json")
 }
 
 /// Records that a run is about to move the arm; its folder must exist.
@@ -207,6 +209,33 @@ mod tests {
         assert_eq!(recovery(&settings).unwrap(), Recovery::NotNeeded);
         // The recovery of one run does not count for the next.
         record(&settings, &folder.path().join("moved")).unwrap();
+        assert!(matches!(
+            recovery(&settings).unwrap(),
+            Recovery::Needed { .. }
+        ));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_the_settings_does_not_hide_an_unfinished_motion() {
+        let (folder, settings, run) = after(Some(&format!("{BEGUN}\n")));
+        fs::write(&settings, "").unwrap();
+        let elsewhere = folder.path().join("elsewhere");
+        fs::create_dir(&elsewhere).unwrap();
+        let link = elsewhere.join("other.toml");
+        let to_link = elsewhere.join("third.toml");
+        std::os::unix::fs::symlink(&settings, &link).unwrap();
+        std::os::unix::fs::symlink("other.toml", &to_link).unwrap();
+        for file in [&settings, &link, &to_link] {
+            assert!(
+                matches!(recovery(file).unwrap(), Recovery::Needed { .. }),
+                "{file:?}"
+            );
+        }
+        // A run that was started by the link is found by the file, too.
+        fs::remove_file(file_beside(&settings)).unwrap();
+        assert_eq!(recovery(&link).unwrap(), Recovery::NotNeeded);
+        record(&link, &run).unwrap();
         assert!(matches!(
             recovery(&settings).unwrap(),
             Recovery::Needed { .. }

@@ -1,7 +1,7 @@
 //! The arm: kinematics, camera calibration, motion limits, and the drivers of real and simulated arms.
 //!
 //! ```text
-//! Motion → route → Limited → Arm (a driver) → Port (messages) → a real or simulated arm
+//! Motion → plan → Guard → Checked route → Limited → Arm (a driver) → Guard → Checked goal → Port (messages) → an arm
 //! ```
 //!
 //! Lengths are metres and angles radians. The base frame is the arm's own (`link_base`): z points up along the axis of
@@ -12,6 +12,7 @@ pub mod calibration;
 pub mod directory;
 pub mod driver;
 pub mod execute;
+pub mod guard;
 pub mod kinematics;
 pub mod last_run;
 pub mod limits;

@@ -7,15 +7,23 @@
 use super::driver::Opening;
 use super::route::{Act, Segment, SegmentName};
 use fab_base::jsonl::{Appender, Reader};
+use fab_base::outbox::Outbox;
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Name of the journal in a run folder.
 pub const ARM_FILE: &str = "arm.jsonl";
 
 /// The longest journal accepted.
 const MAX_BYTES: u64 = 64 << 20;
+
+/// The longest that a line may take to be on disk.
+const LONGEST: Duration = Duration::from_secs(5);
+
+/// The most lines that wait for a disk that hangs.
+const MAX_WAITING: usize = 4;
 
 /// A line of the journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,7 +80,9 @@ pub struct LogError {
 #[derive(Debug)]
 pub struct ArmLog {
     path: PathBuf,
-    file: Appender,
+    /// A disk that hangs must not hang this program.
+    lines: Outbox<Entry>,
+    longest: Duration,
 }
 
 impl ArmLog {
@@ -87,16 +97,32 @@ impl ArmLog {
             Ok(file)
         });
         match opened {
-            Ok(file) => Ok(ArmLog { path, file }),
+            Ok(mut file) => Ok(ArmLog::to(path, LONGEST, move |entry| {
+                file.append(&entry).map_err(|error| error.to_string())
+            })),
             Err(why) => Err(LogError { path, why }),
         }
     }
 
-    /// Writes a line and waits until it is on disk.
+    /// Writes lines by a function, each of which may take `longest`.
+    pub(crate) fn to(
+        path: PathBuf,
+        longest: Duration,
+        write: impl FnMut(Entry) -> Result<(), String> + Send + 'static,
+    ) -> ArmLog {
+        ArmLog {
+            path,
+            lines: Outbox::new(MAX_WAITING, write),
+            longest,
+        }
+    }
+
+    /// Writes a line and waits until it is on disk; fails if that takes too long.
     pub fn write(&mut self, entry: &Entry) -> Result<(), LogError> {
-        self.file.append(entry).map_err(|error| LogError {
+        let written = self.lines.write(entry.clone(), self.longest);
+        written.map_err(|why| LogError {
             path: self.path.clone(),
-            why: error.to_string(),
+            why,
         })
     }
 

@@ -1,20 +1,16 @@
 //! Plans one pick and place without motion.
 //!
-//! In: settings, the kinematic chain, the tool's pose, two points. Out: a [`Plan`]: each segment with its target, path
-//! length, duration at the configured speed, and joint angles at its end; or the reason why a segment is not allowed or
-//! not possible. Nothing is executed here.
+//! In: settings, the guard, the arm's state, two points. Out: a [`Plan`]: each segment with its target, path length,
+//! duration at the configured speed, and joint angles at its end; or the reason why a segment is not allowed or not
+//! possible. A whole plan comes with its checked route, which alone can be executed. Nothing is executed here.
 
-use super::driver::Opening;
-use super::kinematics::chain::Chain;
+use super::driver::{ArmState, Opening};
+use super::guard::{Checked, Guard, SegmentEnd, Walk};
 use super::kinematics::reach::{Reach, Turn};
-use super::limits;
-use super::route::{self, Act, Segment, SegmentName};
+use super::route::{Act, Route, SegmentName};
 use super::settings::Settings;
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
-
-/// Largest distance between two points of a straight path at which joint angles are solved, metres.
-const STEP_M: f64 = 0.01;
 
 /// One pick and place, planned.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +25,9 @@ pub struct Plan {
     pub from_m: [f64; 3],
     /// The segments in order; a refused segment is the last one.
     pub segments: Vec<PlannedSegment>,
+    /// The segments that follow the grasp if the hand is empty; empty if one of `segments` is refused.
+    #[serde(default)]
+    pub after_missed_grasp: Vec<PlannedSegment>,
     /// Why the last segment is not allowed or not possible; `None` if all are possible.
     pub refused: Option<String>,
 }
@@ -51,75 +50,50 @@ pub struct PlannedSegment {
 }
 
 impl Plan {
-    /// Plans a pick and place with the hand pointing down.
+    /// Plans a pick and place with the hand pointing down; the route is there if all of it is possible.
     ///
-    /// - `from`: the tool's pose, `base_from_tool`.
+    /// - `from`: the arm's state; joint angles that it does not report are those of a posture with the elbow up.
     /// - `points`: pick and place, metres, base frame.
     pub fn make(
         settings: &Settings,
-        chain: &Chain,
-        from: &Isometry3<f64>,
+        guard: &Guard,
+        from: &ArmState,
         points: [Point3<f64>; 2],
-    ) -> Plan {
+    ) -> (Plan, Option<Checked<Route>>) {
         let [pick, place] = points;
         let mut plan = Plan {
             model: settings.model.clone(),
             pick_m: pick.into(),
             place_m: place.into(),
-            from_m: from.translation.vector.into(),
+            from_m: from.tool.translation.vector.into(),
             segments: Vec::new(),
+            after_missed_grasp: Vec::new(),
             refused: None,
         };
-        let segments = route::segments(settings, from, &pick, &place);
-        plan.refused = plan.follow(settings, chain, from, &segments).err();
-        plan
-    }
-
-    /// Adds segments up to the first that is not allowed or not possible; the error says why.
-    fn follow(
-        &mut self,
-        settings: &Settings,
-        chain: &Chain,
-        from: &Isometry3<f64>,
-        segments: &[Segment],
-    ) -> Result<(), String> {
-        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
-        let here = Point3::from(from.translation.vector);
-        let at_rest = Reach::tool_down(chain, turn).check(&here, &[0.0]);
-        let mut joints_rad = at_rest.map_err(|why| format!("where the tool is: {why}"))?;
-        let mut at = *from;
-        for segment in segments {
-            let (to, hand) = match segment.act {
-                Act::Move(to) => (to, None),
-                Act::Hand(opening) => (at, Some(opening)),
-            };
-            let way_m = (to.translation.vector - at.translation.vector).norm();
-            self.segments.push(PlannedSegment {
-                name: segment.name,
-                to_m: to.translation.vector.into(),
-                hand,
-                way_m,
-                takes_s: way_m / settings.motion.speed_m_s,
-                joints_deg: Vec::new(),
-            });
-            if hand.is_none() {
-                limits::check(
-                    &settings.workspace,
-                    settings.tolerance.position_m,
-                    &at,
-                    &to,
-                    settings.motion.speed_m_s,
-                )?;
-                let path = chain.straight(&at, &to, &joints_rad, STEP_M);
-                let path = path.map_err(|why| format!("the arm cannot follow: {why}"))?;
-                joints_rad = path.into_iter().next_back().unwrap_or(joints_rad);
+        let from = match with_joints(settings, guard, from) {
+            Ok(from) => from,
+            Err(why) => {
+                plan.refused = Some(why);
+                return (plan, None);
             }
-            if let Some(last) = self.segments.last_mut() {
-                last.joints_deg = joints_rad.iter().map(|angle| angle.to_degrees()).collect();
-            }
-            at = to;
+        };
+        let route = Route::new(settings, guard.surface(), &from.tool, &pick, &place);
+        let speed_m_s = settings.motion.speed_m_s;
+        let Walk { ends, home, route } = guard.route(&from, route, speed_m_s);
+        plan.segments = planned(&from, &ends, speed_m_s);
+        let grasped = ends
+            .iter()
+            .find(|(segment, _)| segment.name == SegmentName::Grasp);
+        if let Some((_, Some(grasped))) = grasped {
+            plan.after_missed_grasp = planned(grasped, &home, speed_m_s);
         }
-        Ok(())
+        match route {
+            Ok(route) => (plan, Some(route)),
+            Err(why) => {
+                plan.refused = Some(why);
+                (plan, None)
+            }
+        }
     }
 
     /// Returns the total path length, metres.
@@ -135,11 +109,52 @@ impl Plan {
     /// Returns which segment is refused and why; `None` if all are possible.
     pub fn refusal(&self) -> Option<String> {
         let why = self.refused.as_ref()?;
-        Some(match self.segments.last() {
-            Some(segment) => format!("`{}` is not possible: {why}", segment.name.text()),
+        let refused = match self.after_missed_grasp.last() {
+            Some(segment) => Some((segment, ", after a missed grasp,")),
+            None => self.segments.last().map(|segment| (segment, "")),
+        };
+        Some(match refused {
+            Some((segment, after)) => {
+                format!("`{}`{after} is not possible: {why}", segment.name.text())
+            }
             None => why.clone(),
         })
     }
+}
+
+/// Returns the state with joint angles, if need be those of a posture with the elbow up.
+fn with_joints(settings: &Settings, guard: &Guard, from: &ArmState) -> Result<ArmState, String> {
+    let mut from = from.clone();
+    if from.joints_rad.is_empty() {
+        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
+        let here = Point3::from(from.tool.translation.vector);
+        let at_rest = Reach::tool_down(guard.chain(), turn).check(&here, &[0.0]);
+        from.joints_rad = at_rest.map_err(|why| format!("where the tool is: {why}"))?;
+    }
+    Ok(from)
+}
+
+/// Describes segments with the arm's state at the end of each; a refused one has none.
+fn planned(from: &ArmState, ends: &[SegmentEnd], speed_m_s: f64) -> Vec<PlannedSegment> {
+    let mut at = from.tool;
+    let planned = ends.iter().map(|(segment, end)| {
+        let (to, hand) = match segment.act {
+            Act::Move(to) => (to, None),
+            Act::Hand(opening) => (at, Some(opening)),
+        };
+        let way_m = (to.translation.vector - at.translation.vector).norm();
+        at = to;
+        let joints_rad = end.iter().flat_map(|end| &end.joints_rad);
+        PlannedSegment {
+            name: segment.name,
+            to_m: to.translation.vector.into(),
+            hand,
+            way_m,
+            takes_s: way_m / speed_m_s,
+            joints_deg: joints_rad.map(|angle| angle.to_degrees()).collect(),
+        }
+    });
+    planned.collect()
 }
 
 #[cfg(test)]
@@ -147,6 +162,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use crate::guard::Surface;
+    use crate::kinematics::chain::Chain;
     use crate::kinematics::tool_down::tool_down;
 
     const ROBOT: &str = "
@@ -161,15 +178,27 @@ camera = { source = 'simulated', window_px = [0, 0, 720] }
 min_m = [0.15, -0.525, 0.01]
 max_m = [0.75, 0.525, 0.45]
 rest_m = [0.35, -0.35, 0.25]
-keep_out = [{ name = 'lamp', min_m = [0.45, 0.1, 0.0], max_m = [0.5, 0.2, 0.4] }]
+keep_out = [{ name = 'lamp', min_m = [0.45, 0.25, 0.0], max_m = [0.5, 0.35, 0.4] }]
 ";
 
     fn plan(pick_m: [f64; 3], place_m: [f64; 3]) -> (Plan, Chain) {
-        let settings = Settings::parse(ROBOT).unwrap();
+        plan_of(ROBOT, [pick_m, place_m])
+    }
+
+    fn plan_of(robot: &str, points_m: [[f64; 3]; 2]) -> (Plan, Chain) {
+        let settings = Settings::parse(robot).unwrap();
         let chain = Chain::of_model("j2n6s200").unwrap();
-        let from = tool_down(&settings.workspace.rest_m.into(), 0.0);
-        let points = [pick_m, place_m].map(Point3::from);
-        (Plan::make(&settings, &chain, &from, points), chain)
+        let guard = Guard::new(&settings, chain.clone(), Surface::level(&settings));
+        let from = ArmState {
+            at_s: 0.0,
+            tool: tool_down(&settings.workspace.rest_m.into(), 0.0),
+            joints_rad: Vec::new(),
+            fingers: Vec::new(),
+        };
+        let points = points_m.map(Point3::from);
+        let (plan, route) = Plan::make(&settings, &guard, &from, points);
+        assert_eq!(route.is_some(), plan.refused.is_none());
+        (plan, chain)
     }
 
     #[test]
@@ -195,10 +224,35 @@ keep_out = [{ name = 'lamp', min_m = [0.45, 0.1, 0.0], max_m = [0.5, 0.2, 0.4] }
         );
     }
 
+    /// A missed grasp leads straight up from the pick, which no other segment does.
+    #[test]
+    fn the_way_home_after_a_missed_grasp_is_planned_too() {
+        let (plan, _) = plan([0.40, 0.05, 0.02], [0.52, -0.12, 0.02]);
+        let home = &plan.after_missed_grasp;
+        let names: Vec<&str> = home.iter().map(|segment| segment.name.text()).collect();
+        assert_eq!(names, ["up", "release", "away", "rest"]);
+        assert_eq!(home[0].to_m, [0.40, 0.05, 0.07]);
+        assert!((home[0].way_m - 0.05).abs() < 1e-9);
+        assert!(home.iter().all(|segment| segment.joints_deg.len() == 6));
+    }
+
+    /// Above a high pick the hand would leave the box, and above the place it would not.
+    #[test]
+    fn a_way_home_that_is_not_allowed_refuses_the_plan() {
+        let robot = ROBOT.replace("0.525, 0.45]", "0.525, 0.26]")
+            + "[motion]\nretreat_m = 0.2\ntravel_m = 0.2\n";
+        let points = [[0.40, 0.05, 0.07], [0.52, -0.12, 0.02]];
+        let (plan, _) = plan_of(&robot, points);
+        let refusal = plan.refusal().unwrap_or_default();
+        let expected = "`up`, after a missed grasp, is not possible: the tool would be at";
+        assert!(refusal.starts_with(expected), "{refusal}");
+        assert_eq!(plan.segments.last().unwrap().name, SegmentName::Rest);
+    }
+
     #[test]
     fn a_plan_ends_with_the_segment_that_is_refused() {
         for (pick_m, place_m, name, why) in [
-            ([0.40, 0.16, 0.02], [0.55, 0.16, 0.02], "over", "`lamp`"),
+            ([0.27, 0.30, 0.02], [0.62, 0.30, 0.02], "over", "`lamp`"),
             ([0.40, 0.05, 0.02], [0.45, 0.60, 0.02], "over", "workspace"),
             (
                 [0.72, 0.20, 0.02],

@@ -3,20 +3,11 @@
 //! In: goals, cancellations, stops. Out: the state of each goal, and the arm's last readings. A port only sends and
 //! receives: the driver decides what a lost message or an aborted goal means.
 
-use nalgebra::Isometry3;
+mod stamps;
 
-/// A goal for an action server of the arm's node.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Goal {
-    /// Move the tool to a pose (`pose_action/tool_pose`), `base_from_tool`.
-    ToolPose(Isometry3<f64>),
-    /// Move the joints to these angles (`joints_action/joint_angles`), radians, from the base to the hand.
-    JointAngles(Vec<f64>),
-    /// Move the fingers to these positions (`fingers_action/finger_positions`), in the node's own units, one each.
-    Fingers(Vec<f64>),
-    /// Move the joints through these points (`FollowJointTrajectory`).
-    Trajectory(Vec<Waypoint>),
-}
+pub use stamps::Stamps;
+
+use nalgebra::Isometry3;
 
 /// A point of a joint trajectory.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,12 +46,12 @@ pub enum Ending {
     Rejected,
 }
 
-/// A value that an arm published, and when it was received.
+/// A value that an arm published, and when it was taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading<T> {
     /// The value.
     pub value: T,
-    /// Time of receipt on the port's clock, seconds.
+    /// When it was taken, on the port's clock, seconds: by its stamp ([`Stamps`]), or its receipt if it has none.
     pub at_s: f64,
 }
 
@@ -85,9 +76,19 @@ pub struct PortError {
     pub why: String,
 }
 
+/// What an arm does with a goal that it gets after a stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AfterStop {
+    /// It refuses the goal until `start`, so that a refused goal verifies a stop.
+    Refuses,
+    /// It takes the goal: a stop only ended the motion.
+    Accepts,
+}
+
 /// A connection to the node that moves an arm.
 ///
-/// Only `stop` and `start` wait for an answer.
+/// Sending only queues a message; whether a goal was accepted, and how it ended, is told by `goal`. Only `stop` and
+/// `start` wait for an answer.
 pub trait Port {
     /// Returns the time of a monotonic clock, seconds.
     fn now_s(&self) -> f64;
@@ -95,22 +96,36 @@ pub trait Port {
     /// Waits while messages arrive.
     fn wait(&mut self, seconds: f64);
 
-    /// Sends a goal, which preempts an active goal of the same server.
-    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError>;
+    /// Moves the joints through these points, which preempts the trajectory before (`FollowJointTrajectory`).
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError>;
+
+    /// Moves the tool to a pose, `base_from_tool`. Only the node of kinova-ros takes poses
+    /// (`pose_action/tool_pose`); it solves the inverse kinematics, and chooses speed and joint path.
+    fn send_pose(&mut self, _tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        Err(PortError {
+            what: "a pose of the tool".to_owned(),
+            why: "this arm takes joint trajectories only".to_owned(),
+        })
+    }
+
+    /// Moves the fingers to these positions, in the arm's own units, one each.
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError>;
 
     /// Returns the state of a goal.
-    fn state(&mut self, goal: &GoalId) -> GoalState;
+    fn goal(&mut self, goal: &GoalId) -> GoalState;
 
-    /// Requests the cancellation of a goal. The arm's node ends the motion and stays enabled.
+    /// Requests the cancellation of a goal; its state shows whether it was cancelled. The arm stays enabled.
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError>;
 
-    /// Stops the arm, which then refuses motion until `start` (`in/stop`). Without that service every goal is
-    /// cancelled.
+    /// Stops the arm; fails if nothing acknowledges the stop.
     fn stop(&mut self) -> Result<(), PortError>;
 
-    /// Enables a stopped arm (`in/start`). Called only at a person's request.
+    /// Returns what the arm does with goals after a stop.
+    fn after_stop(&self) -> AfterStop;
+
+    /// Enables a stopped arm. Called only at a person's request.
     fn start(&mut self) -> Result<(), PortError>;
 
-    /// Returns the last readings.
-    fn readings(&mut self) -> Readings;
+    /// Returns the arm's state, which is its last readings.
+    fn state(&mut self) -> Readings;
 }

@@ -1,14 +1,25 @@
 //! The segments of one pick and place, as in the paper.
 //!
-//! In: two points on the table, and the motion settings. Out: segments in order, each with its name and target. The
-//! paper: approach to 5 mm above the pick, down, grasp, up 5 mm, over, down, release, up. Distances are exact: each
-//! segment is one motion to an absolute pose, where the authors' code counts steps of 50 mm.
+//! In: two points on the table, and the motion settings. Out: a [`Route`]: segments in order, each with its name and
+//! target, and those that follow a missed grasp. The paper: approach to 5 mm above the pick, down, grasp, up 5 mm, over,
+//! down, release, up. Distances are exact: each segment is one motion to an absolute pose, where the authors' code
+//! counts steps of 50 mm.
 
 use super::driver::Opening;
+use super::guard::Surface;
 use super::kinematics::tool_down::tool_down;
 use super::settings::{MotionSettings, Settings};
 use nalgebra::{Isometry3, Point3};
 use serde::{Deserialize, Serialize};
+
+/// The segments of one pick and place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Route {
+    /// In order.
+    pub segments: Vec<Segment>,
+    /// Those that follow [`SegmentName::Grasp`] if the hand is empty: up, and out of the camera's view.
+    pub after_missed_grasp: Vec<Segment>,
+}
 
 /// One segment of a pick and place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,59 +97,80 @@ impl SegmentName {
     }
 }
 
-/// Lists the segments of one pick and place.
-///
-/// - `from`: the tool's pose, `base_from_tool`.
-/// - `pick`, `place`: points on the cloth and the table, base frame, metres.
-pub fn segments(
-    settings: &Settings,
-    from: &Isometry3<f64>,
-    pick: &Point3<f64>,
-    place: &Point3<f64>,
-) -> Vec<Segment> {
-    let MotionSettings {
-        pre_pick_m,
-        grasp_m,
-        lift_m,
-        release_m,
-        retreat_m,
-        hand_turn_deg,
-        ..
-    } = settings.motion;
-    let travel_z = travel_height_m(settings);
-    let turn_rad = hand_turn_deg.to_radians();
-    let pose = |x: f64, y: f64, z: f64| Act::Move(tool_down(&Point3::new(x, y, z), turn_rad));
-    let over = |point: &Point3<f64>, above_m: f64| pose(point.x, point.y, point.z + above_m);
-    let high = |x: f64, y: f64| pose(x, y, travel_z);
-    let here = from.translation.vector;
-    let [rest_x, rest_y, rest_z] = settings.workspace.rest_m;
-    let mut segments = Vec::new();
-    let mut add = |name, act| segments.push(Segment { name, act });
-    add(
-        SegmentName::Rise,
-        pose(here.x, here.y, here.z.max(travel_z)),
-    );
-    add(SegmentName::Open, Act::Hand(Opening::Open));
-    add(SegmentName::OverPick, high(pick.x, pick.y));
-    add(SegmentName::PrePick, over(pick, pre_pick_m));
-    add(SegmentName::Down, over(pick, grasp_m));
-    add(SegmentName::Grasp, Act::Hand(Opening::Closed));
-    add(SegmentName::Lift, over(pick, lift_m));
-    // The carry height is the lift above the higher of the two points, so the cloth clears both.
-    let carry_z = pick.z.max(place.z) + lift_m;
-    if carry_z > pick.z + lift_m {
-        add(SegmentName::Lift, pose(pick.x, pick.y, carry_z));
+impl Route {
+    /// Lists the segments of one pick and place.
+    ///
+    /// - `from`: the tool's pose, `base_from_tool`.
+    /// - `pick`, `place`: points on the cloth and the table, base frame, metres.
+    pub fn new(
+        settings: &Settings,
+        surface: &Surface,
+        from: &Isometry3<f64>,
+        pick: &Point3<f64>,
+        place: &Point3<f64>,
+    ) -> Route {
+        let MotionSettings {
+            pre_pick_m,
+            grasp_m,
+            lift_m,
+            release_m,
+            retreat_m,
+            hand_turn_deg,
+            ..
+        } = settings.motion;
+        let travel_z = [pick, place]
+            .map(|point| travel_height_m(settings, surface, point))
+            .into_iter()
+            .fold(f64::NEG_INFINITY, f64::max);
+        let turn_rad = hand_turn_deg.to_radians();
+        let pose = |x: f64, y: f64, z: f64| Act::Move(tool_down(&Point3::new(x, y, z), turn_rad));
+        let over = |point: &Point3<f64>, above_m: f64| pose(point.x, point.y, point.z + above_m);
+        let high = |x: f64, y: f64| pose(x, y, travel_z);
+        let open = Act::Hand(Opening::Open);
+        let here = from.translation.vector;
+        let [rest_x, rest_y, rest_z] = settings.workspace.rest_m;
+        // The carry height is the lift above the higher of the two points, so the cloth clears both.
+        let carry_z = pick.z.max(place.z) + lift_m;
+        let rest = (SegmentName::Rest, pose(rest_x, rest_y, rest_z));
+        let mut segments = vec![
+            (
+                SegmentName::Rise,
+                pose(here.x, here.y, here.z.max(travel_z)),
+            ),
+            (SegmentName::Open, open),
+            (SegmentName::OverPick, high(pick.x, pick.y)),
+            (SegmentName::PrePick, over(pick, pre_pick_m)),
+            (SegmentName::Down, over(pick, grasp_m)),
+            (SegmentName::Grasp, Act::Hand(Opening::Closed)),
+            (SegmentName::Lift, over(pick, lift_m)),
+        ];
+        if carry_z > pick.z + lift_m {
+            segments.push((SegmentName::Lift, pose(pick.x, pick.y, carry_z)));
+        }
+        segments.extend([
+            (SegmentName::Over, pose(place.x, place.y, carry_z)),
+            (SegmentName::DownToPlace, over(place, release_m)),
+            (SegmentName::Release, open),
+            (SegmentName::Up, over(place, retreat_m)),
+            (SegmentName::Away, high(place.x, place.y)),
+            rest,
+        ]);
+        let after_missed_grasp = [
+            (SegmentName::Up, over(pick, retreat_m)),
+            (SegmentName::Release, open),
+            (SegmentName::Away, high(pick.x, pick.y)),
+            rest,
+        ];
+        let named = |(name, act)| Segment { name, act };
+        Route {
+            segments: segments.into_iter().map(named).collect(),
+            after_missed_grasp: after_missed_grasp.map(named).to_vec(),
+        }
     }
-    add(SegmentName::Over, pose(place.x, place.y, carry_z));
-    add(SegmentName::DownToPlace, over(place, release_m));
-    add(SegmentName::Release, Act::Hand(Opening::Open));
-    add(SegmentName::Up, over(place, retreat_m));
-    add(SegmentName::Away, high(place.x, place.y));
-    add(SegmentName::Rest, pose(rest_x, rest_y, rest_z));
-    segments
 }
 
-/// Returns the height at which the hand travels, metres, base frame.
-pub fn travel_height_m(settings: &Settings) -> f64 {
-    settings.table.center_m[2] + settings.motion.travel_m
+/// Returns the height at which the hand travels over a point, metres, base frame.
+pub fn travel_height_m(settings: &Settings, surface: &Surface, point: &Point3<f64>) -> f64 {
+    let table_m = surface.height_m(point.x, point.y);
+    table_m.max(settings.table.center_m[2]) + settings.motion.travel_m
 }

@@ -1,9 +1,11 @@
 //! The settings of one arm over one table: a TOML file that its owner writes once.
 //!
-//! In: text. Out: [`Settings`], every number checked; an error names the key, its value and what would be right. The
-//! camera's pose is measured, and stored in its own file (`fabc calibrate`).
+//! In: text. Out: [`Settings`], every number checked; an error names the key, its value and what would be right. Ranges
+//! and defaults are in one table (`keys`), what one key requires of another in `check`. The camera's pose is measured,
+//! and stored in its own file (`fabc calibrate`).
 
 mod check;
+mod keys;
 
 use super::rgbd::Intrinsics;
 use fab_base::files;
@@ -31,19 +33,16 @@ pub struct Settings {
     /// The limits of the tool's position.
     pub workspace: Workspace,
     /// How a pick and place is executed.
-    #[serde(default)]
     pub motion: MotionSettings,
     /// What finger positions mean.
     pub fingers: FingerSettings,
     /// When a goal counts as reached, and its time limits.
-    #[serde(default)]
     pub tolerance: Tolerance,
     /// The source of pictures.
     pub camera: CameraSettings,
     /// The connection to the arm's node; needed for the drivers `kinova` and `trajectory`.
     pub ros: Option<RosSettings>,
     /// The arm and table of the driver `simulated`.
-    #[serde(default)]
     pub simulated: SimulatedSettings,
 }
 
@@ -67,7 +66,6 @@ pub struct Table {
     /// which the fingertips touch the table.
     pub center_m: [f64; 3],
     /// Rotation of the world frame about z relative to the base frame, degrees.
-    #[serde(default)]
     pub turn_deg: f64,
 }
 
@@ -80,15 +78,12 @@ pub struct Workspace {
     /// The largest.
     pub max_m: [f64; 3],
     /// Boxes that neither the tool nor its path may enter.
-    #[serde(default)]
     pub keep_out: Vec<KeepOut>,
     /// Where the tool waits while pictures are taken, out of the camera's view; metres, base frame.
     pub rest_m: [f64; 3],
     /// The highest speed of the tool, m/s.
-    #[serde(default = "defaults::max_speed_m_s")]
     pub max_speed_m_s: f64,
     /// The longest single segment, metres.
-    #[serde(default = "defaults::max_step_m")]
     pub max_step_m: f64,
 }
 
@@ -106,7 +101,7 @@ pub struct KeepOut {
 
 /// How a pick and place is executed; heights are above the pick or place point.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 pub struct MotionSettings {
     /// Height at which the hand arrives over the pick, metres (paper: 5 mm).
     pub pre_pick_m: f64,
@@ -129,7 +124,7 @@ pub struct MotionSettings {
 
 /// The simulated arm and table of the driver `simulated`, which needs no real hardware.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 pub struct SimulatedSettings {
     /// Height of the simulated camera above the table, metres.
     pub camera_height_m: f64,
@@ -170,20 +165,6 @@ impl SimulatedSettings {
     }
 }
 
-impl Default for SimulatedSettings {
-    fn default() -> Self {
-        SimulatedSettings {
-            camera_height_m: 1.0,
-            camera_offset_m: [0.0; 2],
-            camera_turn_deg: 0.0,
-            camera_fov_deg: 45.0,
-            camera_px: 720,
-            repeatability_m: 0.001,
-            seed: 0,
-        }
-    }
-}
-
 /// The meaning of finger positions; the vendor's documents disagree about the units, so they are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -203,7 +184,7 @@ pub struct FingerSettings {
 
 /// When a goal counts as reached, and its time limits.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 pub struct Tolerance {
     /// How far the tool may be from its target, metres. The arm's node itself accepts 10 mm.
     pub position_m: f64,
@@ -231,11 +212,14 @@ pub struct CameraSettings {
     pub window_px: [u32; 3],
     /// The camera's projection, if it does not report it itself.
     pub intrinsics: Option<Intrinsics>,
+    /// Height of the lens above the table, metres, by a tape measure; calibrations are compared with it.
+    pub height_m: Option<f64>,
+    /// Direction on the table of the picture's top, degrees about z from the base's x axis; likewise.
+    pub up_deg: Option<f64>,
     /// The camera's own picture of the flat cloth, whole and alone on the table, relative to this file; coverage is
     /// measured against it.
     pub flat: Option<PathBuf>,
     /// The longest to wait for a picture, seconds.
-    #[serde(default = "defaults::picture_s")]
     pub timeout_s: f64,
 }
 
@@ -264,7 +248,6 @@ pub struct RosSettings {
     /// The controller's action, for the driver `trajectory`.
     pub trajectory: Option<String>,
     /// The joints' names in a trajectory, from the base to the hand.
-    #[serde(default)]
     pub joints: Vec<String>,
     /// Topic of the colour picture.
     pub color: Option<String>,
@@ -272,46 +255,6 @@ pub struct RosSettings {
     pub depth: Option<String>,
     /// Topic of the camera's `CameraInfo`.
     pub info: Option<String>,
-}
-
-mod defaults {
-    pub(super) fn max_speed_m_s() -> f64 {
-        0.2
-    }
-    pub(super) fn max_step_m() -> f64 {
-        0.9
-    }
-    pub(super) fn picture_s() -> f64 {
-        5.0
-    }
-}
-
-impl Default for MotionSettings {
-    fn default() -> Self {
-        MotionSettings {
-            pre_pick_m: 0.005,
-            grasp_m: 0.0,
-            lift_m: 0.005,
-            release_m: 0.0,
-            retreat_m: 0.05,
-            travel_m: 0.10,
-            speed_m_s: 0.10,
-            hand_turn_deg: 0.0,
-        }
-    }
-}
-
-impl Default for Tolerance {
-    fn default() -> Self {
-        Tolerance {
-            position_m: 0.003,
-            angle_deg: 3.0,
-            corrections: 2,
-            settle_s: 5.0,
-            stale_s: 1.0,
-            watchdog_s: 1.0,
-        }
-    }
 }
 
 /// Why settings cannot be used.
@@ -335,9 +278,11 @@ impl Settings {
         Settings::parse(&text).map_err(wrong)
     }
 
-    /// Reads settings from text and checks every number; fails with the first fault.
+    /// Reads settings from text and checks every number; fails with all faults, one per line.
     pub fn parse(text: &str) -> Result<Settings, String> {
-        let settings = toml::from_str(text).map_err(|error| error.to_string())?;
+        let document = keys::read(text)?;
+        let settings = document.try_into();
+        let settings = settings.map_err(|error: toml::de::Error| error.to_string())?;
         check::check(&settings)?;
         Ok(settings)
     }

@@ -53,14 +53,18 @@ impl Supervisor for Unattended {
 
 /// Stops the arm from outside if this program sends no heartbeat while the arm moves.
 pub trait Watchdog {
-    /// Starts watching; fails if it cannot.
+    /// Starts watching, and waits until that is acknowledged; fails if it is not.
     fn watch(&mut self) -> Result<(), String>;
 
-    /// Sends a heartbeat; fails if nobody received it.
+    /// Sends a heartbeat, without waiting; fails if earlier ones were not acknowledged in time.
     fn beat(&mut self) -> Result<(), String>;
 
     /// Stops watching: the arm is at rest.
     fn rest(&mut self);
+
+    /// Has the arm stopped over another connection than this program's, and waits until that is acknowledged; fails if
+    /// it is not.
+    fn stop(&mut self) -> Result<(), String>;
 }
 
 /// Watches nothing: for arms that this program simulates, which end with it.
@@ -77,4 +81,8 @@ impl Watchdog for NoWatchdog {
     }
 
     fn rest(&mut self) {}
+
+    fn stop(&mut self) -> Result<(), String> {
+        Err("this arm has no watchdog".to_owned())
+    }
 }

@@ -10,22 +10,22 @@ mod planning;
 mod reach;
 mod rehearsal;
 
-pub use parts::{Parts, about, base_from_world, load};
+pub use parts::{Parts, about, base_from_world, guard, load};
 pub use picture::{FlatPicture, simulated_table};
 pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
 pub use reach::WithinReach;
 pub use rehearsal::Rehearsal;
 
 use crate::calibration::Moved;
-use crate::driver::{Arm, ArmError, HandContents};
-use crate::execute::{Execution, FailedAction, without_cloth};
+use crate::driver::{Arm, ArmError, ArmState, HandContents};
+use crate::execute::{Execution, FailedAction};
+use crate::guard::Checked;
 use crate::kinematics::tool_down::tool_down;
-use crate::limits;
 use crate::limits::Limited;
 use crate::log::ArmLog;
+use crate::plan::Plan;
 use crate::rgbd::{RgbdSource, Shot};
-use crate::route;
-use crate::settings::Settings;
+use crate::route::Route;
 use crate::table::ClothTable;
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
@@ -73,15 +73,15 @@ impl ArmWorld {
             .calibration
             .check_settings(settings)
             .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
-        let margin_m = settings.tolerance.position_m;
+        let guard = parts.guard()?;
         let log = parts.folder.as_deref().map(ArmLog::open).transpose();
         Ok(ArmWorld {
             base_from_world: base_from_world(settings),
-            arm: Limited::new(arm, settings.workspace.clone(), margin_m),
+            arm: Limited::new(arm, guard.clone(), &settings.tolerance),
             camera,
             table: None,
             flat: None,
-            reach: ArmReach::of(settings)?,
+            reach: ArmReach::new(settings, guard),
             log: log.map_err(|error| motion(error.to_string()))?,
             is_laid: false,
             is_camera_checked: false,
@@ -95,6 +95,14 @@ impl ArmWorld {
     /// Measures coverage against a picture of the flat cloth; the picture is part of the world's parameters.
     pub fn with_flat(self, flat: Option<FlatPicture>) -> ArmWorld {
         ArmWorld { flat, ..self }
+    }
+
+    /// Plans a motion from where the arm is; the route is there if all of it is possible.
+    fn plan(&self, from: &ArmState, asked: &Motion) -> (Plan, Option<Checked<Route>>) {
+        let (settings, guard) = (&self.parts.settings, self.reach.guard());
+        let points = [&asked.pick, &asked.place];
+        let points = points.map(|point| base_point(settings, guard.surface(), point));
+        Plan::make(settings, guard, from, points)
     }
 
     /// Checks that the camera is where it was calibrated. A simulated camera that was calibrated without a picture
@@ -216,17 +224,12 @@ impl World for ArmWorld {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
-        let [pick, place] = [&motion_asked.pick, &motion_asked.place]
-            .map(|point| base_point(&self.parts.settings, point));
-        let settings = self.parts.settings.clone();
-        let from = self
-            .arm
-            .state()
-            .map_err(|error| motion(error.to_string()))?
-            .tool;
-        let segments = route::segments(&settings, &from, &pick, &place);
-        let empty = without_cloth(&segments, &pick, settings.motion.retreat_m);
-        check_all(&settings, &from, &segments).map_err(motion)?;
+        let from = self.arm.state();
+        let from = from.map_err(|error| motion(error.to_string()))?;
+        let (plan, route) = self.plan(&from, motion_asked);
+        let Some(route) = route else {
+            return Err(motion(plan.refusal().unwrap_or_default()));
+        };
         self.n_actions += 1;
         let Some(log) = &mut self.log else {
             return Err(motion(
@@ -239,10 +242,10 @@ impl World for ArmWorld {
             supervisor: self.parts.supervisor.as_mut(),
             watchdog: self.parts.watchdog.as_mut(),
             interrupt,
-            speed_m_s: settings.motion.speed_m_s,
+            speed_m_s: self.parts.settings.motion.speed_m_s,
             number: self.n_actions,
         }
-        .run([pick, place], &segments, &empty);
+        .run([plan.pick_m, plan.place_m].map(Point3::from), &route);
         let done = done.map_err(world_error)?;
         let world_from_base = self.base_from_world.inverse();
         Ok(Executed {
@@ -281,30 +284,6 @@ impl World for ArmWorld {
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
         self.reach.out_of_reach(&self.parts.settings, point)
     }
-}
-
-/// Checks every segment of a route before the first one starts.
-fn check_all(
-    settings: &Settings,
-    from: &Isometry3<f64>,
-    segments: &[route::Segment],
-) -> Result<(), String> {
-    let mut at = *from;
-    for segment in segments {
-        let route::Act::Move(to) = segment.act else {
-            continue;
-        };
-        limits::check(
-            &settings.workspace,
-            settings.tolerance.position_m,
-            &at,
-            &to,
-            settings.motion.speed_m_s,
-        )
-        .map_err(|why| format!("`{}` is not allowed: {why}", segment.name.text()))?;
-        at = to;
-    }
-    Ok(())
 }
 
 fn motion(why: String) -> WorldError {

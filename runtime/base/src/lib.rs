@@ -34,5 +34,6 @@ pub mod files;
 pub mod interrupt;
 pub mod jsonl;
 pub mod npy;
+pub mod outbox;
 pub mod parallel;
 pub mod shown;

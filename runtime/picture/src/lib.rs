@@ -51,3 +51,12 @@ pub struct MovedMark {
     /// Its offset from there, `[right, down]`, pixels.
     pub moved_px: [f64; 2],
 }
+
+/// A printed tag of the family 36h11 that a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tag {
+    /// Its number.
+    pub id: usize,
+    /// Where its diagonals cross, `[column, row]`; the middle of the pixel in column 3 is at 3.5.
+    pub middle_px: [f64; 2],
+}

@@ -20,6 +20,7 @@ mod rectangle;
 mod residuals;
 mod sight;
 mod split;
+mod tags;
 #[cfg(test)]
 mod tests;
 
@@ -34,6 +35,7 @@ pub use outline::{MAX_ALONG, along, contour, edge_middles, largest};
 pub use rectangle::{Rectangle, rectangle_around};
 pub use residuals::draw_residuals;
 pub use split::{closed, contrast_of, split_mask};
+pub use tags::tags;
 
 /// Returns the name and version of the image processing library.
 pub fn library() -> Result<String, VisionError> {
@@ -86,6 +88,9 @@ pub enum VisionError {
         /// Its permitted range.
         range: &'static str,
     },
+    /// The detector of tags failed, with its own message.
+    #[error("the detector of tags failed: {0}")]
+    Tags(String),
     /// OpenCV failed, with its own message.
     #[error("OpenCV failed: {0}")]
     OpenCv(String),

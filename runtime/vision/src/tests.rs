@@ -13,6 +13,7 @@ mod numbers;
 mod outline;
 mod recorded;
 mod sight;
+mod tags;
 
 use super::*;
 use fab_program::{PixelPoint, Response, Sight};

@@ -120,6 +120,7 @@ fn shard(text: &str) -> Result<Shard, String> {
 /// Runs a suite and reports it.
 pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let begun = Instant::now();
+    arguments.arm.check_world(&arguments.world)?;
     let found = suites::find(&arguments.suite)?;
     let suite = suites::narrowed(found.suite, arguments.variant.as_deref());
     let arm = on_arm::check(arguments, &suite, io)?;

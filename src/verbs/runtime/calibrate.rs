@@ -5,7 +5,7 @@
 //! file is kept under another name.
 
 mod backup;
-mod report;
+pub mod report;
 mod typing;
 
 use crate::exit::{Exit, Failure};
@@ -13,25 +13,25 @@ use crate::io::Io;
 use crate::verbs::runtime::robot::connect;
 use crate::verbs::runtime::setting::catalogue;
 use clap::Args;
-use clap::ValueEnum;
 use clap::ValueHint;
 use fab_agent::arm_sight::draw_errors;
 use fab_arm::calibration::{
-    Calibration, Method, Pair, Refusal, Terms, ToolReader, place_at_rest, read_pairs,
+    Calibration, LIMIT_MM, Pair, Refusal, Terms, ToolReader, place_at_rest, read_pairs,
 };
 use fab_arm::directory::{PictureSelection, last_picture};
 use fab_arm::rgbd::Intrinsics;
 use fab_arm::settings::{CameraSource, Settings};
 use fab_arm::world;
 use fab_base::files;
-use fab_picture::png;
+use fab_picture::{Tag, png};
 use image::RgbImage;
 use std::path::{Path, PathBuf};
 
 /// How to state points.
 const POINTS: &str = "\
-Points are lines `u,v,x,y,z` or `u,v,x,y,z,depth`: a pixel of the camera's own picture, then the tool's position in \
-metres in the arm's base frame when the fingertips touch what the pixel shows. Without --pairs they are typed, one a \
+Points are lines `u,v,x,y,z`: a pixel of the camera's own picture, then the tool's position in metres in the arm's \
+base frame when the fingertips touch what the pixel shows. If the picture shows printed AprilTags (family 36h11), the middle of \
+tag 7 is the pixel of `tag7,x,y,z`. Without --pairs they are typed, one a \
 line; `undo` takes the last one back, `list` shows them, `done` or the end of input ends it. What was typed is kept beside \
 the file, as NAME.pairs.csv. With --jog only the pixel is typed, while the fingertips are there: the tool's position is read \
 from the arm, once it is at rest with its hand straight down.
@@ -57,10 +57,7 @@ pub struct CalibrateArguments {
     /// Print the pixels where points are best touched: a grid of this many columns and rows over the window.
     #[arg(long, value_name = "4x4", value_parser = columns_and_rows)]
     pub grid: Option<[u32; 2]>,
-    /// How pixels are mapped to the base frame.
-    #[arg(long, value_enum, default_value = "plane")]
-    pub method: MethodArgument,
-    /// The largest root mean square error that is accepted, millimetres; default: 3 by plane, 5 by rigid.
+    /// The largest root mean square error that is accepted, millimetres; default: 3.
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     pub limit: Option<f64>,
     /// The camera's own picture of the table, by which a moved camera is noticed; default: the newest of its folder,
@@ -77,24 +74,6 @@ pub struct CalibrateArguments {
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
-}
-
-/// How pixels and the base are joined.
-#[derive(Clone, Copy, ValueEnum)]
-pub enum MethodArgument {
-    /// A homography to the table's plane; needs no depth.
-    Plane,
-    /// The camera's pose; needs depth at every point, and the camera's intrinsics.
-    Rigid,
-}
-
-impl From<MethodArgument> for Method {
-    fn from(argument: MethodArgument) -> Method {
-        match argument {
-            MethodArgument::Plane => Method::Plane,
-            MethodArgument::Rigid => Method::Rigid,
-        }
-    }
 }
 
 /// Parses `4x4`, columns and rows.
@@ -146,11 +125,12 @@ fn run_with(
         None => (None, None),
     };
     let size_px = size_px(&settings, seen.as_ref())?;
-    let method = Method::from(arguments.method);
-    let limit_mm = arguments.limit.unwrap_or_else(|| method.limit_mm());
-    let mut terms = Terms::of(&settings, method, size_px, limit_mm);
+    let limit_mm = arguments.limit.unwrap_or(LIMIT_MM);
+    let mut terms = Terms::of(&settings, size_px, limit_mm);
     // Intrinsics in the settings were chosen by the user, so they override the camera's own.
     terms.intrinsics = terms.intrinsics.or(told);
+    // Before anybody touches points in vain.
+    terms.check().map_err(Failure::environment)?;
     let path = match &arguments.out {
         Some(path) => path.clone(),
         None => beside(&arguments.robot, &settings.calibration),
@@ -176,7 +156,7 @@ fn run_with(
     let earlier = backup::copy(&path)?;
     backup::copy(&Calibration::picture_beside(&path))?;
     calibration.save(&path).map_err(Failure::environment)?;
-    report::say_doubts(&calibration, &settings, io);
+    report::say_doubts(&calibration, io);
     let written = report::Written {
         file: &path,
         reference: calibration
@@ -212,8 +192,12 @@ fn pairs(
     seen: Option<&RgbImage>,
     io: &Io,
 ) -> Result<Vec<Pair>, Failure> {
+    let tags = match seen {
+        Some(seen) => fab_vision::tags(seen).map_err(Failure::environment)?,
+        None => Vec::new(),
+    };
     let given = match &arguments.pairs {
-        Some(file) => read(file)?,
+        Some(file) => read(file, &tags)?,
         None => Vec::new(),
     };
     if arguments.pairs.is_some() && !arguments.more {
@@ -223,12 +207,13 @@ fn pairs(
         grid: arguments.grid,
         path,
         seen,
+        tags: &tags,
     };
     io.read(|stdin| typing::type_points(terms, given, tool, &asked, stdin, io))
 }
 
-fn read(file: &Path) -> Result<Vec<Pair>, Failure> {
-    read_pairs(file).map_err(|why| {
+fn read(file: &Path, tags: &[Tag]) -> Result<Vec<Pair>, Failure> {
+    read_pairs(file, tags).map_err(|why| {
         let file = file.display();
         Failure::environment(format!("the points in `{file}` cannot be used: {why}"))
     })

@@ -3,7 +3,7 @@
 //! In: an arm's settings, a run folder, typed lines and keys. Out: what is usable, how a run left the arm, confirmation to
 //! move. Nothing here moves an arm; the watchdog stops one, and `enable` enables it again.
 
-mod check;
+pub mod check;
 pub mod connect;
 mod enable;
 mod hold_key;

@@ -99,6 +99,7 @@ pub enum Destination<'a> {
 
 /// Runs one rollout and reports it.
 pub fn run(arguments: &RunArguments, io: &Io) -> Result<Exit, Failure> {
+    arguments.arm.check_world(&arguments.world)?;
     play(arguments, Destination::New, io)
 }
 

@@ -93,6 +93,31 @@ fn an_arm_that_a_run_left_in_the_middle_is_not_moved_again_before_a_person_has_l
     assert!(!said.stderr.contains("the last run"), "{}", said.stderr);
 }
 
+/// A second name for the settings file is a name for the same arm.
+#[cfg(unix)]
+#[test]
+fn a_symbolic_link_does_not_hide_how_a_run_left_the_arm() {
+    let folder = left();
+    fs::write(folder.path().join("lab.toml"), real()).unwrap();
+    last_run::record(&folder.path().join("lab.toml"), &folder.path().join("run")).unwrap();
+    std::os::unix::fs::symlink("lab.toml", folder.path().join("robot.toml")).unwrap();
+    let said = run_of(folder.path());
+    let words = "nothing is moved: the last run with the arm of `robot.toml` left it in the middle: `grasp` of action 2";
+    assert_eq!(said.code, 2);
+    assert!(said.stderr.contains(words), "{}", said.stderr);
+    let said = robot(
+        folder.path(),
+        &["recover", "--robot", "robot.toml", "--how", "by hand"],
+        "",
+    );
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    assert!(
+        !run_of(folder.path())
+            .stderr
+            .contains("left it in the middle")
+    );
+}
+
 #[test]
 fn an_arm_that_another_program_uses_is_left_to_it() {
     let folder = tempfile::tempdir().unwrap();

@@ -63,7 +63,7 @@ fn from_above(
 ) -> Result<RgbImage, VisionError> {
     let table_z = settings.table.center_m[2];
     let pixel = |x: f64, y: f64, z: f64| {
-        let [column, row] = calibration.fit.pixel_from_base(Point3::new(x, y, z))?;
+        let [column, row] = calibration.fit.pixel_from_world(Point3::new(x, y, z))?;
         let whole = |value: f64| value.clamp(-16_384.0, 16_384.0).floor() as i32;
         (column.is_finite() && row.is_finite()).then(|| PixelPoint::new(whole(column), whole(row)))
     };

@@ -3,7 +3,7 @@
 //! In: requests. Out: JSON, with the bytes of pictures beside it. The stage executes them.
 
 use super::Stage;
-use fab_arm::port::{Ending, Goal, GoalId, GoalState, Waypoint};
+use fab_arm::port::{Ending, GoalId, GoalState, PortError, Waypoint};
 use fab_arm::simulated::FaultKind;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde::Deserialize;
@@ -16,9 +16,6 @@ pub enum Request {
     ToolPose {
         position: [f64; 3],
         turn: [f64; 4],
-    },
-    JointAngles {
-        radians: Vec<f64>,
     },
     Fingers {
         positions: Vec<f64>,
@@ -57,7 +54,7 @@ pub enum Request {
 /// Executes a request; returns the answer, and the bytes that go with it.
 pub fn answer(stage: &mut dyn Stage, request: Request) -> (Value, Vec<Vec<u8>>) {
     let value = match request {
-        Request::State { goal } => json!({ "state": state(&stage.state(&GoalId(goal))) }),
+        Request::State { goal } => json!({ "state": state(&stage.goal(&GoalId(goal))) }),
         Request::Cancel { goal } => done(stage.cancel(&GoalId(goal))),
         Request::Stop => done(stage.stop()),
         Request::Start => done(stage.start()),
@@ -74,21 +71,20 @@ pub fn answer(stage: &mut dyn Stage, request: Request) -> (Value, Vec<Vec<u8>>) 
         } => {
             let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k));
             let pose = Isometry3::from_parts(Translation3::new(x, y, z), turn);
-            send(stage, &Goal::ToolPose(pose))
+            sent(stage.send_pose(&pose))
         }
-        Request::JointAngles { radians } => send(stage, &Goal::JointAngles(radians)),
-        Request::Fingers { positions } => send(stage, &Goal::Fingers(positions)),
+        Request::Fingers { positions } => sent(stage.send_fingers(&positions)),
         Request::Trajectory { points } => {
             let points = points.into_iter();
             let points = points.map(|(at_s, joints_rad)| Waypoint { joints_rad, at_s });
-            send(stage, &Goal::Trajectory(points.collect()))
+            sent(stage.send_trajectory(&points.collect::<Vec<_>>()))
         }
     };
     (value, Vec::new())
 }
 
-fn send(stage: &mut dyn Stage, goal: &Goal) -> Value {
-    match stage.send(goal) {
+fn sent(sent: Result<GoalId, PortError>) -> Value {
+    match sent {
         Ok(id) => json!({ "goal": id.0 }),
         Err(error) => json!({ "error": error.to_string() }),
     }
@@ -113,8 +109,8 @@ fn state(state: &GoalState) -> &'static str {
 }
 
 fn readings(stage: &mut dyn Stage) -> Value {
-    let readings = stage.readings();
-    let tool = readings.tool.map(|tool| {
+    let readings = stage.state();
+    let tool_json = readings.tool.as_ref().map(|tool| {
         let turn = tool.value.rotation.coords;
         json!({
             "position": tool.value.translation.vector.as_slice(),
@@ -122,7 +118,8 @@ fn readings(stage: &mut dyn Stage) -> Value {
         })
     });
     json!({
-        "tool": tool,
+        "taken_s": readings.tool.as_ref().map(|tool| tool.at_s),
+        "tool": tool_json,
         "joints": readings.joints_rad.map(|joints| joints.value),
         "fingers": readings.fingers.map(|fingers| fingers.value),
         "loses": stage.loses("reading"),

@@ -4,7 +4,7 @@
 //! client; the other faults belong to the simulated arm. Before the cloth is laid, the camera sees the bare table.
 
 use super::Stage;
-use fab_arm::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
+use fab_arm::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
 use fab_arm::settings::Settings;
 use fab_arm::simulated::{Fault, FaultKind, SimulatedArm, Simulation};
@@ -12,7 +12,7 @@ use fab_arm::table::{ClothTable, TableCamera};
 use fab_arm::world::base_from_world;
 use fab_program::{Cloth, ClothStart};
 use fab_world::start::Start;
-use nalgebra::Point3;
+use nalgebra::{Isometry3, Point3};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -207,12 +207,20 @@ impl Port for Scene {
         self.arm.wait(seconds);
     }
 
-    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
-        self.arm.send(goal)
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        self.arm.send_trajectory(points)
     }
 
-    fn state(&mut self, goal: &GoalId) -> GoalState {
-        self.arm.state(goal)
+    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        self.arm.send_pose(tool)
+    }
+
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        self.arm.send_fingers(positions)
+    }
+
+    fn goal(&mut self, goal: &GoalId) -> GoalState {
+        self.arm.goal(goal)
     }
 
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
@@ -223,11 +231,15 @@ impl Port for Scene {
         self.arm.stop()
     }
 
+    fn after_stop(&self) -> AfterStop {
+        self.arm.after_stop()
+    }
+
     fn start(&mut self) -> Result<(), PortError> {
         self.arm.start()
     }
 
-    fn readings(&mut self) -> Readings {
-        self.arm.readings()
+    fn state(&mut self) -> Readings {
+        self.arm.state()
     }
 }

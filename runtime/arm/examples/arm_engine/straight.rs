@@ -6,7 +6,7 @@
 
 use super::Stage;
 use fab_arm::port::{
-    Ending, Goal, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint,
+    AfterStop, Ending, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint,
 };
 use fab_arm::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
 use fab_picture::DepthImage;
@@ -15,12 +15,18 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Metres a second.
 const TOOL_SPEED: f64 = 0.2;
-/// Radians a second.
-const JOINT_SPEED: f64 = 0.6;
 /// Finger units a second.
 const FINGER_SPEED: f64 = 3000.0;
 /// Cycle time of the node, seconds.
 const LOOK_S: f64 = 0.1;
+
+/// A goal of one of the servers.
+#[derive(Clone)]
+enum Goal {
+    Pose(Isometry3<f64>),
+    Fingers(Vec<f64>),
+    Trajectory(Vec<Waypoint>),
+}
 
 /// An arm without kinematics: its tool and its joints are independent.
 pub struct Arm {
@@ -76,18 +82,31 @@ impl Arm {
         }
     }
 
+    fn send(&mut self, goal: Goal) -> GoalId {
+        let id = format!("goal {}", self.goals.len());
+        let is_same = |other: &Goal| std::mem::discriminant(other) == std::mem::discriminant(&goal);
+        self.end(Ending::Preempted, |_, other| is_same(other));
+        let state = if self.is_stopped {
+            GoalState::Ended(Ending::Aborted)
+        } else {
+            GoalState::Active
+        };
+        self.goals.insert(id.clone(), state);
+        if !self.is_stopped {
+            self.tasks.push((id.clone(), goal, self.time_s));
+        }
+        GoalId(id)
+    }
+
     /// Moves towards a goal for `seconds`; returns whether it is reached.
     fn follow(&mut self, goal: &Goal, began_s: f64, seconds: f64) -> bool {
         match goal {
-            Goal::ToolPose(target) => {
+            Goal::Pose(target) => {
                 let way = target.translation.vector - self.tool.translation.vector;
                 let part = (TOOL_SPEED * seconds / way.norm().max(1e-9)).min(1.0);
                 self.tool.translation.vector += way * part;
                 self.tool.rotation = self.tool.rotation.slerp(&target.rotation, part);
                 part >= 1.0
-            }
-            Goal::JointAngles(targets) => {
-                approach(&mut self.joints, targets, JOINT_SPEED * seconds)
             }
             Goal::Fingers(targets) => approach(&mut self.fingers, targets, FINGER_SPEED * seconds),
             Goal::Trajectory(points) => {
@@ -156,23 +175,19 @@ impl Port for Arm {
         });
     }
 
-    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
-        let id = format!("goal {}", self.goals.len());
-        let is_same = |other: &Goal| std::mem::discriminant(other) == std::mem::discriminant(goal);
-        self.end(Ending::Preempted, |_, other| is_same(other));
-        let state = if self.is_stopped {
-            GoalState::Ended(Ending::Aborted)
-        } else {
-            GoalState::Active
-        };
-        self.goals.insert(id.clone(), state);
-        if !self.is_stopped {
-            self.tasks.push((id.clone(), goal.clone(), self.time_s));
-        }
-        Ok(GoalId(id))
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        Ok(self.send(Goal::Trajectory(points.to_vec())))
     }
 
-    fn state(&mut self, goal: &GoalId) -> GoalState {
+    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        Ok(self.send(Goal::Pose(*tool)))
+    }
+
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        Ok(self.send(Goal::Fingers(positions.to_vec())))
+    }
+
+    fn goal(&mut self, goal: &GoalId) -> GoalState {
         self.goals
             .get(&goal.0)
             .cloned()
@@ -189,12 +204,16 @@ impl Port for Arm {
         Ok(())
     }
 
+    fn after_stop(&self) -> AfterStop {
+        AfterStop::Refuses
+    }
+
     fn start(&mut self) -> Result<(), PortError> {
         self.is_stopped = false;
         Ok(())
     }
 
-    fn readings(&mut self) -> Readings {
+    fn state(&mut self) -> Readings {
         let at_s = self.time_s;
         Readings {
             tool: Some(Reading {

@@ -1,10 +1,15 @@
 //! The faults of calibration points: one sentence each, with what would be right.
 //!
-//! In: the findings of the checks, and the limits they check against. Points are numbered from 1, in input order.
+//! In: the findings of the checks. Out: why points are refused, one fault per line, and the fit that they refer to.
+//! Points are numbered from 1, in input order.
 
-use super::{MIN_PAIRS, Method};
+use super::{Check, LIMIT_MM, MIN_PAIRS};
+use fab_picture::camera::Plane;
 
-/// A fault in points, or in what is known about their camera.
+/// The largest limit that may be requested, millimetres: beyond it a fold's corner is missed.
+pub(super) const MAX_LIMIT_MM: f64 = 20.0;
+
+/// A fault in points, or in what is stated of their camera.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Fault {
     /// A number that is not finite.
@@ -30,7 +35,7 @@ pub enum Fault {
     },
     /// A pixel outside the picture.
     #[error(
-        "point {point} is at the pixel {}, {}, outside of the picture of {} x {} px{hint}",
+        "point {point} is at the pixel {:.1}, {:.1}, outside of the picture of {} x {} px",
         pixel[0], pixel[1], size_px[0], size_px[1]
     )]
     OutsidePicture {
@@ -40,45 +45,14 @@ pub enum Fault {
         pixel: [f64; 2],
         /// Width and height of the picture.
         size_px: [u32; 2],
-        /// The likely correction; empty or `: …`.
-        hint: String,
     },
-    /// Positions that are not in metres.
-    #[error(
-        "point {point} is at {}, {}, {}, which no arm on a table reaches in metres; in {unit} it would: write metres \
-         ({} of {n_all} points are so)", base[0], base[1], base[2], n_such
-    )]
-    Unit {
-        /// The first such point's number.
-        point: usize,
-        /// Its position as given.
-        base: [f64; 3],
-        /// The likely unit.
-        unit: &'static str,
-        /// How many points have this fault.
-        n_such: usize,
-        /// Total number of points.
-        n_all: usize,
-    },
-    /// A position that no arm reaches, in any unit.
+    /// A position that no arm reaches.
     #[error("point {point} is at {}, {}, {}; an arm reaches about a metre, and positions are metres", base[0], base[1], base[2])]
     TooFar {
         /// Its number.
         point: usize,
         /// Its position as given.
         base: [f64; 3],
-    },
-    /// A depth that is not in metres.
-    #[error(
-        "point {point} has the depth {depth}; depths are metres, larger than 0 and at most {MAX_DEPTH_M}{hint}"
-    )]
-    Depth {
-        /// Its number.
-        point: usize,
-        /// The depth as given.
-        depth: f64,
-        /// The likely correction; empty or `: …`.
-        hint: &'static str,
     },
     /// Too few points.
     #[error(
@@ -89,25 +63,15 @@ pub enum Fault {
         /// How many there are.
         n: usize,
     },
-    /// The rigid method lacks depth.
+    /// Something that a calibration is compared with is unknown.
     #[error(
-        "the method `rigid` needs a depth at every point, and {} of {n_all} have none, starting with point {first}; \
-         the method `plane` needs none",
-        n_without
+        "{} not stated in the settings, so that a wrong calibration could not be noticed: see `Calibration` in docs/arm.md{}",
+        are(.keys), if keys.contains(&"camera.intrinsics") { "; `--shoot` asks a camera that reports its intrinsics" } else { "" }
     )]
-    NoDepth {
-        /// The first point without a depth.
-        first: usize,
-        /// How many points have none.
-        n_without: usize,
-        /// Total number of points.
-        n_all: usize,
+    NotStated {
+        /// Their keys.
+        keys: Vec<&'static str>,
     },
-    /// The rigid method lacks intrinsics.
-    #[error(
-        "the method `rigid` needs the camera's intrinsics (`camera.intrinsics` in the settings); the method `plane` needs none"
-    )]
-    NoIntrinsics,
     /// Impossible intrinsics.
     #[error("the camera's intrinsics cannot be used: {why}")]
     Intrinsics {
@@ -121,6 +85,14 @@ pub enum Fault {
         stated: [u32; 2],
         /// The size of the picture.
         size_px: [u32; 2],
+    },
+    /// The settings state another camera than the calibrated one.
+    #[error(
+        "the settings state another camera than the calibrated one: {what}; calibrate anew, or state the camera as it was"
+    )]
+    OtherCamera {
+        /// What is different.
+        what: String,
     },
     /// No ray leads to a pixel through the lens.
     #[error(
@@ -140,61 +112,9 @@ pub enum Fault {
     },
     /// Points that do not determine a fit.
     #[error(
-        "the points lie on a line, {length_mm:.0} mm long and {width_mm:.0} mm wide, or all but one do: spread them over the table, as a grid of 4 x 4"
+        "the points lie on a line, or all but one do, and determine no fit: spread them over the table, as a grid of 4 x 4"
     )]
-    OnALine {
-        /// Their extent along it, millimetres.
-        length_mm: f64,
-        /// Their extent across that line, millimetres.
-        width_mm: f64,
-    },
-    /// A mirror image.
-    #[error(
-        "the points make the picture a mirror image of the table, which no camera above it sees: {hint}"
-    )]
-    Mirrored {
-        /// The likely cause.
-        hint: &'static str,
-    },
-    /// A point that contradicts the others.
-    #[error(
-        "point {point} is {off_mm:.1} mm off: the other points put its pixel at {:.4}, {:.4}, {:.4}, but it \
-         was given as {:.4}, {:.4}, {:.4}; {hint}", shown_m[0], shown_m[1], shown_m[2], base_m[0], base_m[1], base_m[2]
-    )]
-    Mistake {
-        /// Its number.
-        point: usize,
-        /// Its error, millimetres.
-        off_mm: f64,
-        /// The position of its pixel according to the others, metres, base frame.
-        shown_m: [f64; 3],
-        /// Its stated position.
-        base_m: [f64; 3],
-        /// The likely cause.
-        hint: String,
-    },
-    /// Too large an error, without single points to blame.
-    #[error(
-        "the fit has a root mean square error of {rms_mm:.1} mm, and of {left_out_mm:.1} mm leaving each point out; \
-         at most \
-         {limit_mm} and {left_out_limit_mm:.1} mm are accepted{hint}; point {worst} is the worst, {worst_mm:.1} mm off"
-    )]
-    Inaccurate {
-        /// Root mean square error, millimetres.
-        rms_mm: f64,
-        /// Root mean square of the left-out errors, millimetres.
-        left_out_mm: f64,
-        /// The limit of the first.
-        limit_mm: f64,
-        /// The limit of the second.
-        left_out_limit_mm: f64,
-        /// The point with the largest left-out error.
-        worst: usize,
-        /// That error, millimetres.
-        worst_mm: f64,
-        /// Another likely cause; empty or `, …`.
-        hint: String,
-    },
+    Undetermined,
     /// The fit depends on a single point.
     #[error(
         "without point {point} the others do not determine a fit: touch more points, away from their line"
@@ -203,70 +123,88 @@ pub enum Fault {
         /// Its number.
         point: usize,
     },
-    /// The camera sees nothing that the arm reaches.
+    /// A part of the window does not show the table.
     #[error(
-        "according to the points, the window shows x {:.2} to {:.2} and y {:.2} to {:.2} m, but the workspace is x \
-         {:.2} to {:.2} and y {:.2} to {:.2} m: they do not overlap; is a sign missing, or is the window wrong?",
-        shown_m[0][0], shown_m[1][0], shown_m[0][1], shown_m[1][1],
-        reach_m[0][0], reach_m[1][0], reach_m[0][1], reach_m[1][1]
+        "by the points, a part of the window shows no table but what lies beyond its horizon: their pixels or places are wrong"
     )]
-    OutOfReach {
-        /// Least and largest x and y that the window shows.
-        shown_m: [[f64; 2]; 2],
-        /// Those of the workspace.
-        reach_m: [[f64; 2]; 2],
-    },
-    /// Points that cover too small an area.
+    Horizon,
+    /// A mirror image.
     #[error(
-        "the points cover {length_mm:.0} x {width_mm:.0} mm, too little: 1 mm of error in them becomes {plane_gain:.1} \
-         mm in the plane and {height_gain:.1} mm in height at the far corner of what the camera and the arm share, \
-         where at most {MAX_GAIN} mm are accepted; touch points near its rim, as a grid of 4 x 4 over all of it"
+        "the points make the picture a mirror image of the table, which no camera above it sees: columns and rows are \
+         swapped, or x and y, or a sign is lost, or the camera mirrors its picture"
     )]
-    Spread {
-        /// Their larger extent, millimetres.
-        length_mm: f64,
-        /// Their smaller extent, millimetres.
-        width_mm: f64,
-        /// Error amplification in the plane.
-        plane_gain: f64,
-        /// Error amplification in height.
-        height_gain: f64,
-    },
-    /// A table that is not level.
+    Mirrored,
+    /// A point that contradicts the others.
     #[error(
-        "according to the heights, the table is tilted by {tilt_deg:.1} degrees against the arm's base; at most \
-         {MAX_TILT_DEG} are accepted: were the fingertips on the table at every point?"
+        "point {point} is {off_mm:.1} mm off: the other points put its pixel at {:.4}, {:.4}, {:.4}, but it \
+         was given as {:.4}, {:.4}, {:.4}", shown_m[0], shown_m[1], shown_m[2], base_m[0], base_m[1], base_m[2]
     )]
-    Tilted {
-        /// The tilt, degrees.
-        tilt_deg: f64,
+    Outlier {
+        /// Its number.
+        point: usize,
+        /// Its error, millimetres.
+        off_mm: f64,
+        /// The position of its pixel according to the others, metres, base frame.
+        shown_m: [f64; 3],
+        /// Its stated position.
+        base_m: [f64; 3],
     },
-    /// Depth readings on a different scale than the arm.
-    #[error("according to the depth readings the table is {scale:.3} times as large as according to the arm, and at \
-     most {:.0} % are accepted: the depth or `focal_px` is wrong; the method `plane` needs neither", MAX_SCALE_OFF * 100.0)]
-    Scale {
-        /// Size according to depth, divided by size according to the arm.
-        scale: f64,
-    },
+    /// A value beyond its bound.
+    #[error("{}; at most {} {}: {}", .0.text, rounded(.0.bound), unit(.0.name), .0.next)]
+    Beyond(Check),
     /// An invalid limit.
-    #[error("the limit is {limit_mm} mm; it must be larger than 0 and at most {MAX_LIMIT_MM}; the default is {} for \
-     `plane` and {} for `rigid`", Method::Plane.limit_mm(), Method::Rigid.limit_mm())]
+    #[error(
+        "the limit is {limit_mm} mm; it must be larger than 0 and at most {MAX_LIMIT_MM}; the default is {LIMIT_MM}"
+    )]
     Limit {
         /// The limit as given.
         limit_mm: f64,
     },
 }
 
-/// The largest plausible depth of a table below a camera, metres.
-pub(super) const MAX_DEPTH_M: f64 = 10.0;
-/// The largest tilt of a table, degrees: well above what remains after levelling it.
-pub(super) const MAX_TILT_DEG: f64 = 3.0;
-/// How far from 1 the scale of depth readings may be: the D435i's are within 2 % at 2 m (its data sheet).
-pub(super) const MAX_SCALE_OFF: f64 = 0.03;
-/// The largest limit that may be requested, millimetres: beyond it a fold's corner is missed.
-pub(super) const MAX_LIMIT_MM: f64 = 20.0;
-/// The largest permitted error amplification at the far corner of the reachable area.
-///
-/// By the plane, a grid of 4 x 4 over the middle 60 % of a window gives 1.5, one over its middle half 2.2, and two rows
-/// 25 mm apart 15 (`tests/errors.rs`).
-pub(super) const MAX_GAIN: f64 = 2.0;
+/// Lists keys as the subject of a sentence, with its verb.
+fn are(keys: &[&str]) -> String {
+    let listed = format!("`{}`", keys.join("`, `"));
+    let verb = if keys.len() == 1 { "is" } else { "are" };
+    format!("{listed} {verb}")
+}
+
+fn rounded(bound: f64) -> f64 {
+    (bound * 10.0).round() / 10.0
+}
+
+/// Returns the unit at the end of a value's name, and that it is accepted.
+fn unit(name: &str) -> &'static str {
+    match name.rsplit('_').next() {
+        Some("mm" | "gain") => "mm are accepted",
+        Some("deg") => "degrees are accepted",
+        _ => "% are accepted",
+    }
+}
+
+/// Why points were refused.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refusal {
+    /// What is wrong; at least one.
+    pub faults: Vec<Fault>,
+    /// The fit of the points that agree, if there is one, as a reference for the others.
+    pub fit: Option<Box<Plane>>,
+}
+
+impl std::error::Error for Refusal {}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let faults: Vec<String> = self.faults.iter().map(Fault::to_string).collect();
+        f.write_str(&faults.join("\n"))
+    }
+}
+
+impl From<Fault> for Refusal {
+    fn from(fault: Fault) -> Refusal {
+        Refusal {
+            faults: vec![fault],
+            fit: None,
+        }
+    }
+}

@@ -1,27 +1,29 @@
 //! A calibration as text, with the camera's picture beside it.
 //!
-//! In: a calibration or a file. Out: the other. Everything read is checked: each number, the picture's hash, and the
-//! fit, which is recomputed from the points. An edited or truncated file is refused.
+//! In: a calibration or a file. Out: the other. Everything is computed anew from the points that a file holds, and
+//! written again: whatever differs in the file was edited or damaged, and the file is refused.
 
-use super::accuracy::Accuracy;
-use super::fit::Fit;
-use super::{Calibration, Method, Pair, Terms, Window};
-use crate::rgbd::Intrinsics;
+use super::{Accuracy, Calibration, METHOD, Pair, Spread, Terms};
 use fab_base::{digest, files};
+use fab_picture::camera::Plane;
 use fab_picture::png;
 use image::GrayImage;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::fmt::Write;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use toml::Value;
 
 /// Version of the file format.
-const FORMAT: u32 = 1;
+const FORMAT: i64 = 2;
 /// The longest file accepted.
 pub(super) const MAX_BYTES: u64 = 1 << 20;
-/// How far stored results may differ from recomputed ones, millimetres: far above rounding errors, far below any
-/// effect.
-const SAME_MM: f64 = 0.01;
+/// How far stored numbers may differ from recomputed ones, as a share: far above rounding errors, far below any effect.
+const SAME_SHARE: f64 = 1e-6;
+/// The same for numbers near 0.
+const SAME: f64 = 1e-9;
+
+const HEADER: &str = "# Written by `fabc calibrate`. Its numbers are checked against its points when it is read: do not edit it.\n";
 
 /// Why a calibration cannot be read or written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -33,47 +35,95 @@ pub struct FileError {
     pub why: String,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+/// A file's content, in its order.
+#[derive(Serialize, Deserialize)]
 struct Stored {
-    format: u32,
+    format: i64,
     method: String,
     made_on: String,
-    limit_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
     reference_sha256: Option<String>,
-    camera: StoredCamera,
+    terms: Terms,
     fit: StoredFit,
+    accuracy: StoredAccuracy,
     points: Vec<StoredPoint>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct StoredCamera {
-    name: String,
-    size_px: [u32; 2],
-    window_px: [u32; 3],
-    reach_m: [[f64; 2]; 2],
-    intrinsics: Option<Intrinsics>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Serialize, Deserialize)]
 struct StoredFit {
-    matrix: Vec<Vec<f64>>,
+    /// From `(column, row, 1)` to the base's `(x, y, 1)` in metres.
+    base_from_pixel: [[f64; 3]; 3],
+    /// The table's height is `a + b x + c y`.
     height: [f64; 3],
-    rms_mm: f64,
-    left_out_mm: f64,
-    scale: Option<f64>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Serialize, Deserialize)]
+struct StoredAccuracy {
+    /// Every value that has a bound, by its name.
+    #[serde(flatten)]
+    checks: BTreeMap<String, f64>,
+    spread: Spread,
+}
+
+#[derive(Serialize, Deserialize)]
 struct StoredPoint {
-    pixel: [f64; 2],
-    base_m: [f64; 3],
-    depth_m: Option<f64>,
+    #[serde(flatten)]
+    pair: Pair,
     residual_mm: f64,
     left_out_mm: f64,
+}
+
+impl Stored {
+    fn of(calibration: &Calibration, reference_sha256: Option<String>) -> Stored {
+        let Calibration {
+            terms,
+            made_on,
+            pairs,
+            fit,
+            accuracy,
+            ..
+        } = calibration;
+        let Plane {
+            world_from_pixel: matrix,
+            height,
+            ..
+        } = fit;
+        let Accuracy {
+            residual_mm,
+            left_out_mm,
+            spread,
+            checks,
+            ..
+        } = accuracy;
+        let errors = residual_mm.iter().zip(left_out_mm);
+        Stored {
+            format: FORMAT,
+            method: METHOD.to_owned(),
+            made_on: made_on.clone(),
+            reference_sha256,
+            terms: terms.clone(),
+            fit: StoredFit {
+                base_from_pixel: [0, 1, 2].map(|row| [0, 1, 2].map(|column| matrix[(row, column)])),
+                height: *height,
+            },
+            accuracy: StoredAccuracy {
+                checks: checks
+                    .iter()
+                    .map(|check| (check.name.to_owned(), check.value))
+                    .collect(),
+                spread: *spread,
+            },
+            points: pairs
+                .iter()
+                .zip(errors)
+                .map(|(pair, (residual_mm, left_out_mm))| StoredPoint {
+                    pair: *pair,
+                    residual_mm: *residual_mm,
+                    left_out_mm: *left_out_mm,
+                })
+                .collect(),
+        }
+    }
 }
 
 impl Calibration {
@@ -87,10 +137,8 @@ impl Calibration {
     /// A crash between the two leaves a file that [`Calibration::load`] refuses, because it names its picture's hash.
     pub fn save(&self, path: &Path) -> Result<(), FileError> {
         let write = |path: &Path, bytes: &[u8]| {
-            files::write_whole(path, bytes).map_err(|error| FileError {
-                file: path.display().to_string(),
-                why: format!("cannot be written: {error}"),
-            })
+            files::write_whole(path, bytes)
+                .map_err(|error| refused(path, format!("cannot be written: {error}")))
         };
         if let Some(reference) = &self.reference {
             write(
@@ -103,13 +151,9 @@ impl Calibration {
 
     /// Reads a file, and its picture if it names one, and checks both.
     pub fn load(path: &Path) -> Result<Calibration, FileError> {
-        let wrong = |path: &Path, why: String| FileError {
-            file: path.display().to_string(),
-            why,
-        };
-        let unreadable = |why: String| wrong(path, format!("cannot be read: {why}"));
+        let unreadable = |why: String| refused(path, format!("cannot be read: {why}"));
         let text = files::read_text(path, MAX_BYTES).map_err(unreadable)?;
-        let unusable = |why: String| wrong(path, format!("is not a usable calibration: {why}"));
+        let unusable = |why: String| refused(path, format!("is not a usable calibration: {why}"));
         let (mut calibration, hash) = Calibration::parse(&text).map_err(unusable)?;
         if let Some(hash) = hash {
             let beside = Calibration::picture_beside(path);
@@ -117,7 +161,7 @@ impl Calibration {
             let reference = image::imageops::grayscale(&reference);
             if hash_of(&reference) != hash {
                 let why = "is not the picture that the calibration beside it was made with; calibrate anew";
-                return Err(wrong(&beside, why.to_owned()));
+                return Err(refused(&beside, why.to_owned()));
             }
             calibration.reference = Some(reference);
         }
@@ -126,243 +170,82 @@ impl Calibration {
 
     /// Reads a calibration from text and checks it against its own points; also returns the hash of its picture.
     fn parse(text: &str) -> Result<(Calibration, Option<String>), String> {
-        let stored: Stored = toml::from_str(text).map_err(|error| error.to_string())?;
-        if stored.format != FORMAT {
-            let format = stored.format;
+        let value: Value = toml::from_str(text).map_err(|error| error.to_string())?;
+        let format = value.get("format").and_then(Value::as_integer);
+        if let Some(format) = format.filter(|format| *format != FORMAT) {
             return Err(format!(
-                "its format is {format}, and this fabc reads {FORMAT}"
+                "its format is {format}, and this fabc reads {FORMAT}; calibrate anew"
             ));
         }
+        let stored: Stored = value
+            .clone()
+            .try_into()
+            .map_err(|error: toml::de::Error| error.to_string())?;
         if !is_day(&stored.made_on) {
             let day: String = stored.made_on.chars().take(20).collect();
             return Err(format!(
                 "`made_on` is `{day}`, which is not a date such as `2026-11-22`"
             ));
         }
-        let method = [Method::Plane, Method::Rigid]
-            .into_iter()
-            .find(|method| method.name() == stored.method)
-            .ok_or("`method` is neither `plane` nor `rigid`")?;
-        let terms = Terms {
-            method,
-            camera: stored.camera.name.clone(),
-            size_px: stored.camera.size_px,
-            intrinsics: stored.camera.intrinsics.clone(),
-            window: Window::from(stored.camera.window_px),
-            reach_m: stored.camera.reach_m,
-            limit_mm: stored.limit_mm,
-        };
-        let points = stored.points.iter().take(super::MAX_PAIRS + 1);
-        let pairs: Vec<Pair> = points
-            .map(|point| Pair {
-                pixel: point.pixel,
-                base_m: point.base_m,
-                depth_m: point.depth_m,
-            })
-            .collect();
-        if pairs.len() > super::MAX_PAIRS {
+        if stored.points.len() > super::MAX_PAIRS {
             return Err(format!("it has more than {} points", super::MAX_PAIRS));
         }
-        let calibration = Calibration::make(terms, pairs, &stored.made_on, None)
+        let pairs = stored.points.iter().map(|point| point.pair).collect();
+        let calibration = Calibration::make(stored.terms, pairs, &stored.made_on, None)
             .map_err(|refusal| format!("its points are refused: {refusal}"))?;
-        match difference(&stored, &calibration) {
-            Some(what) => Err(format!(
-                "{what} does not fit its points: it was edited or damaged; calibrate anew, or give its points to `fabc calibrate`"
+        let hash = stored.reference_sha256;
+        let again = Value::try_from(Stored::of(&calibration, hash.clone()));
+        match difference(&value, &again.map_err(|error| error.to_string())?) {
+            Some(at) => Err(format!(
+                "`{at}` does not fit its points: it was edited or damaged; calibrate anew"
             )),
-            None => Ok((calibration, stored.reference_sha256)),
+            None => Ok((calibration, hash)),
         }
     }
 
     /// Returns it as text.
     pub fn to_toml(&self) -> String {
-        let Terms {
-            method,
-            camera,
-            size_px,
-            intrinsics,
-            window,
-            reach_m,
-            limit_mm,
-        } = &self.terms;
-        let mut text = format!(
-            "# Written by `fabc calibrate`. Its numbers are checked against its points when it is read: do not edit it.\n\
-             format = {FORMAT}\nmethod = \"{}\"\nmade_on = {}\nlimit_mm = {limit_mm:?}\n",
-            method.name(),
-            quoted(&self.made_on)
-        );
-        if let Some(reference) = &self.reference {
-            let _ = writeln!(text, "reference_sha256 = \"{}\"", hash_of(reference));
-        }
-        let window = [window.left_px, window.top_px, window.side_px];
-        let _ = write!(
-            text,
-            "\n[camera]\nname = {}\nsize_px = {size_px:?}\nwindow_px = {window:?}\nreach_m = {reach_m:?}\n",
-            quoted(camera)
-        );
-        if let Some(Intrinsics {
-            size_px,
-            focal_px,
-            middle_px,
-            distortion,
-        }) = intrinsics
-        {
-            let _ = write!(
-                text,
-                "\n[camera.intrinsics]\nsize_px = {size_px:?}\nfocal_px = {focal_px:?}\nmiddle_px = {middle_px:?}\n\
-                 distortion = {distortion:?}\n"
-            );
-        }
-        let Accuracy {
-            rms_mm,
-            left_out_rms_mm,
-            ..
-        } = &self.accuracy;
-        let what = match self.fit {
-            Fit::Plane { .. } => "from (column, row, 1) to the base's (x, y, 1) in metres",
-            Fit::Rigid { .. } => "from the camera's frame to the base's, in metres",
-        };
-        let _ = write!(
-            text,
-            "\n[fit]\n# {what}; the table's height is a + b x + c y.\nmatrix = [\n"
-        );
-        for row in matrix(&self.fit) {
-            let _ = writeln!(text, "  {row:?},");
-        }
-        let _ = write!(
-            text,
-            "]\nheight = {:?}\nrms_mm = {rms_mm:?}\nleft_out_mm = {left_out_rms_mm:?}\n",
-            self.fit.height()
-        );
-        if let Fit::Rigid { scale, .. } = self.fit {
-            let _ = writeln!(text, "scale = {scale:?}");
-        }
-        let errors = self
-            .accuracy
-            .residual_mm
-            .iter()
-            .zip(&self.accuracy.left_out_mm);
-        for (pair, (residual, left_out)) in self.pairs.iter().zip(errors) {
-            let _ = write!(
-                text,
-                "\n[[points]]\npixel = {:?}\nbase_m = {:?}\n",
-                pair.pixel, pair.base_m
-            );
-            if let Some(depth) = pair.depth_m {
-                let _ = writeln!(text, "depth_m = {depth:?}");
-            }
-            let _ = write!(
-                text,
-                "residual_mm = {residual:?}\nleft_out_mm = {left_out:?}\n"
-            );
-        }
-        text
+        let stored = Stored::of(self, self.reference.as_ref().map(hash_of));
+        let text = toml::to_string(&stored);
+        HEADER.to_owned() + &text.expect("a calibration has only numbers, texts and tables")
     }
 }
 
-fn matrix(fit: &Fit) -> Vec<Vec<f64>> {
-    match fit {
-        Fit::Plane {
-            base_from_pixel, ..
-        } => rows(base_from_pixel.row_iter()),
-        Fit::Rigid {
-            base_from_camera, ..
-        } => rows(base_from_camera.to_homogeneous().row_iter()),
+fn refused(path: &Path, why: String) -> FileError {
+    FileError {
+        file: path.display().to_string(),
+        why,
     }
 }
 
-fn rows<'m, R, C, S>(
-    rows: impl Iterator<Item = nalgebra::Matrix<f64, R, C, S>> + 'm,
-) -> Vec<Vec<f64>>
-where
-    R: nalgebra::Dim,
-    C: nalgebra::Dim,
-    S: nalgebra::RawStorage<f64, R, C> + 'm,
-{
-    rows.map(|row| row.iter().copied().collect()).collect()
-}
-
-/// Names the stored number that differs from the recomputed one; `None` if all agree.
-fn difference(stored: &Stored, made: &Calibration) -> Option<&'static str> {
-    let is_near = |a: f64, b: f64| (a - b).abs() <= SAME_MM;
-    let ours = matrix(&made.fit);
-    let is_formed = stored.fit.matrix.len() == ours.len()
-        && stored.fit.matrix.iter().all(|row| row.len() == ours.len());
-    if !is_formed || !shows_the_same(&stored.fit.matrix, stored.fit.height, made) {
-        return Some("`fit.matrix` or `fit.height`");
-    }
-    let accuracy = &made.accuracy;
-    if !is_near(stored.fit.rms_mm, accuracy.rms_mm)
-        || !is_near(stored.fit.left_out_mm, accuracy.left_out_rms_mm)
-    {
-        return Some("`fit.rms_mm` or `fit.left_out_mm`");
-    }
-    let scale = match made.fit {
-        Fit::Plane { .. } => None,
-        Fit::Rigid { scale, .. } => Some(scale),
+/// Names the first value in which two trees differ by more than rounding; `None` if there is none.
+fn difference(stored: &Value, made: &Value) -> Option<String> {
+    let below = |key: &str, rest: String| match rest.is_empty() {
+        true => key.to_owned(),
+        false => format!("{key}.{rest}"),
     };
-    let is_scale = match (stored.fit.scale, scale) {
-        (None, None) => true,
-        (Some(stored), Some(made)) => (stored - made).abs() < 1e-6,
-        _ => false,
-    };
-    if !is_scale {
-        return Some("`fit.scale`");
-    }
-    let errors = accuracy.residual_mm.iter().zip(&accuracy.left_out_mm);
-    let is_same = |(point, (residual, left_out)): (&StoredPoint, (&f64, &f64))| {
-        is_near(point.residual_mm, *residual) && is_near(point.left_out_mm, *left_out)
-    };
-    let are_same = stored.points.iter().zip(errors).all(is_same);
-    (!are_same).then_some("`residual_mm` or `left_out_mm` of a point")
-}
-
-/// Returns whether a stored fit maps points and the window's corners as the recomputed fit does.
-fn shows_the_same(stored: &[Vec<f64>], height: [f64; 3], made: &Calibration) -> bool {
-    let number = |row: usize, column: usize| stored[row][column];
-    let mut fit = made.fit.clone();
-    match &mut fit {
-        Fit::Plane {
-            base_from_pixel,
-            height: of_fit,
-            ..
-        } => {
-            *base_from_pixel = nalgebra::Matrix3::from_fn(number);
-            *of_fit = height;
+    let number = |value: &Value| value.as_float().or(value.as_integer().map(|it| it as f64));
+    match (stored, made) {
+        (Value::Table(stored), Value::Table(made)) => {
+            let keys = stored.keys().chain(made.keys());
+            keys.into_iter()
+                .find_map(|key| match (stored.get(key), made.get(key)) {
+                    (Some(stored), Some(made)) => Some(below(key, difference(stored, made)?)),
+                    _ => Some(key.clone()),
+                })
         }
-        Fit::Rigid {
-            base_from_camera,
-            height: of_fit,
-            ..
-        } => {
-            let matrix = nalgebra::Matrix4::from_fn(number);
-            // The recomputed pose is used; the stored one only has to agree.
-            let off = matrix - base_from_camera.to_homogeneous();
-            *of_fit = height;
-            if !off.iter().all(|number| number.abs() * 1000.0 <= SAME_MM) {
-                return false;
-            }
+        (Value::Array(stored), Value::Array(made)) if stored.len() == made.len() => (1..)
+            .zip(stored.iter().zip(made))
+            .find_map(|(index, (stored, made))| {
+                Some(below(&format!("{index}"), difference(stored, made)?))
+            }),
+        _ => {
+            let is_near = number(stored)
+                .zip(number(made))
+                .is_some_and(|(a, b)| (a - b).abs() <= SAME + SAME_SHARE * a.abs().max(b.abs()));
+            (!is_near && stored != made).then(String::new)
         }
     }
-    let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-    let corners = corners.map(|share| made.terms.window.pixel_at(share));
-    let pixels = made.pairs.iter().map(|pair| pair.pixel).chain(corners);
-    pixels.into_iter().all(|pixel| {
-        match (
-            fit.table_from_pixel(pixel),
-            made.fit.table_from_pixel(pixel),
-        ) {
-            (Some(stored), Some(made)) => (stored - made).norm() * 1000.0 <= SAME_MM,
-            (None, None) => true,
-            _ => false,
-        }
-    })
-}
-
-/// Returns a TOML string; JSON's escapes are TOML's, except for the delete character.
-fn quoted(text: &str) -> String {
-    serde_json::Value::from(text)
-        .to_string()
-        .replace('\u{7f}', "\\u007F")
 }
 
 fn hash_of(picture: &GrayImage) -> String {

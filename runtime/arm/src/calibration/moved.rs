@@ -162,7 +162,7 @@ fn unsure(n_marks: usize, n_known: usize) -> Moved {
 }
 
 /// Describes the difference between intrinsics; `None` if they are equal except for rounding.
-fn change(then: &Intrinsics, now: &Intrinsics) -> Option<String> {
+pub(super) fn change(then: &Intrinsics, now: &Intrinsics) -> Option<String> {
     let differ = |then: &[f64], now: &[f64], by: f64| {
         let coefficient = |of: &[f64], index: usize| of.get(index).copied().unwrap_or(0.0);
         let n = then.len().max(now.len());

@@ -4,7 +4,7 @@
 //! gives an initial guess, which Gauss-Newton refines to the least sum of squared distances on the table. The transform
 //! alone would weigh each point by its distance from the horizon.
 
-use super::sighting::Sighting;
+use super::fit::Sighting;
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// Degrees of freedom of a homography.

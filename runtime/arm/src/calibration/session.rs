@@ -4,10 +4,11 @@
 //! new point against the earlier ones, so that a mistake shows while the arm is still there. Reading and writing lines
 //! is left to the caller.
 
-use super::fit::Solver;
-use super::mistakes::check_numbers_of;
-use super::pairs::{numbers, pair_of};
+use super::fit::{error, fit, sightings};
+use super::judge::{check_point, check_terms};
+use super::pairs::typed_pair;
 use super::{MAX_PAIRS, Pair, Terms, Window};
+use fab_picture::Tag;
 
 /// Returns the tool's position with the arm at rest, metres, base frame, or says why there is none.
 pub type ToolReader<'a> = dyn FnMut() -> Result<[f64; 3], String> + 'a;
@@ -18,6 +19,7 @@ const MIN_FITTED: usize = 5;
 /// The points entered so far.
 pub struct Session<'a> {
     terms: &'a Terms,
+    seen: &'a [Tag],
     tool: Option<Box<ToolReader<'a>>>,
     pairs: Vec<Pair>,
 }
@@ -40,10 +42,20 @@ pub enum LineOutcome {
 impl<'a> Session<'a> {
     /// Starts with existing points.
     ///
-    /// With `tool`, a line is `u,v` or `u,v,depth`, and the tool's position is read when the line is entered; without
-    /// it, a line is `u,v,x,y,z` or `u,v,x,y,z,depth`.
-    pub fn new(terms: &'a Terms, pairs: Vec<Pair>, tool: Option<Box<ToolReader<'a>>>) -> Self {
-        Session { terms, tool, pairs }
+    /// With `tool`, a line is `u,v`, and the tool's position is read when the line is entered; without it, a line is
+    /// `u,v,x,y,z`. One of the tags that are `seen` in the camera's picture may stand in place of `u,v`.
+    pub fn new(
+        terms: &'a Terms,
+        pairs: Vec<Pair>,
+        seen: &'a [Tag],
+        tool: Option<Box<ToolReader<'a>>>,
+    ) -> Self {
+        Session {
+            terms,
+            seen,
+            tool,
+            pairs,
+        }
     }
 
     /// Returns the points so far.
@@ -54,8 +66,8 @@ impl<'a> Session<'a> {
     /// Returns the expected format of a line.
     pub fn form(&self) -> &'static str {
         match self.tool {
-            Some(_) => "`u,v` or `u,v,depth` with the fingertips on that point",
-            None => "`u,v,x,y,z` or `u,v,x,y,z,depth`: the pixel, then the tool in metres",
+            Some(_) => "`u,v`, or `tag7`, with the fingertips on that point",
+            None => "`u,v,x,y,z`: the pixel, or `tag7`, then the tool in metres",
         }
     }
 
@@ -83,20 +95,11 @@ impl<'a> Session<'a> {
     }
 
     fn point(&mut self, text: &str) -> Result<Pair, String> {
-        let mut given = numbers(text)?;
-        if let Some(tool) = &mut self.tool {
-            if !matches!(given.len(), 2 | 3) {
-                let n = given.len();
-                return Err(format!("{n} numbers; type `u,v`, or `u,v,depth`"));
-            }
-            let place = tool()?;
-            given.splice(2..2, place);
-        }
-        let pair = pair_of(&given)?;
+        let pair = typed_pair(text, self.seen, self.tool.as_deref_mut())?;
         if self.pairs.len() >= MAX_PAIRS {
             return Err(format!("there are {MAX_PAIRS} points already; type `done`"));
         }
-        match check_numbers_of(self.terms, self.pairs.len() + 1, &pair) {
+        match check_point(self.terms, self.pairs.len() + 1, &pair) {
             Some(fault) => Err(fault.to_string()),
             None => Ok(pair),
         }
@@ -112,9 +115,10 @@ impl<'a> Session<'a> {
             );
         }
         let off_mm = || {
-            let solver = Solver::of(self.terms).ok()?;
-            let fit = solver.fit(&solver.sightings(&self.pairs).ok()?)?;
-            Some(fit.error(&solver.sighting(pair)?)?.norm() * 1000.0)
+            let lens = check_terms(self.terms).ok()?;
+            let before = fit(&lens, &sightings(&lens, &self.pairs).ok()?)?;
+            let point = *sightings(&lens, &[*pair]).ok()?.first()?;
+            Some(error(&before, &point)?.norm() * 1000.0)
         };
         match off_mm() {
             Some(off_mm) => {

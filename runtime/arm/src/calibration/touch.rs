@@ -57,7 +57,7 @@ pub fn place_at_rest(port: &mut dyn Port, stale_s: f64) -> Result<[f64; 3], Stri
 /// Returns the last reading of the tool; fails if it is older than `stale_s`.
 fn tool_reading(port: &mut dyn Port, stale_s: f64) -> Result<Reading<Isometry3<f64>>, String> {
     let now_s = port.now_s();
-    let Some(tool) = port.readings().tool else {
+    let Some(tool) = port.state().tool else {
         return Err("the arm has not reported yet where its tool is".to_owned());
     };
     if now_s - tool.at_s > stale_s {

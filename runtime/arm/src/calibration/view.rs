@@ -4,12 +4,14 @@
 //! left to the world that takes it.
 
 use super::Calibration;
-use super::fit::{Fit, height_at};
+use super::fit::height_at;
 use fab_picture::camera::{Camera, Plane, Projection};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// The square of the camera's own picture that tasks see.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "[u32; 3]", into = "[u32; 3]")]
 pub struct Window {
     /// Its left edge, pixels of the camera's own picture.
     pub left_px: u32,
@@ -30,6 +32,12 @@ impl From<[u32; 3]> for Window {
     }
 }
 
+impl From<Window> for [u32; 3] {
+    fn from(window: Window) -> [u32; 3] {
+        [window.left_px, window.top_px, window.side_px]
+    }
+}
+
 impl Window {
     /// Returns the pixel of the camera's own picture at fractions of the window's sides, from its top left.
     pub fn pixel_at(&self, [right, down]: [f64; 2]) -> [f64; 2] {
@@ -46,10 +54,6 @@ impl Window {
         let fits = |start, size| ends(start).is_some_and(|end| end <= size);
         self.side_px > 0 && fits(self.left_px, size_px[0]) && fits(self.top_px, size_px[1])
     }
-
-    pub(super) fn middle_px(&self) -> [f64; 2] {
-        self.pixel_at([0.5; 2])
-    }
 }
 
 impl Calibration {
@@ -65,32 +69,19 @@ impl Calibration {
     ) -> Camera {
         let scale = f64::from(image_px) / f64::from(window.side_px);
         let origin = [f64::from(window.left_px), f64::from(window.top_px)];
-        let projection = match &self.fit {
-            Fit::Rigid {
-                base_from_camera,
-                lens,
-                ..
-            } => Projection::Pinhole {
-                world_from_camera: world_from_base * base_from_camera,
-                lens: lens.cut(origin, scale),
-            },
-            Fit::Plane {
-                base_from_pixel,
-                height,
-                lens,
-            } => {
-                let back = 1.0 / scale;
-                let raw_from_square =
-                    Matrix3::new(back, 0.0, origin[0], 0.0, back, origin[1], 0.0, 0.0, 1.0);
-                Projection::Plane(Plane {
-                    world_from_pixel: level(world_from_base, height)
-                        * base_from_pixel
-                        * raw_from_square,
-                    height: moved(world_from_base, height),
-                    lens: lens.map(|lens| lens.cut(origin, scale)),
-                })
-            }
-        };
+        let Plane {
+            world_from_pixel: base_from_pixel,
+            height,
+            lens,
+        } = &self.fit;
+        let back = 1.0 / scale;
+        let raw_from_square =
+            Matrix3::new(back, 0.0, origin[0], 0.0, back, origin[1], 0.0, 0.0, 1.0);
+        let projection = Projection::Plane(Plane {
+            world_from_pixel: level(world_from_base, height) * base_from_pixel * raw_from_square,
+            height: moved(world_from_base, height),
+            lens: lens.map(|lens| lens.cut(origin, scale)),
+        });
         Camera {
             projection,
             size_px: [image_px; 2],
@@ -99,12 +90,12 @@ impl Calibration {
 
     /// Returns the point of the table that a pixel of the camera's own picture shows, metres, base frame.
     pub fn table_from_pixel(&self, pixel: [f64; 2]) -> Option<Point3<f64>> {
-        self.fit.table_from_pixel(pixel)
+        self.fit.world_from_pixel(pixel)
     }
 
     /// Returns the table's height at a place, metres, base frame: the tool's height when the fingertips touch it.
     pub fn table_height_m(&self, place: [f64; 2]) -> f64 {
-        height_at(&self.fit.height(), place)
+        height_at(&self.fit.height, place)
     }
 }
 

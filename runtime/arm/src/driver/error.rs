@@ -60,6 +60,15 @@ pub enum ArmError {
         /// How far the tool is from the target.
         deviation: Deviation,
     },
+    /// The tool came to rest away from its target, and the arm takes goals. The caller may send the motion again from
+    /// where the tool is now, after the same checks as before.
+    #[error("the arm reported `{reported}`, but its tool is {deviation} from its target")]
+    Short {
+        /// The outcome that the arm's node reported.
+        reported: String,
+        /// How far the tool is from the target.
+        deviation: Deviation,
+    },
     /// The arm stalled during a motion.
     #[error("the arm stalled {deviation} before its goal: something may be in its way")]
     Stalled {
@@ -92,7 +101,13 @@ pub enum ArmError {
     /// A message could not be sent, or a service did not answer.
     #[error(transparent)]
     Port(#[from] PortError),
-    /// A stop was requested, and the arm may still move.
+    /// A stop was requested, nothing acknowledged it, and the arm may still move.
+    #[error("the arm was told to stop, and nothing acknowledged it: use the physical stop ({why})")]
+    StopNotAcknowledged {
+        /// What became of the request.
+        why: String,
+    },
+    /// A stop was acknowledged, and the arm may still move.
     #[error(
         "the arm was told to stop, but the stop could not be verified: use the physical stop ({why})"
     )]

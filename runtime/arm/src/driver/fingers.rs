@@ -4,10 +4,10 @@
 //! stopped is not. The server may report both alike, so finger positions decide. The caller checks whether the arm is
 //! stopped.
 
-use super::goal::{Outcome, execute};
-use super::state::{POLL_S, watched_state};
-use super::{ArmError, HandContents, Opening, Watch};
-use crate::port::{Ending, Goal, Port};
+use super::goal::{Goal, Outcome, execute};
+use super::state::{watched_state, watched_wait};
+use super::{ArmError, ArmState, HandContents, Opening, Watch};
+use crate::port::{Ending, Port};
 use crate::settings::{FingerSettings, Tolerance};
 
 /// Time limit of a finger goal, seconds.
@@ -95,10 +95,9 @@ fn resting_positions<P: Port>(
     tolerance: &Tolerance,
     watch: &mut Watch<'_>,
 ) -> Result<Vec<f64>, ArmError> {
-    let mut before = finger_positions(port, settings, tolerance, watch)?;
+    let mut before = positions(settings, watched_state(port, tolerance, watch)?)?;
     for _ in 0..LOOKS {
-        port.wait(REST_S.max(POLL_S));
-        let now = finger_positions(port, settings, tolerance, watch)?;
+        let now = positions(settings, watched_wait(port, REST_S, tolerance, watch)?)?;
         let moved = now.iter().zip(&before).map(|(a, b)| (a - b).abs());
         if moved.fold(0.0, f64::max) <= 0.2 * settings.tolerance {
             return Ok(now);
@@ -111,13 +110,8 @@ fn resting_positions<P: Port>(
 }
 
 /// Returns one position per finger; a node may report three for a hand with two.
-fn finger_positions<P: Port>(
-    port: &mut P,
-    settings: &FingerSettings,
-    tolerance: &Tolerance,
-    watch: &mut Watch<'_>,
-) -> Result<Vec<f64>, ArmError> {
-    let mut fingers = watched_state(port, tolerance, watch)?.fingers;
+fn positions(settings: &FingerSettings, state: ArmState) -> Result<Vec<f64>, ArmError> {
+    let mut fingers = state.fingers;
     fingers.truncate(settings.count);
     let are_numbers = fingers.iter().all(|position| position.is_finite());
     if fingers.len() == settings.count && are_numbers {

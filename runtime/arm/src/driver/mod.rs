@@ -14,6 +14,7 @@ mod port_arm;
 mod state;
 
 pub use error::{ArmError, Deviation};
+
 pub use port_arm::PortArm;
 
 use nalgebra::Isometry3;
@@ -21,7 +22,7 @@ use nalgebra::Isometry3;
 /// The state of an arm, from recent readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmState {
-    /// When the pose was received, on the arm's clock, seconds.
+    /// When the pose was taken, on the arm's clock, seconds.
     pub at_s: f64,
     /// Pose of the tool, `base_from_tool`.
     pub tool: Isometry3<f64>,
@@ -83,6 +84,8 @@ pub trait Arm {
     fn state(&mut self) -> Result<ArmState, ArmError>;
 
     /// Moves the tool to a pose in a straight line, and verifies that it arrived and is at rest.
+    ///
+    /// One call sends one motion. After [`ArmError::Short`] the caller may check the rest of the way and call again.
     ///
     /// - `to`: `base_from_tool`.
     /// - `speed_m_s`: the highest speed. A node that takes no speed is only monitored.

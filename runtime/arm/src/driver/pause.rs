@@ -7,9 +7,10 @@
 //! the cancellation is in transit looks the same as the cancellation; the arm then rests until a person resumes the
 //! motion.
 
-use super::state::{POLL_S, wait_until_at_rest, watched_state};
+use super::goal::Goal;
+use super::state::{POLL_S, REST_M, wait_until_at_rest, watched_state};
 use super::{ArmError, ArmState, Deviation, Watch};
-use crate::port::{Ending, Goal, GoalId, GoalState, Port};
+use crate::port::{Ending, GoalId, GoalState, Port};
 use crate::settings::Tolerance;
 use nalgebra::Vector3;
 
@@ -65,6 +66,14 @@ impl Track {
         Some(third.0 + (rest - third.1).norm() / lately_m_s)
     }
 
+    /// Returns whether the last three readings agree.
+    pub(super) fn is_at_rest(&self) -> bool {
+        let [first, .., last] = self.0.as_slice() else {
+            return false;
+        };
+        self.0.len() == 3 && (last.1 - first.1).norm() < REST_M
+    }
+
     fn is_even(&self) -> bool {
         let last = self.0.last().map(|(_, place)| *place);
         last.is_some_and(|place| self.moved_until_s(&place).is_some())
@@ -104,7 +113,7 @@ fn end<P: Port>(
             true => for_s < LET_END_S,
             false => for_s < EVEN_S && !track.is_even(),
         };
-        if let GoalState::Ended(_) = port.state(id) {
+        if let GoalState::Ended(_) = port.goal(id) {
             return wait_until_at_rest(port, tolerance, watch).map(drop);
         }
         if !keep_waiting {
@@ -142,7 +151,7 @@ fn cancel<P: Port>(
         while port.now_s() - sent_s < CANCEL_S {
             port.wait(POLL_S);
             watched_state(port, tolerance, watch)?;
-            if let GoalState::Ended(ending) = port.state(id) {
+            if let GoalState::Ended(ending) = port.goal(id) {
                 return Ok(ending);
             }
         }
@@ -164,9 +173,9 @@ fn ends_soon(goal: &Goal, state: &ArmState) -> bool {
     };
     match goal {
         Goal::Fingers(_) => true,
-        Goal::ToolPose(pose) => Deviation::between(pose, &state.tool).position_m < NEAR_M,
-        Goal::JointAngles(joints_rad) => deviation(joints_rad) < NEAR_RAD,
+        Goal::Pose(pose) => Deviation::between(pose.get(), &state.tool).position_m < NEAR_M,
         Goal::Trajectory(points) => points
+            .get()
             .last()
             .is_some_and(|last| deviation(&last.joints_rad) < NEAR_RAD),
     }

@@ -6,14 +6,17 @@
 //! nothing is cancelled and nothing else is sent, because the node takes either as a reason to enable the arm. The
 //! exception is the trajectory controller: it ignores the stop and would resume once the arm is enabled, so its
 //! trajectory is ended.
+//!
+//! An arm that takes goals after a stop ([`AfterStop::Accepts`]) needs no probe: its stop is verified when it was
+//! acknowledged, its trajectory has ended, and the tool is at rest.
 
 use super::command::{CommandMode, duration_s, hold_position};
 use super::fingers::move_fingers;
-use super::goal::{Outcome, execute};
+use super::goal::{Goal, Outcome, execute};
 use super::state::{is_at_rest, state, state_with_joints, wait_until_at_rest};
 use super::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
-use crate::kinematics::chain::Chain;
-use crate::port::{Ending, Goal, GoalId, GoalState, Port};
+use crate::guard::{Checked, Guard};
+use crate::port::{AfterStop, Ending, GoalId, GoalState, Port};
 use crate::settings::{FingerSettings, Tolerance};
 use nalgebra::Isometry3;
 
@@ -31,8 +34,8 @@ const CANCEL_LOOK_S: f64 = 0.02;
 /// An arm behind a port.
 pub struct PortArm<P: Port> {
     port: P,
-    name: String,
     mode: CommandMode,
+    guard: Guard,
     fingers: FingerSettings,
     tolerance: Tolerance,
     /// Whether this driver stopped the arm, or found it stopped, and it was not enabled since.
@@ -44,18 +47,18 @@ pub struct PortArm<P: Port> {
 impl<P: Port> PortArm<P> {
     /// Drives the node of kinova-ros with tool poses.
     ///
-    /// The node solves the inverse kinematics and does not report the joint path, so nothing here can check that elbow
-    /// and wrist clear the table. A person has to watch them.
+    /// The node solves the inverse kinematics and does not report the joint path, so the path of elbow and wrist that
+    /// was checked may be another one. A person has to watch them.
     pub fn by_poses(
         port: P,
-        name: &str,
+        guard: Guard,
         fingers: FingerSettings,
         tolerance: Tolerance,
     ) -> PortArm<P> {
         PortArm {
             port,
-            name: name.to_owned(),
             mode: CommandMode::Poses,
+            guard,
             fingers,
             tolerance,
             is_stopped: false,
@@ -69,26 +72,14 @@ impl<P: Port> PortArm<P> {
     /// trajectories even when the arm is stopped.
     pub fn by_trajectories(
         port: P,
-        chain: Chain,
+        guard: Guard,
         fingers: FingerSettings,
         tolerance: Tolerance,
     ) -> PortArm<P> {
-        let name = chain.model().to_owned();
         PortArm {
-            mode: CommandMode::by_trajectories(chain),
-            ..PortArm::by_poses(port, &name, fingers, tolerance)
+            mode: CommandMode::Trajectories,
+            ..PortArm::by_poses(port, guard, fingers, tolerance)
         }
-    }
-
-    /// Refuses trajectories in which a joint goes below a height. Has no effect with tool poses, whose joint path is
-    /// unknown.
-    ///
-    /// - `floor_m`: base frame, metres.
-    pub fn with_floor(mut self, floor_m: f64) -> PortArm<P> {
-        if let CommandMode::Trajectories(trajectories) = &mut self.mode {
-            trajectories.floor_m = floor_m;
-        }
-        self
     }
 
     /// Returns the port, e.g. to inspect a simulated arm.
@@ -100,7 +91,7 @@ impl<P: Port> PortArm<P> {
     fn current_state(&mut self) -> Result<ArmState, ArmError> {
         match self.mode {
             CommandMode::Poses => state(&mut self.port, &self.tolerance),
-            CommandMode::Trajectories(_) => state_with_joints(&mut self.port, &self.tolerance),
+            CommandMode::Trajectories => state_with_joints(&mut self.port, &self.tolerance),
         }
     }
 
@@ -132,13 +123,16 @@ impl<P: Port> PortArm<P> {
     /// Re-sends the current pose; a stopped arm aborts it, which reveals the stop.
     fn probe(&mut self, watch: &mut Watch<'_>) -> Result<Outcome, ArmError> {
         let here = state(&mut self.port, &self.tolerance)?;
-        self.execute(&Goal::ToolPose(here.tool), PROBE_S, watch)
+        self.execute(&Goal::Pose(Checked::here(&here)), PROBE_S, watch)
     }
 
     /// Fails if the arm is stopped.
     fn check_enabled(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
         if self.is_stopped {
             return Err(ArmError::Stopped);
+        }
+        if self.port.after_stop() == AfterStop::Accepts {
+            return Ok(());
         }
         for _ in 0..PROBES {
             match self.probe(watch)? {
@@ -149,7 +143,7 @@ impl<P: Port> PortArm<P> {
                 }
                 Outcome::Ended(Ending::Preempted) => break,
                 // The report of its end may have been lost.
-                Outcome::TimedOut => {}
+                Outcome::Unreported | Outcome::TimedOut => {}
             }
         }
         Err(ArmError::TimedOut { after_s: PROBE_S })
@@ -170,10 +164,13 @@ impl<P: Port> PortArm<P> {
             && deviation.angle_rad <= self.tolerance.angle_deg.to_radians()
     }
 
-    /// Returns whether a stop is verified: the arm is at rest and refuses a probe.
+    /// Returns whether a stop is verified: the arm is at rest, and refuses a probe or has no trajectory left.
     fn is_stop_verified(&mut self) -> Result<bool, ArmError> {
         if !is_at_rest(&mut self.port, &self.tolerance)? {
             return Ok(false);
+        }
+        if self.port.after_stop() == AfterStop::Accepts {
+            return Ok(self.trajectory.is_none());
         }
         let outcome = self.probe(&mut |_: &ArmState| Ok(()))?;
         Ok(matches!(
@@ -187,15 +184,15 @@ impl<P: Port> PortArm<P> {
         let Some(id) = self.trajectory.clone() else {
             return Ok(());
         };
-        match self.port.state(&id) {
+        match self.port.goal(&id) {
             GoalState::Ended(Ending::Succeeded | Ending::Preempted | Ending::Rejected) => {
                 self.trajectory = None;
                 return Ok(());
             }
             // The server is done with it, but the controller may not be: only another trajectory replaces it.
             GoalState::Ended(Ending::Aborted) => {
-                let joints = state_with_joints(&mut self.port, &self.tolerance)?.joints_rad;
-                self.trajectory = Some(self.port.send(&hold_position(&joints))?);
+                let here = state_with_joints(&mut self.port, &self.tolerance)?;
+                self.trajectory = Some(hold_position(&here).send(&mut self.port)?);
             }
             GoalState::Sent | GoalState::Active => self.port.cancel(&id)?,
         }
@@ -204,7 +201,7 @@ impl<P: Port> PortArm<P> {
         while self.port.now_s() - begun_s < CANCEL_S && !matches!(last, GoalState::Ended(_)) {
             self.port.wait(CANCEL_LOOK_S);
             last = match &self.trajectory {
-                Some(id) => self.port.state(id),
+                Some(id) => self.port.goal(id),
                 None => return Ok(()),
             };
         }
@@ -217,22 +214,30 @@ impl<P: Port> PortArm<P> {
         Ok(())
     }
 
-    /// Stops the arm, and returns whether the stop is verified.
-    fn try_stop(&mut self) -> Result<bool, ArmError> {
-        let stopped = self.port.stop();
-        if self.trajectory.is_some() {
-            self.end_trajectory()?;
+    /// Stops the arm, and verifies the stop.
+    fn try_stop(&mut self) -> Result<(), ArmError> {
+        let has_trajectory = self.trajectory.is_some();
+        let mut stopped = self.port.stop();
+        let ended = self.end_trajectory();
+        if has_trajectory {
             // Some versions of the controller also enable the arm on a cancellation.
-            self.port.stop()?;
+            stopped = stopped.and(self.port.stop());
         }
-        stopped?;
-        self.is_stop_verified()
+        stopped.map_err(|error| ArmError::StopNotAcknowledged {
+            why: error.to_string(),
+        })?;
+        let why = match ended.and_then(|()| self.is_stop_verified()) {
+            Ok(true) => return Ok(()),
+            Ok(false) => "it still takes goals, or moves".to_owned(),
+            Err(error) => error.to_string(),
+        };
+        Err(ArmError::NotStopped { why })
     }
 }
 
 impl<P: Port> Arm for PortArm<P> {
     fn name(&self) -> String {
-        self.name.clone()
+        self.guard.chain().model().to_owned()
     }
 
     fn now_s(&self) -> f64 {
@@ -254,44 +259,39 @@ impl<P: Port> Arm for PortArm<P> {
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
         self.check_enabled(watch)?;
-        let mut corrections = 0;
-        loop {
-            let from = self.check_motion_allowed(watch)?;
-            let goal = self.mode.goal(&from, to, speed_m_s)?;
-            let travel_s = Deviation::between(&from.tool, to).position_m / speed_m_s;
-            let limit_s = 2.0 * duration_s(&goal).unwrap_or(travel_s) + self.tolerance.settle_s;
-            let outcome = self.execute(&goal, limit_s, watch)?;
-            let now = wait_until_at_rest(&mut self.port, &self.tolerance, watch)?;
-            let deviation = Deviation::between(&now.tool, to);
-            if self.is_reached(deviation) {
-                return Ok(now);
+        let from = self.check_motion_allowed(watch)?;
+        let motion = self.guard.motion(&from, to, speed_m_s);
+        let motion = motion.map_err(ArmError::Refused)?;
+        let goal = self.mode.goal(&self.guard, &from, &motion)?;
+        let travel_s = Deviation::between(&from.tool, to).position_m / speed_m_s;
+        let limit_s = 2.0 * duration_s(&goal).unwrap_or(travel_s) + self.tolerance.settle_s;
+        let outcome = self.execute(&goal, limit_s, watch)?;
+        let now = wait_until_at_rest(&mut self.port, &self.tolerance, watch)?;
+        let deviation = Deviation::between(&now.tool, to);
+        if self.is_reached(deviation) {
+            return Ok(now);
+        }
+        let reported = outcome.name().to_owned();
+        match outcome {
+            Outcome::Ended(Ending::Succeeded) | Outcome::Unreported => Err(ArmError::Short {
+                reported,
+                deviation,
+            }),
+            Outcome::Ended(Ending::Preempted) => Err(ArmError::Stalled { deviation }),
+            Outcome::Ended(Ending::Aborted | Ending::Rejected) => {
+                // Refused because the arm is stopped, or for another reason.
+                self.check_enabled(watch)?;
+                Err(ArmError::NotReached {
+                    reported,
+                    deviation,
+                })
             }
-            match outcome {
-                Outcome::Ended(Ending::Preempted) => return Err(ArmError::Stalled { deviation }),
-                Outcome::Ended(Ending::Aborted | Ending::Rejected) => {
-                    // Refused because the arm is stopped, or for another reason.
+            Outcome::TimedOut => {
+                // A stop does not end a trajectory. A pose goal in progress would be preempted by the probe.
+                if let CommandMode::Trajectories = self.mode {
                     self.check_enabled(watch)?;
-                    return Err(ArmError::NotReached {
-                        reported: outcome.name().to_owned(),
-                        deviation,
-                    });
                 }
-                Outcome::TimedOut => {
-                    // A stop does not end a trajectory. A pose goal in progress would be preempted by the probe.
-                    if let CommandMode::Trajectories(_) = self.mode {
-                        self.check_enabled(watch)?;
-                    }
-                    return Err(ArmError::TimedOut { after_s: limit_s });
-                }
-                Outcome::Ended(Ending::Succeeded) if corrections < self.tolerance.corrections => {
-                    corrections += 1;
-                }
-                Outcome::Ended(Ending::Succeeded) => {
-                    return Err(ArmError::NotReached {
-                        reported: outcome.name().to_owned(),
-                        deviation,
-                    });
-                }
+                Err(ArmError::TimedOut { after_s: limit_s })
             }
         }
     }
@@ -318,28 +318,27 @@ impl<P: Port> Arm for PortArm<P> {
 
     fn stop(&mut self) -> Result<(), ArmError> {
         self.is_stopped = true;
-        let mut why = String::new();
-        for _ in 0..STOPS {
-            match self.try_stop() {
-                Ok(true) => return Ok(()),
-                Ok(false) => why = "it still takes goals, or moves".to_owned(),
-                Err(error) => why = error.to_string(),
+        let mut stopped = self.try_stop();
+        for _ in 1..STOPS {
+            if stopped.is_ok() {
+                break;
             }
+            stopped = self.try_stop();
         }
-        Err(ArmError::NotStopped { why })
+        stopped
     }
 
     fn enable(&mut self) -> Result<(), ArmError> {
         let unwatched = &mut |_: &ArmState| Ok(());
-        if let CommandMode::Trajectories(_) = self.mode {
+        if let CommandMode::Trajectories = self.mode {
             // Replace whatever trajectory the controller still has, whoever sent it.
-            let joints = state_with_joints(&mut self.port, &self.tolerance)?.joints_rad;
-            let outcome = self.execute(&hold_position(&joints), PROBE_S, unwatched)?;
+            let here = state_with_joints(&mut self.port, &self.tolerance)?;
+            let outcome = self.execute(&hold_position(&here), PROBE_S, unwatched)?;
             // Acceptance is enough: servers differ in whether a held arm counts as arrived.
             let is_accepted = match (outcome, &self.trajectory) {
                 (Outcome::Ended(ending), _) => ending != Ending::Rejected,
-                (Outcome::TimedOut, Some(id)) => self.port.state(id) == GoalState::Active,
-                (Outcome::TimedOut, None) => false,
+                (_, Some(id)) => self.port.goal(id) == GoalState::Active,
+                (_, None) => false,
             };
             if !is_accepted {
                 return Err(ArmError::TimedOut { after_s: PROBE_S });

@@ -1,6 +1,6 @@
 //! Reads an arm's state, and decides whether the arm is at rest.
 //!
-//! In: the port's readings with their times. Out: a state no older than `stale_s`, or the reading that is missing. The
+//! In: the port's readings with the times at which they were taken. Out: a state no older than `stale_s`, or the reading that is missing. The
 //! arm is at rest when two readings agree; what a server reports is not trusted.
 
 use super::{ArmError, ArmState, Deviation, Halt, Watch};
@@ -11,7 +11,7 @@ use crate::settings::Tolerance;
 pub(super) const POLL_S: f64 = 0.05;
 
 /// A tool that moves less than this between two readings is at rest, metres.
-const REST_M: f64 = 0.000_5;
+pub(super) const REST_M: f64 = 0.000_5;
 
 /// Time between those two readings, seconds: more than the 0.1 s between two messages of kinova-ros.
 const REST_S: f64 = 0.25;
@@ -31,7 +31,7 @@ fn fresh<T>(
 /// Returns the arm's state. Fails on a stale tool or finger reading; stale joint angles are left empty.
 pub(super) fn state<P: Port>(port: &mut P, tolerance: &Tolerance) -> Result<ArmState, ArmError> {
     let now_s = port.now_s();
-    let readings = port.readings();
+    let readings = port.state();
     let tool = fresh(readings.tool, "tool is", now_s, tolerance.stale_s)?;
     let fingers = fresh(readings.fingers, "fingers are", now_s, tolerance.stale_s)?;
     let joints = fresh(readings.joints_rad, "joints are", now_s, tolerance.stale_s);
@@ -65,7 +65,7 @@ pub(super) fn state_with_joints<P: Port>(
     port: &mut P,
     tolerance: &Tolerance,
 ) -> Result<ArmState, ArmError> {
-    let joints = port.readings().joints_rad;
+    let joints = port.state().joints_rad;
     let now_s = port.now_s();
     fresh(joints, "joints are", now_s, tolerance.stale_s)?;
     state(port, tolerance)
@@ -84,6 +84,24 @@ pub(super) fn watched_state<P: Port>(
     }
 }
 
+/// Waits under the watch callback; returns the state at the end.
+pub(super) fn watched_wait<P: Port>(
+    port: &mut P,
+    seconds: f64,
+    tolerance: &Tolerance,
+    watch: &mut Watch<'_>,
+) -> Result<ArmState, ArmError> {
+    let begun_s = port.now_s();
+    loop {
+        port.wait(POLL_S);
+        let state = watched_state(port, tolerance, watch)?;
+        // A clock may count in steps that do not add up exactly.
+        if port.now_s() - begun_s >= seconds - 1e-9 {
+            return Ok(state);
+        }
+    }
+}
+
 /// Waits until the tool is at rest; fails after `settle_s`. A pause request is ignored.
 pub(super) fn wait_until_at_rest<P: Port>(
     port: &mut P,
@@ -93,8 +111,7 @@ pub(super) fn wait_until_at_rest<P: Port>(
     let begun_s = port.now_s();
     let mut before = state(port, tolerance)?;
     while port.now_s() - begun_s <= tolerance.settle_s {
-        port.wait(REST_S);
-        let now = watched_state(port, tolerance, watch)?;
+        let now = watched_wait(port, REST_S, tolerance, watch)?;
         // Only a new reading can show rest.
         if now.at_s > before.at_s {
             if Deviation::between(&now.tool, &before.tool).position_m < REST_M {

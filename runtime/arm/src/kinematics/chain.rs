@@ -4,6 +4,7 @@
 //! Jacobian. Joint limits are stated here and enforced by the callers that choose angles: forward kinematics accepts
 //! any angle, because an arm may report one past its limit.
 
+use super::shape::Capsule;
 use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector3, Vector6};
 use std::f64::consts::TAU;
 
@@ -34,6 +35,7 @@ pub struct Chain {
     model: String,
     joints: [Joint; JOINTS],
     last_from_tool: Isometry3<f64>,
+    pub(super) shapes: Vec<Capsule>,
 }
 
 /// Joint angles that do not fit this chain.
@@ -60,11 +62,13 @@ impl Chain {
         model: &str,
         joints: [Joint; JOINTS],
         last_from_tool: Isometry3<f64>,
+        shapes: Vec<Capsule>,
     ) -> Chain {
         Chain {
             model: model.to_owned(),
             joints,
             last_from_tool,
+            shapes,
         }
     }
 

@@ -8,6 +8,7 @@ pub mod chain;
 pub mod inverse;
 pub mod models;
 pub mod reach;
+pub mod shape;
 mod starts;
 pub mod straight;
 pub mod tool_down;

@@ -4,7 +4,8 @@
 //! the source of each; only their units are converted here.
 
 use super::chain::{Chain, JOINTS, Joint};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use super::shape::Capsule;
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
 use serde::Deserialize;
 
 const MODELS: &str = include_str!("models.toml");
@@ -32,6 +33,7 @@ struct ChainFigures {
     hand_xyz_m: [f64; 3],
     hand_rpy_deg: [f64; 3],
     joint: [JointFigures; JOINTS],
+    shape: Vec<ShapeFigures>,
 }
 
 #[derive(Deserialize)]
@@ -41,6 +43,15 @@ struct JointFigures {
     rpy_deg: [f64; 3],
     limits_deg: Option<[f64; 2]>,
     max_speed_deg_s: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShapeFigures {
+    link: usize,
+    from_m: [f64; 3],
+    to_m: [f64; 3],
+    radius_m: f64,
 }
 
 impl Chain {
@@ -64,7 +75,13 @@ impl Chain {
                 available: Chain::models(),
             })?;
         let last_from_tool = isometry(figures.hand_xyz_m, figures.hand_rpy_deg);
-        Ok(Chain::new(name, figures.joint.map(joint), last_from_tool))
+        let shapes = figures.shape.into_iter().map(shape).collect();
+        Ok(Chain::new(
+            name,
+            figures.joint.map(joint),
+            last_from_tool,
+            shapes,
+        ))
     }
 }
 
@@ -77,6 +94,15 @@ fn joint(figures: JointFigures) -> Joint {
         parent_from_joint_at_zero: isometry(figures.xyz_m, figures.rpy_deg),
         limits_rad: figures.limits_deg.map(|limits| limits.map(f64::to_radians)),
         max_speed_rad_s: figures.max_speed_deg_s.to_radians(),
+    }
+}
+
+fn shape(figures: ShapeFigures) -> Capsule {
+    Capsule {
+        link: figures.link,
+        from: Point3::from(figures.from_m),
+        to: Point3::from(figures.to_m),
+        radius_m: figures.radius_m,
     }
 }
 

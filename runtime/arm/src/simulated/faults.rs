@@ -21,6 +21,8 @@ pub enum FaultKind {
     LostGoals,
     /// The result of the next goal does not arrive.
     LostResult,
+    /// Nothing is heard of the next goal that causes a motion, which is carried out.
+    LostStatus,
     /// The next cancellation does not arrive.
     LostCancel,
     /// The next stop gets no answer and has no effect.
@@ -29,6 +31,8 @@ pub enum FaultKind {
     Silence,
     /// No reading arrives for 0.6 s.
     ShortSilence,
+    /// The last reading is published again and again, with its stamp, from then on.
+    RepeatedReading,
     /// The arm jams during a motion and never moves again.
     StuckJoint,
     /// Somebody presses the stop.
@@ -49,14 +53,16 @@ pub enum FaultKind {
 
 impl FaultKind {
     /// Lists every kind.
-    pub const ALL: [FaultKind; 15] = [
+    pub const ALL: [FaultKind; 17] = [
         FaultKind::LostGoal,
         FaultKind::LostGoals,
         FaultKind::LostResult,
+        FaultKind::LostStatus,
         FaultKind::LostCancel,
         FaultKind::LostStop,
         FaultKind::Silence,
         FaultKind::ShortSilence,
+        FaultKind::RepeatedReading,
         FaultKind::StuckJoint,
         FaultKind::PressedStop,
         FaultKind::FallsShort,

@@ -18,12 +18,14 @@ pub use shared::SharedArm;
 
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::{Reach, Turn};
-use super::port::{Goal, GoalId, GoalState, Port, PortError, Reading, Readings};
+use super::port::{
+    AfterStop, GoalId, GoalState, Port, PortError, Reading, Readings, Stamps, Waypoint,
+};
 use super::settings::{FingerSettings, Settings};
 use body::Body;
 use faults::Faults;
 use nalgebra::{Isometry3, Point3};
-use node::Node;
+use node::{Goal, Node};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -33,6 +35,9 @@ const TICK_S: f64 = 0.01;
 /// Time between two readings, seconds (kinova-ros: `status_interval_seconds`).
 const READING_S: f64 = 0.1;
 
+/// How far the arm's own clock is ahead of the port's, seconds: clocks of two machines differ.
+const AHEAD_S: f64 = 1000.0;
+
 /// A simulated arm and the node that moves it.
 pub struct SimulatedArm {
     body: Body,
@@ -41,6 +46,9 @@ pub struct SimulatedArm {
     clock_s: f64,
     readings: Readings,
     read_s: f64,
+    /// The last stamp, on the arm's clock.
+    stamp_s: f64,
+    stamps: Stamps,
     /// The tool's pose when the arm was stopped, and its largest distance from there since, metres.
     since_stop: Option<(Isometry3<f64>, f64)>,
     /// Bounds of all tool positions so far, metres: least and largest.
@@ -104,6 +112,8 @@ impl SimulatedArm {
             clock_s: 0.0,
             readings: Readings::default(),
             read_s: f64::NEG_INFINITY,
+            stamp_s: 0.0,
+            stamps: Stamps::default(),
             since_stop: None,
             extent_m: [at, at],
             has_lost_camera: false,
@@ -194,7 +204,15 @@ impl SimulatedArm {
             return;
         }
         self.read_s = self.clock_s;
-        let at_s = self.clock_s;
+        if !self
+            .faults
+            .is_active(FaultKind::RepeatedReading, self.clock_s)
+        {
+            self.stamp_s = AHEAD_S + self.clock_s;
+        }
+        let Some(at_s) = self.stamps.taken_s(self.stamp_s, self.clock_s) else {
+            return;
+        };
         self.readings = Readings {
             tool: Some(Reading {
                 value: self.body.tool(),
@@ -209,6 +227,10 @@ impl SimulatedArm {
                 at_s,
             }),
         };
+    }
+
+    fn send(&mut self, goal: Goal) -> GoalId {
+        self.node.send(goal, self.clock_s, &mut self.faults)
     }
 
     fn stop_body(&mut self) {
@@ -230,11 +252,19 @@ impl Port for SimulatedArm {
         }
     }
 
-    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
-        Ok(self.node.send(goal, self.clock_s, &mut self.faults))
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        Ok(self.send(Goal::Trajectory(points.to_vec())))
     }
 
-    fn state(&mut self, goal: &GoalId) -> GoalState {
+    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        Ok(self.send(Goal::Pose(*tool)))
+    }
+
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        Ok(self.send(Goal::Fingers(positions.to_vec())))
+    }
+
+    fn goal(&mut self, goal: &GoalId) -> GoalState {
         self.node.goal_state(goal, self.clock_s)
     }
 
@@ -257,13 +287,17 @@ impl Port for SimulatedArm {
         Ok(())
     }
 
+    fn after_stop(&self) -> AfterStop {
+        AfterStop::Refuses
+    }
+
     fn start(&mut self) -> Result<(), PortError> {
         self.node.start(&mut self.body);
         self.since_stop = None;
         Ok(())
     }
 
-    fn readings(&mut self) -> Readings {
+    fn state(&mut self) -> Readings {
         self.readings.clone()
     }
 }

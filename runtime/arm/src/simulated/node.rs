@@ -3,7 +3,8 @@
 use super::body::Body;
 use super::faults::{FaultKind, Faults};
 use crate::driver::Deviation;
-use crate::port::{Ending, Goal, GoalId, GoalState, Waypoint};
+use crate::port::{Ending, GoalId, GoalState, Waypoint};
+use nalgebra::Isometry3;
 use std::collections::BTreeMap;
 use std::mem::discriminant;
 
@@ -37,6 +38,14 @@ const TRAJECTORY_S: f64 = 3.0;
 /// The most ended goals that are remembered.
 const MAX_REMEMBERED: usize = 64;
 
+/// A goal as it arrives at the node, which moves to whatever it is told.
+#[derive(Clone, Debug)]
+pub(super) enum Goal {
+    Pose(Isometry3<f64>),
+    Trajectory(Vec<Waypoint>),
+    Fingers(Vec<f64>),
+}
+
 /// A goal that a server is executing.
 struct Active {
     id: GoalId,
@@ -57,6 +66,8 @@ pub(super) struct Node {
     active: Vec<Active>,
     /// How goals ended, and when the report arrives; infinity if it never does.
     ended: BTreeMap<GoalId, (Ending, f64)>,
+    /// A goal of which nothing is heard.
+    unheard: Option<GoalId>,
     is_stopped: bool,
     looked_s: f64,
 }
@@ -75,11 +86,11 @@ impl Node {
         !self.active.is_empty()
     }
 
-    pub(super) fn send(&mut self, goal: &Goal, now_s: f64, faults: &mut Faults) -> GoalId {
+    pub(super) fn send(&mut self, goal: Goal, now_s: f64, faults: &mut Faults) -> GoalId {
         self.sent += 1;
         let id = GoalId(format!("goal-{:06}", self.sent));
         if !faults.loses_goal(now_s) {
-            let message = Message::Goal(id.clone(), goal.clone());
+            let message = Message::Goal(id.clone(), goal);
             self.in_transit.push((now_s + LATENCY_S, message));
         }
         id
@@ -92,6 +103,9 @@ impl Node {
 
     /// Returns the state of a goal as its sender sees it by now.
     pub(super) fn goal_state(&self, goal: &GoalId, now_s: f64) -> GoalState {
+        if self.unheard.as_ref() == Some(goal) {
+            return GoalState::Sent;
+        }
         match self.ended.get(goal) {
             Some((ending, heard_s)) if *heard_s <= now_s => GoalState::Ended(*ending),
             Some(_) => GoalState::Active,
@@ -142,8 +156,8 @@ impl Node {
         // motion.
         let is_motion = match &goal {
             Goal::Trajectory(points) => !is_near(body, points),
-            Goal::ToolPose(pose) => Deviation::between(&body.tool(), pose).position_m > REACHED_M,
-            Goal::JointAngles(_) | Goal::Fingers(_) => true,
+            Goal::Pose(pose) => Deviation::between(&body.tool(), pose).position_m > REACHED_M,
+            Goal::Fingers(_) => true,
         };
         let started = match (self.is_stopped, &goal) {
             // The controller accepts a trajectory at any time; a stop only holds the joints.
@@ -153,15 +167,11 @@ impl Node {
                 body.stream(points, if falls_short { SHORT_SHARE } else { 0.0 })
             }
             (true, _) => Err(String::new()),
-            (false, Goal::ToolPose(pose)) => {
+            (false, Goal::Pose(pose)) => {
                 let falls_short = faults.is_active(FaultKind::FallsShortAlways, now_s)
                     || is_motion && faults.take(FaultKind::FallsShort, now_s);
                 body.move_straight(pose, if falls_short { SHORT_M } else { 0.0 })
             }
-            (false, Goal::JointAngles(joints_rad)) => body.follow(&[Waypoint {
-                joints_rad: joints_rad.clone(),
-                at_s: 3.0,
-            }]),
             (false, Goal::Fingers(positions)) => match positions.first() {
                 Some(position) if position.is_finite() => {
                     body.move_fingers(*position);
@@ -170,6 +180,9 @@ impl Node {
                 _ => Err(String::new()),
             },
         };
+        if is_motion && faults.take(FaultKind::LostStatus, now_s) {
+            self.unheard = Some(id.clone());
+        }
         let is_aborted =
             started.is_err() || is_motion && faults.take(FaultKind::AbortedGoal, now_s);
         if is_aborted {
@@ -251,7 +264,7 @@ impl Active {
             self.last_moved_s = now_s;
         }
         let (is_reached, stall_s) = match &self.goal {
-            Goal::ToolPose(pose) => {
+            Goal::Pose(pose) => {
                 let deviation = Deviation::between(&body.tool(), pose);
                 let is_reached =
                     deviation.position_m < REACHED_M && deviation.angle_rad < REACHED_RAD;
@@ -262,7 +275,6 @@ impl Active {
                 let fingers = body.fingers().iter().zip(positions).map(off);
                 (fingers.fold(0.0, f64::max) < FINGER_REACHED, FINGER_STALL_S)
             }
-            Goal::JointAngles(joints_rad) => (near(body, joints_rad), STALL_S),
             Goal::Trajectory(points) => {
                 // The controller keeps the trajectory after an abort, or holds it until the arm is enabled.
                 let duration_s = points.last().map_or(0.0, |last| last.at_s);

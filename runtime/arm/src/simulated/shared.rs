@@ -1,7 +1,8 @@
 //! A simulated arm that a driver moves while a test inspects it.
 
 use super::SimulatedArm;
-use crate::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
+use crate::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use nalgebra::Isometry3;
 use std::cell::{RefCell, RefMut};
 use std::rc::Rc;
 
@@ -30,12 +31,20 @@ impl Port for SharedArm {
         self.arm().wait(seconds);
     }
 
-    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
-        self.arm().send(goal)
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        self.arm().send_trajectory(points)
     }
 
-    fn state(&mut self, goal: &GoalId) -> GoalState {
-        self.arm().state(goal)
+    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        self.arm().send_pose(tool)
+    }
+
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        self.arm().send_fingers(positions)
+    }
+
+    fn goal(&mut self, goal: &GoalId) -> GoalState {
+        self.arm().goal(goal)
     }
 
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
@@ -46,11 +55,15 @@ impl Port for SharedArm {
         self.arm().stop()
     }
 
+    fn after_stop(&self) -> AfterStop {
+        self.0.borrow().after_stop()
+    }
+
     fn start(&mut self) -> Result<(), PortError> {
         self.arm().start()
     }
 
-    fn readings(&mut self) -> Readings {
-        self.arm().readings()
+    fn state(&mut self) -> Readings {
+        self.arm().state()
     }
 }

@@ -1,9 +1,9 @@
 //! Tests of every trap of the real arm's node, in both command modes: a driver must not trust any server.
 
 use super::*;
-use crate::driver::{ArmError, HandContents, Opening};
+use crate::driver::{ArmError, Deviation, HandContents, Opening, Watch};
 use crate::kinematics::tool_down::tool_down;
-use crate::settings::FingerSettings;
+use crate::settings::{FingerSettings, KeepOut};
 
 /// A place 13 cm from the rest position, reached after slightly more than 1.3 s.
 const THERE_M: [f64; 3] = [0.40, -0.25, 0.20];
@@ -17,6 +17,11 @@ fn there() -> Isometry3<f64> {
 
 fn go(bench: &mut Bench) -> Result<ArmState, ArmError> {
     bench.driver().move_tool(&there(), SPEED_M_S, &mut nobody)
+}
+
+/// Like `go`, with the checks and corrections of the limits.
+fn go_within_limits(bench: &mut Bench) -> Result<ArmState, ArmError> {
+    bench.arm.move_tool(&there(), SPEED_M_S, &mut nobody)
 }
 
 #[test]
@@ -58,7 +63,7 @@ fn a_goal_called_reached_too_early_is_corrected() {
             go(&mut usual).unwrap();
             usual.port().now_s()
         };
-        go(&mut bench).unwrap();
+        go_within_limits(&mut bench).unwrap();
         assert!(bench.off_m(THERE_M) < 0.003);
         // A second goal was needed: the first came to rest 7 mm short.
         assert!(bench.port().now_s() > alone_s + 0.2);
@@ -69,10 +74,10 @@ fn a_goal_called_reached_too_early_is_corrected() {
 fn a_goal_that_is_never_reached_is_no_success() {
     for by in By::BOTH {
         let mut bench = Bench::driven(by, &[(FaultKind::FallsShortAlways, 0.0)]);
-        let Err(ArmError::NotReached {
+        let Err(ArmError::Short {
             reported,
             deviation,
-        }) = go(&mut bench)
+        }) = go_within_limits(&mut bench)
         else {
             panic!("7 mm short, and called reached");
         };
@@ -262,7 +267,7 @@ fn a_stop_without_an_answer_is_asked_for_again() {
         let mut bench = Bench::driven(by, &[(FaultKind::LostStop, 0.0); 3]);
         let not_stopped = bench.driver().stop();
         assert!(
-            matches!(not_stopped, Err(ArmError::NotStopped { .. })),
+            matches!(not_stopped, Err(ArmError::StopNotAcknowledged { .. })),
             "{not_stopped:?}"
         );
     }
@@ -288,6 +293,108 @@ fn a_result_that_is_lost_is_replaced_by_a_look() {
             go(&mut bench).unwrap();
             assert!(bench.off_m(THERE_M) < 0.003);
         }
+    }
+}
+
+/// A second trajectory from the old start would lead the arm back.
+#[test]
+fn a_goal_whose_status_is_lost_is_not_begun_again() {
+    for by in By::BOTH {
+        for also in [None, Some((FaultKind::FallsShort, 0.0))] {
+            let faults = [Some((FaultKind::LostStatus, 0.0)), also];
+            let faults: Vec<_> = faults.into_iter().flatten().collect();
+            let mut bench = Bench::driven(by, &faults);
+            let mut left_m = f64::INFINITY;
+            let moved = bench.arm.move_tool(&there(), SPEED_M_S, &mut |state| {
+                let now_m = Deviation::between(&state.tool, &there()).position_m;
+                assert!(
+                    now_m < left_m + 0.001,
+                    "{by:?}: it went back from {left_m} to {now_m} m"
+                );
+                left_m = now_m;
+                Ok(())
+            });
+            moved.unwrap();
+            assert!(bench.off_m(THERE_M) < 0.003);
+        }
+    }
+}
+
+/// An arm that comes to rest where a fault has brought it: its motions are told as short.
+struct Carried {
+    at: Isometry3<f64>,
+    n_motions: u32,
+}
+
+impl Arm for Carried {
+    fn name(&self) -> String {
+        "carried".to_owned()
+    }
+    fn now_s(&self) -> f64 {
+        0.0
+    }
+    fn wait(&mut self, _: f64) {}
+    fn state(&mut self) -> Result<ArmState, ArmError> {
+        Ok(ArmState {
+            at_s: 0.0,
+            tool: self.at,
+            joints_rad: Vec::new(),
+            fingers: Vec::new(),
+        })
+    }
+    fn move_tool(
+        &mut self,
+        to: &Isometry3<f64>,
+        _: f64,
+        _: &mut Watch<'_>,
+    ) -> Result<ArmState, ArmError> {
+        self.n_motions += 1;
+        self.at = tool_down(&Point3::new(0.40, 0.30, 0.20), 0.0);
+        Err(ArmError::Short {
+            reported: "reached".to_owned(),
+            deviation: Deviation::between(&self.at, to),
+        })
+    }
+    fn move_fingers(&mut self, _: Opening, _: &mut Watch<'_>) -> Result<HandContents, ArmError> {
+        Ok(HandContents::Unknown)
+    }
+    fn stop(&mut self) -> Result<(), ArmError> {
+        Ok(())
+    }
+    fn enable(&mut self) -> Result<(), ArmError> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_correction_is_checked_like_the_motion_before() {
+    let mut settings = settings();
+    settings.workspace.keep_out = vec![KeepOut {
+        name: "lamp".to_owned(),
+        min_m: [0.30, 0.10, 0.0],
+        max_m: [0.50, 0.12, 0.40],
+    }];
+    let arm = Carried {
+        at: tool_down(&settings.workspace.rest_m.into(), 0.0),
+        n_motions: 0,
+    };
+    let mut arm = Limited::new(arm, guard(&settings), &settings.tolerance);
+    // From where it is now the way back leads through the zone.
+    let moved = arm.move_tool(&there(), SPEED_M_S, &mut nobody);
+    assert!(
+        matches!(&moved, Err(ArmError::Refused(why)) if why.contains("`lamp`")),
+        "{moved:?}"
+    );
+    assert_eq!(arm.arm().n_motions, 1);
+}
+
+#[test]
+fn an_arm_that_says_the_same_over_and_over_is_silent() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[(FaultKind::RepeatedReading, ON_THE_WAY_S)]);
+        let moved = go(&mut bench);
+        assert!(matches!(moved, Err(ArmError::Silent { .. })), "{moved:?}");
+        assert!(bench.port().now_s() < ON_THE_WAY_S + 1.0 + 0.2);
     }
 }
 

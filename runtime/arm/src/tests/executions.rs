@@ -7,6 +7,8 @@ use crate::route::SegmentName;
 use crate::supervisor::{MotionRequest, NoWatchdog, Unattended};
 use fab_world::start::Start;
 use std::fs;
+use std::sync::mpsc::{Sender, channel};
+use std::time::Duration;
 
 fn entries(folder: &Path) -> Vec<Entry> {
     let text = fs::read_to_string(folder.join(ARM_FILE)).unwrap();
@@ -70,7 +72,8 @@ impl<F: FnMut() -> bool> Supervisor for At<F> {
 fn a_pick_and_place_ends_where_it_says() {
     let mut bench = Bench::with(&[]);
     let names: Vec<SegmentName> = bench
-        .segments()
+        .route()
+        .segments
         .iter()
         .map(|segment| segment.name)
         .collect();
@@ -115,6 +118,9 @@ fn every_motion_is_written_down_before_it_begins() {
             Ok(())
         }
         fn rest(&mut self) {}
+        fn stop(&mut self) -> Result<(), String> {
+            unreachable!("the arm is stopped without it")
+        }
     }
     let mut bench = Bench::with(&[]);
     let folder = bench.folder().to_owned();
@@ -127,7 +133,7 @@ fn every_motion_is_written_down_before_it_begins() {
 #[test]
 #[ignore = "long"]
 fn an_interrupt_stops_the_arm_in_every_segment() {
-    let count = Bench::with(&[]).segments().len();
+    let count = Bench::with(&[]).route().segments.len();
     for segment in 1..=count {
         for looks in [1, 2, 5] {
             let mut bench = Bench::with(&[]);
@@ -136,7 +142,7 @@ fn an_interrupt_stops_the_arm_in_every_segment() {
                 interrupt.raise();
                 true
             });
-            let name = bench.segments()[segment - 1].name;
+            let name = bench.route().segments[segment - 1].name;
             let broken = bench.run(&mut raiser, &mut NoWatchdog).unwrap_err();
             assert_eq!(broken.why, ArmError::Interrupted, "{segment}");
             assert_eq!(broken.stopped, Some(Ok(())), "{segment}");
@@ -172,7 +178,7 @@ fn a_mistake_of_this_program_stops_the_arm() {
 #[test]
 #[ignore = "long"]
 fn a_key_that_is_let_go_ends_no_segment() {
-    let count = Bench::with(&[]).segments().len();
+    let count = Bench::with(&[]).route().segments.len();
     for segment in 1..=count {
         let mut bench = Bench::with(&[]);
         // The key is released at the sixth check, and held again at the next.
@@ -245,9 +251,103 @@ fn a_watchdog_that_does_not_answer_stops_the_arm() {
             }
         }
         fn rest(&mut self) {}
+        fn stop(&mut self) -> Result<(), String> {
+            Err("it is gone".to_owned())
+        }
     }
     let mut bench = Bench::with(&[]);
     let broken = bench.run(&mut Unattended, &mut Deaf(0)).unwrap_err();
     assert_eq!(broken.why, ArmError::Watchdog("it is gone".to_owned()));
+    bench.stays_stopped();
+}
+
+/// Counts what it was told.
+#[derive(Default)]
+struct Counting {
+    is_watching: bool,
+    n_stops: u32,
+}
+
+impl Watchdog for Counting {
+    fn watch(&mut self) -> Result<(), String> {
+        self.is_watching = true;
+        Ok(())
+    }
+    fn beat(&mut self) -> Result<(), String> {
+        Ok(())
+    }
+    fn rest(&mut self) {
+        self.is_watching = false;
+    }
+    fn stop(&mut self) -> Result<(), String> {
+        self.n_stops += 1;
+        Err("no answer".to_owned())
+    }
+}
+
+#[test]
+fn a_watchdog_is_called_off_when_a_stop_is_verified_and_not_before() {
+    for (lost, words) in [
+        (&[][..], "; the arm is verified to be stopped"),
+        (
+            &[(FaultKind::LostStop, 0.0); 3][..],
+            "; the arm was told to stop, and nothing acknowledged it: use the physical stop (the service `in/stop`: no \
+             answer within 1 s; the watchdog did not stop it: no answer)",
+        ),
+        (
+            &[(FaultKind::Silence, 0.3)][..],
+            "may be down; the watchdog did not stop it: no answer)",
+        ),
+    ] {
+        let mut bench = Bench::with(lost);
+        let interrupt = bench.interrupt.clone();
+        let mut raiser = At::new(3, 2, || {
+            interrupt.raise();
+            true
+        });
+        let mut watchdog = Counting::default();
+        let broken = bench.run(&mut raiser, &mut watchdog).unwrap_err();
+        assert!(broken.to_string().ends_with(words), "{broken}");
+        let is_verified = broken.stopped == Some(Ok(()));
+        assert_eq!(watchdog.is_watching, !is_verified, "{broken}");
+        assert_eq!(watchdog.n_stops, u32::from(!is_verified), "{broken}");
+    }
+}
+
+/// A disk that hangs at the `n`th line.
+fn hanging(n: usize) -> (ArmLog, Sender<()>) {
+    let (release, hangs) = channel::<()>();
+    let mut n_lines = 0;
+    let log = ArmLog::to("arm.jsonl".into(), Duration::from_millis(50), move |_| {
+        n_lines += 1;
+        if n_lines == n {
+            let _ = hangs.recv();
+        }
+        Ok(())
+    });
+    (log, release)
+}
+
+#[test]
+fn a_journal_that_hangs_moves_nothing_and_hangs_nothing() {
+    // Before the first motion, and after it.
+    let (mut log, _release) = hanging(1);
+    let mut bench = Bench::with(&[]);
+    let broken = bench.run_with(&mut log, &mut Unattended, &mut NoWatchdog);
+    let broken = broken.unwrap_err();
+    assert!(
+        matches!(&broken.why, ArmError::JournalBeforeMotion(why) if why.contains("not written within")),
+        "{broken}"
+    );
+    assert!(bench.off_m(bench.settings.workspace.rest_m) < 1e-6);
+    let (mut log, _release) = hanging(2);
+    let mut bench = Bench::with(&[]);
+    let broken = bench.run_with(&mut log, &mut Unattended, &mut NoWatchdog);
+    let broken = broken.unwrap_err();
+    assert!(
+        matches!(broken.why, ArmError::JournalAfterMotion(_)),
+        "{broken}"
+    );
+    assert_eq!(broken.stopped, Some(Ok(())));
     bench.stays_stopped();
 }

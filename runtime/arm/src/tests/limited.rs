@@ -1,126 +1,148 @@
-//! Tests that motions permitted by the limits stay within them.
+//! Tests that motions which pass the guard stay within the limits, and that a moving arm is stopped at them.
 
 use super::*;
 use crate::driver::{ArmError, Opening};
+use crate::kinematics::reach::{Reach, Turn};
 use crate::kinematics::tool_down::tool_down;
-use crate::limits::check;
-use crate::settings::{KeepOut, Workspace};
-use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
-use proptest::prelude::*;
+use crate::port::Waypoint;
+use crate::settings::KeepOut;
+use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 
-const MARGIN_M: f64 = 0.003;
+/// Settings with a lamp on the table.
+fn with_lamp() -> Settings {
+    let mut settings = settings();
+    settings.workspace.keep_out = vec![KeepOut {
+        name: "lamp".to_owned(),
+        min_m: [0.55, 0.10, 0.0],
+        max_m: [0.65, 0.20, 0.30],
+    }];
+    settings
+}
 
-fn workspace() -> Workspace {
-    let keep_out = [
-        ("lamp", [0.55, 0.10, 0.0], [0.65, 0.20, 0.30]),
-        ("wire", [0.30, -0.20, 0.18], [0.70, -0.199, 0.182]),
-    ];
-    Workspace {
-        keep_out: keep_out
-            .map(|(name, min_m, max_m)| KeepOut {
-                name: name.to_owned(),
-                min_m,
-                max_m,
-            })
-            .into(),
-        ..settings().workspace
+/// A state with the tool at a pose, without joint angles.
+fn at(tool: Isometry3<f64>) -> ArmState {
+    ArmState {
+        at_s: 0.0,
+        tool,
+        joints_rad: Vec::new(),
+        fingers: Vec::new(),
     }
 }
 
-/// A coordinate, sometimes outside every box and sometimes NaN or infinite.
-fn coordinate(least: f64, most: f64) -> impl Strategy<Value = f64> {
-    let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 0.0];
-    prop_oneof![
-        40 => least - 0.02..most + 0.02,
-        1 => proptest::sample::select(odd.to_vec()),
-    ]
+fn down(point: [f64; 3]) -> Isometry3<f64> {
+    tool_down(&point.into(), 0.0)
 }
 
-fn point() -> impl Strategy<Value = Point3<f64>> {
-    (
-        coordinate(0.15, 0.75),
-        coordinate(-0.525, 0.525),
-        coordinate(0.01, 0.45),
-    )
-        .prop_map(|(x, y, z)| Point3::new(x, y, z))
-}
-
-fn is_within(point: &Vector3<f64>, min_m: &[f64; 3], max_m: &[f64; 3]) -> bool {
-    (0..3).all(|axis| (min_m[axis]..=max_m[axis]).contains(&point[axis]))
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
-
-    #[test]
-    #[ignore = "long"]
-    fn ways_that_pass_stay_in_the_box_and_out_of_the_zones(
-        from in point(),
-        to in point(),
-        tilt_rad in -0.4_f64..0.4,
-        speed_m_s in prop_oneof![9 => 0.0_f64..0.3, 1 => Just(f64::NAN), 1 => Just(f64::INFINITY)],
-        max_step_m in 0.1_f64..1.0,
-    ) {
-        let workspace = Workspace { max_step_m, ..workspace() };
-        let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), tilt_rad);
-        let (start, mut end) = (tool_down(&from, 0.0), tool_down(&to, 0.0));
-        end.rotation = tilt * end.rotation;
-        if check(&workspace, MARGIN_M, &start, &end, speed_m_s).is_ok() {
-            prop_assert!(speed_m_s > 0.0 && speed_m_s <= workspace.max_speed_m_s);
-            prop_assert!((to - from).norm() <= max_step_m);
-            prop_assert!(tilt_rad.abs() <= 0.2 + 1e-9);
-            let margin = |value: [f64; 3], sign: f64| value.map(|value| value + sign * MARGIN_M);
-            let (least, most) = (margin(workspace.min_m, 1.0), margin(workspace.max_m, -1.0));
-            prop_assert!(is_within(&to.coords, &least, &most));
-            for part in 0..=400 {
-                let at = from.coords.lerp(&to.coords, f64::from(part) / 400.0);
-                prop_assert!(is_within(&at, &workspace.min_m, &workspace.max_m), "{}", at);
-                for zone in &workspace.keep_out {
-                    prop_assert!(!is_within(&at, &zone.min_m, &zone.max_m), "{} in {}", at, zone.name);
-                }
-            }
-        }
-    }
-
-    /// A check that refused everything would pass the law above.
-    #[test]
-    #[ignore = "long"]
-    fn ways_well_within_pass(
-        from in (0.2_f64..0.5, 0.25_f64..0.5, 0.05_f64..0.4),
-        to in (0.2_f64..0.5, 0.25_f64..0.5, 0.05_f64..0.4),
-    ) {
-        let [from, to] = [from, to].map(|(x, y, z)| tool_down(&Point3::new(x, y, z), 0.3));
-        prop_assert_eq!(check(&workspace(), MARGIN_M, &from, &to, 0.1), Ok(()));
-    }
-}
-
-/// A tool that came to rest inside a zone's margin must not be trapped there.
+/// The hand is 0.14 m wide: its middle is kept farther away than the tool's tolerance.
 #[test]
-fn a_tool_within_the_margin_of_a_zone_may_go_away_from_it() {
-    let allowed = |from: [f64; 3], to: [f64; 3]| {
-        let [from, to] = [from, to].map(|point| tool_down(&point.into(), 0.0));
-        check(&workspace(), MARGIN_M, &from, &to, 0.1).is_ok()
-    };
-    let beside = [0.55 - 0.001, 0.15, 0.10];
-    assert!(allowed(beside, [0.40, 0.15, 0.10]));
-    // Straight up along its side, as a pick and place begins.
-    assert!(allowed(beside, [beside[0], 0.15, 0.35]));
-    for to in [
-        [0.55 - 0.002, 0.15, 0.10], // still within the margin
-        [0.549, 0.19, 0.10],        // along the zone, and still within the margin
-        [0.60, 0.15, 0.40],         // over its corner
-        [0.75 - 0.01, 0.15, 0.10],  // through it
-        [0.56, 0.30, 0.10],         // nearer at first
+fn the_hand_is_kept_away_and_not_only_its_middle() {
+    let guard = guard(&with_lamp());
+    let allowed = |from, to| guard.motion(&at(down(from)), &down(to), 0.1).map(drop);
+    allowed([0.40, -0.10, 0.10], [0.40, 0.40, 0.10]).unwrap();
+    for (from, to) in [
+        ([0.50, -0.10, 0.10], [0.50, 0.40, 0.10]), // past it, the middle at 50 mm
+        ([0.40, 0.15, 0.10], [0.52, 0.15, 0.10]),
+        ([0.40, 0.15, 0.33], [0.70, 0.15, 0.33]), // over it, the middle at 30 mm
     ] {
-        assert!(!allowed(beside, to), "{to:?}");
+        let why = allowed(from, to).unwrap_err();
+        assert!(why.contains("the hand would come within"), "{why}");
+        assert!(why.contains("`lamp`"), "{why}");
     }
-    let within = [0.55 + 0.001, 0.15, 0.10];
-    assert!(!allowed(within, [0.40, 0.15, 0.10]));
+}
+
+/// A hand that came to rest too near to a zone must not be trapped there.
+#[test]
+fn a_hand_near_a_zone_may_go_away_from_it() {
+    let guard = guard(&with_lamp());
+    let allowed = |from, to| guard.motion(&at(down(from)), &down(to), 0.1).is_ok();
+    let place = |x: f64| [x, 0.15, 0.10];
+    let allowed_at = |x: f64| allowed(place(0.40), place(x));
+    // The last place that is allowed, and one 4 mm nearer.
+    let mut last = 0.40;
+    while allowed_at(last + 0.001) {
+        last += 0.001;
+    }
+    let near = place(last + 0.004);
+    assert!(allowed(near, place(0.40)));
+    for to in [
+        near,
+        place(last + 0.005),
+        place(0.75 - 0.01),
+        [last + 0.004, 0.18, 0.10],
+    ] {
+        assert!(!allowed(near, to), "{to:?}");
+    }
+    assert!(
+        !allowed(place(last + 0.02), place(0.40)),
+        "the hand is in the lamp"
+    );
+}
+
+/// The tool stays where the box allows it, and a link behind it would pass through the zone.
+#[test]
+fn links_are_kept_away_too() {
+    let mut settings = settings();
+    let guard_of = |settings: &Settings| guard(settings);
+    let chain = Chain::of_model(&settings.model).unwrap();
+    let reach = Reach::tool_down(&chain, Turn::Fixed(0.0));
+    let here = [0.45, -0.15, 0.10];
+    let from = ArmState {
+        joints_rad: reach.check(&here.into(), &[0.1]).unwrap(),
+        ..at(down(here))
+    };
+    let to = down([0.45, 0.15, 0.10]);
+    guard_of(&settings).motion(&from, &to, 0.1).unwrap();
+    // Where the elbow is half way, far above the hand.
+    let middle = guard_of(&settings).motion(&from, &to, 0.1).unwrap();
+    let middle = &middle.get().joints_rad[middle.get().joints_rad.len() / 2];
+    let elbow = chain.frames(middle).unwrap()[2].translation.vector;
+    settings.workspace.keep_out = vec![KeepOut {
+        name: "shelf".to_owned(),
+        min_m: [elbow.x - 0.01, elbow.y - 0.01, elbow.z - 0.01],
+        max_m: [elbow.x + 0.01, elbow.y + 0.01, elbow.z + 0.01],
+    }];
+    let why = guard_of(&settings).motion(&from, &to, 0.1).unwrap_err();
+    assert!(why.contains("the arm behind joint"), "{why}");
+    // Measured angles are checked in the same way, while the arm moves.
+    let state = ArmState {
+        tool: chain.base_from_tool(middle).unwrap(),
+        joints_rad: middle.clone(),
+        ..from
+    };
+    let why = guard_of(&settings).measured(&state).unwrap_err();
+    assert!(why.contains("`shelf`"), "{why}");
+}
+
+#[test]
+fn a_tilted_table_is_followed() {
+    let settings = settings();
+    let chain = Chain::of_model(&settings.model).unwrap();
+    let slope = 3f64.to_radians().tan();
+    let surface = Surface::tilted([0.02 - 0.45 * slope, slope, 0.0]);
+    let guard = Guard::new(&settings, chain, surface);
+    let touch = |x: f64, above_m: f64| {
+        let z = 0.02 + (x - 0.45) * slope + above_m;
+        let from = at(down([x, 0.0, z + 0.05]));
+        guard.motion(&from, &down([x, 0.0, z]), 0.1).map(drop)
+    };
+    for x in [0.25, 0.45, 0.65] {
+        touch(x, 0.0).unwrap();
+        let why = touch(x, -0.002).unwrap_err();
+        assert!(
+            why.contains("the hand would be 2 mm below the table"),
+            "{why}"
+        );
+    }
 }
 
 #[test]
 fn a_pose_that_is_none_is_refused() {
-    let here = tool_down(&Point3::new(0.4, 0.3, 0.2), 0.0);
+    let guard = guard(&with_lamp());
+    let here = down([0.4, 0.3, 0.2]);
+    let check = |from: &Isometry3<f64>, to: &Isometry3<f64>, speed_m_s| {
+        guard.motion(&at(*from), to, speed_m_s).map(drop)
+    };
+    check(&here, &down([0.4, 0.2, 0.2]), 0.1).unwrap();
     for broken in [
         Quaternion::new(f64::NAN, 0.0, 0.0, 0.0),
         Quaternion::new(0.0, 1.0, f64::NAN, 0.0),
@@ -129,17 +151,24 @@ fn a_pose_that_is_none_is_refused() {
     ] {
         let mut to = here;
         to.rotation = UnitQuaternion::new_unchecked(broken);
-        assert!(
-            check(&workspace(), MARGIN_M, &here, &to, 0.1).is_err(),
-            "{broken}"
-        );
+        assert!(check(&here, &to, 0.1).is_err(), "{broken}");
     }
     for axis in 0..3 {
         let mut to = here;
         to.translation = Translation3::from(here.translation.vector);
         to.translation.vector[axis] = f64::NAN;
-        assert!(check(&workspace(), MARGIN_M, &here, &to, 0.1).is_err());
-        assert!(check(&workspace(), MARGIN_M, &to, &here, 0.1).is_err());
+        assert!(check(&here, &to, 0.1).is_err());
+        assert!(check(&to, &here, 0.1).is_err());
+    }
+    for speed_m_s in [0.0, -0.1, 0.21, f64::NAN, f64::INFINITY] {
+        assert!(check(&here, &down([0.4, 0.2, 0.2]), speed_m_s).is_err());
+    }
+    let point = |joints_rad| Waypoint {
+        joints_rad,
+        at_s: 0.1,
+    };
+    for joints_rad in [vec![f64::NAN; 6], vec![0.0; 5], vec![f64::INFINITY; 6]] {
+        assert!(guard.trajectory(vec![point(joints_rad)]).is_err());
     }
 }
 
@@ -177,4 +206,33 @@ fn a_hand_that_is_carried_off_while_its_fingers_move_is_stopped() {
         matches!(closed, Err(ArmError::OutOfLimits(_))),
         "{closed:?}"
     );
+}
+
+/// A port sends what it is given. Only checked goals are given to it: `Goal` takes nothing else, and nothing but `Goal`
+/// sends.
+#[test]
+fn motions_are_sent_in_one_place() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut senders = Vec::new();
+    let mut folders = vec![crates.join("runtime"), crates.join("src")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+            if path.is_dir() && !["tests", "examples"].contains(&name.as_str()) {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                if [".send_pose(", ".send_trajectory("]
+                    .iter()
+                    .any(|it| text.contains(it))
+                {
+                    senders.push(name);
+                }
+            }
+        }
+    }
+    senders.sort();
+    // A shared simulated arm hands on what it is sent.
+    assert_eq!(senders, ["goal.rs", "shared.rs"]);
 }

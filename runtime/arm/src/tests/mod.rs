@@ -6,18 +6,20 @@ mod drivers;
 mod executions;
 mod faults;
 mod journals;
+mod judged;
 mod limited;
 mod pauses;
 mod simulations;
 mod trajectories;
 
 use super::driver::{Arm, ArmState, Halt, PortArm};
-use super::execute::{CompletedAction, Execution, FailedAction, without_cloth};
+use super::execute::{CompletedAction, Execution, FailedAction};
+use super::guard::{Guard, Surface};
 use super::kinematics::chain::Chain;
 use super::limits::Limited;
 use super::log::ArmLog;
-use super::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
-use super::route::{Segment, segments};
+use super::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use super::route::Route;
 use super::settings::Settings;
 use super::simulated::{Fault, FaultKind, SimulatedArm, SimulatedTable, Simulation};
 use super::supervisor::{Supervisor, Watchdog};
@@ -43,6 +45,10 @@ const PLACE_M: [f64; 3] = [0.50, -0.06, 0.02];
 
 /// The speed at which tests move, m/s.
 const SPEED_M_S: f64 = 0.1;
+
+fn guard(settings: &Settings) -> Guard {
+    Guard::level(settings).unwrap()
+}
 
 fn settings() -> Settings {
     Settings::parse(ROBOT).unwrap()
@@ -82,12 +88,8 @@ impl By {
     fn drive<P: Port>(self, port: P, settings: &Settings) -> PortArm<P> {
         let (fingers, tolerance) = (settings.fingers, settings.tolerance);
         match self {
-            By::Poses => PortArm::by_poses(port, &settings.model, fingers, tolerance),
-            By::Trajectories => {
-                let chain = Chain::of_model(&settings.model).unwrap();
-                PortArm::by_trajectories(port, chain, fingers, tolerance)
-                    .with_floor(settings.table.center_m[2])
-            }
+            By::Poses => PortArm::by_poses(port, guard(settings), fingers, tolerance),
+            By::Trajectories => PortArm::by_trajectories(port, guard(settings), fingers, tolerance),
         }
     }
 }
@@ -125,9 +127,8 @@ impl Bench {
             SimulatedArm::new(simulation, Some(cloth.clone())),
             &settings,
         );
-        let margin_m = settings.tolerance.position_m;
         Bench {
-            arm: Limited::new(arm, settings.workspace.clone(), margin_m),
+            arm: Limited::new(arm, guard(&settings), &settings.tolerance),
             settings,
             cloth,
             folder: tempfile::tempdir().unwrap(),
@@ -159,9 +160,16 @@ impl Bench {
         self.folder.path()
     }
 
-    fn segments(&mut self) -> Vec<Segment> {
+    fn route(&mut self) -> Route {
         let here = self.port().tool();
-        segments(&self.settings, &here, &PICK_M.into(), &PLACE_M.into())
+        let surface = Surface::level(&self.settings);
+        Route::new(
+            &self.settings,
+            &surface,
+            &here,
+            &PICK_M.into(),
+            &PLACE_M.into(),
+        )
     }
 
     /// Executes a pick and place.
@@ -170,19 +178,33 @@ impl Bench {
         supervisor: &mut dyn Supervisor,
         watchdog: &mut dyn Watchdog,
     ) -> Result<CompletedAction, FailedAction> {
-        let segments = self.segments();
-        let tail = without_cloth(&segments, &PICK_M.into(), self.settings.motion.retreat_m);
         let mut log = ArmLog::open(self.folder()).unwrap();
+        self.run_with(&mut log, supervisor, watchdog)
+    }
+
+    /// Does the same with a journal.
+    fn run_with(
+        &mut self,
+        log: &mut ArmLog,
+        supervisor: &mut dyn Supervisor,
+        watchdog: &mut dyn Watchdog,
+    ) -> Result<CompletedAction, FailedAction> {
+        let route = self.route();
+        let here = self.driver().state().unwrap();
+        let route = guard(&self.settings)
+            .route(&here, route, SPEED_M_S)
+            .route
+            .unwrap();
         let execution = &mut Execution {
             arm: &mut self.arm,
-            log: &mut log,
+            log,
             supervisor,
             watchdog,
             interrupt: &self.interrupt,
             speed_m_s: SPEED_M_S,
             number: 1,
         };
-        execution.run([PICK_M.into(), PLACE_M.into()], &segments, &tail)
+        execution.run([PICK_M.into(), PLACE_M.into()], &route)
     }
 
     /// Lets time pass, and fails if a stopped arm moves or is enabled.
@@ -202,11 +224,14 @@ impl Bench {
     }
 }
 
-/// An arm whose joint readings stop at a given time, and which records when a goal was cancelled.
+/// An arm whose joint readings stop at a given time, and which records when a goal was cancelled; or one without the
+/// vendor's servers.
 struct Tapped {
     arm: SimulatedArm,
     deaf_s: f64,
     cancelled_s: Option<f64>,
+    after_stop: AfterStop,
+    last: Option<GoalId>,
 }
 
 impl Tapped {
@@ -215,6 +240,16 @@ impl Tapped {
             arm,
             deaf_s,
             cancelled_s: None,
+            after_stop: AfterStop::Refuses,
+            last: None,
+        }
+    }
+
+    /// An arm that takes trajectories alone, and whose stop is their cancellation.
+    fn generic(arm: SimulatedArm) -> Tapped {
+        Tapped {
+            after_stop: AfterStop::Accepts,
+            ..Tapped::deaf(arm, f64::INFINITY)
         }
     }
 }
@@ -226,24 +261,53 @@ impl Port for Tapped {
     fn wait(&mut self, seconds: f64) {
         self.arm.wait(seconds);
     }
-    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
-        self.arm.send(goal)
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        let sent = self.arm.send_trajectory(points);
+        self.last = sent.clone().ok();
+        sent
     }
-    fn state(&mut self, goal: &GoalId) -> GoalState {
-        self.arm.state(goal)
+    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        match self.after_stop {
+            AfterStop::Refuses => self.arm.send_pose(tool),
+            AfterStop::Accepts => panic!("it takes no poses"),
+        }
+    }
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        self.arm.send_fingers(positions)
+    }
+    fn goal(&mut self, goal: &GoalId) -> GoalState {
+        self.arm.goal(goal)
     }
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
         self.cancelled_s.get_or_insert(self.arm.now_s());
         self.arm.cancel(goal)
     }
     fn stop(&mut self) -> Result<(), PortError> {
-        self.arm.stop()
+        let last = match self.after_stop {
+            AfterStop::Refuses => return self.arm.stop(),
+            AfterStop::Accepts => self.last.clone(),
+        };
+        let Some(id) = last else {
+            return Ok(());
+        };
+        self.arm.cancel(&id)?;
+        self.arm.wait(0.2);
+        match self.arm.goal(&id) {
+            GoalState::Ended(_) => Ok(()),
+            _ => Err(PortError {
+                what: "the cancellation of every goal".to_owned(),
+                why: "no answer".to_owned(),
+            }),
+        }
+    }
+    fn after_stop(&self) -> AfterStop {
+        self.after_stop
     }
     fn start(&mut self) -> Result<(), PortError> {
         self.arm.start()
     }
-    fn readings(&mut self) -> Readings {
-        let mut readings = self.arm.readings();
+    fn state(&mut self) -> Readings {
+        let mut readings = self.arm.state();
         let deaf_s = self.deaf_s;
         readings.joints_rad = readings.joints_rad.filter(|heard| heard.at_s <= deaf_s);
         readings

@@ -1,7 +1,7 @@
 //! Tests that the simulated arm behaves as documented.
 
 use super::*;
-use crate::port::{Ending, Goal, GoalState, Waypoint};
+use crate::port::{Ending, GoalState};
 
 /// Like kinova-ros's controller, which ignores a stop.
 #[test]
@@ -14,12 +14,13 @@ fn a_trajectory_goes_on_where_an_arm_is_let_go() {
         joints_rad: joints_rad.to_vec(),
         at_s,
     };
-    let goal = Goal::Trajectory(vec![at(1.0, &turned), at(1.1, &turned)]);
-    let id = port.send(&goal).unwrap();
+    let id = port
+        .send_trajectory(&[at(1.0, &turned), at(1.1, &turned)])
+        .unwrap();
     port.wait(0.5);
     port.stop().unwrap();
     port.wait(1.0);
-    assert_eq!(port.state(&id), GoalState::Active);
+    assert_eq!(port.goal(&id), GoalState::Active);
     let at = port.tool();
     assert!(port.moved_after_stop_m().unwrap() < 1e-9);
     port.start().unwrap();
@@ -35,11 +36,11 @@ fn the_next_three_goals_are_lost_and_no_fourth() {
         simulation(&settings, 0, &[(FaultKind::LostGoals, 0.0)]),
         None,
     );
-    let here = Goal::ToolPose(port.tool());
+    let here = port.tool();
     let arrived = [(); 5].map(|()| {
-        let id = port.send(&here).unwrap();
+        let id = port.send_pose(&here).unwrap();
         port.wait(5.0);
-        port.state(&id) == GoalState::Ended(Ending::Succeeded)
+        port.goal(&id) == GoalState::Ended(Ending::Succeeded)
     });
     assert_eq!(arrived, [false, false, false, true, true]);
 }

@@ -117,19 +117,62 @@ fn joints_that_are_not_heard_are_silent_and_not_stopped() {
 }
 
 #[test]
-fn joints_do_not_come_below_the_table() {
+fn links_do_not_come_below_the_table() {
     let settings = settings();
-    let arm = |floor_m: f64| {
+    let state = |height_m: f64| {
         let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
-        By::Trajectories.drive(port, &settings).with_floor(floor_m)
+        let mut table = settings.clone();
+        table.table.center_m[2] = height_m;
+        // The box is another subject: only the table moves.
+        table.workspace.min_m[2] = height_m - 0.01 - 0.4;
+        let mut arm = By::Trajectories.drive(port, &table);
+        let before = arm.port().tool();
+        let moved = go(&mut arm);
+        (moved, before, arm.port().tool())
     };
-    go(&mut arm(0.02)).unwrap();
-    // As if the table were as high as the wrist: nothing else brings a joint of this posture below it.
-    let mut high = arm(0.35);
-    let before = high.port().tool();
-    let Err(ArmError::NoPath(why)) = go(&mut high) else {
-        panic!("joints below the table");
+    state(0.02).0.unwrap();
+    // As if the table were as high as the wrist: nothing else brings a link of this posture below it.
+    let (moved, before, after) = state(0.35);
+    let Err(ArmError::Refused(why)) = moved else {
+        panic!("links below the table: {moved:?}");
     };
     assert!(why.contains("below the table"), "{why}");
-    assert_eq!(high.port().tool(), before);
+    assert_eq!(after, before);
+}
+
+/// A controller alone: no pose server reveals a stop, and no service latches it.
+#[test]
+fn an_arm_without_the_vendors_servers_moves_and_is_stopped() {
+    for (lost, is_verified) in [(0, true), (2, true), (20, false)] {
+        let settings = settings();
+        let faults = vec![(FaultKind::LostCancel, ON_THE_WAY_S); lost];
+        let port = SimulatedArm::new(simulation(&settings, 0, &faults), None);
+        let mut arm = By::Trajectories.drive(Tapped::generic(port), &settings);
+        let halted = arm.move_tool(
+            &there(),
+            // Slow enough that it does not arrive while it is told to stop.
+            0.2 * SPEED_M_S,
+            &mut |state| match state.at_s > ON_THE_WAY_S {
+                true => Err(Halt::Stop(ArmError::Interrupted)),
+                false => Ok(()),
+            },
+        );
+        assert_eq!(halted, Err(ArmError::Interrupted));
+        let stopped = arm.stop();
+        if !is_verified {
+            assert!(
+                matches!(stopped, Err(ArmError::StopNotAcknowledged { .. })),
+                "{stopped:?}"
+            );
+            continue;
+        }
+        stopped.unwrap();
+        let at = arm.port().arm.tool();
+        arm.wait(5.0);
+        let moved = arm.port().arm.tool().translation.vector - at.translation.vector;
+        assert!(moved.norm() < 1e-9, "it moved by {} m", moved.norm());
+        assert_eq!(go(&mut arm), Err(ArmError::Stopped));
+        arm.enable().unwrap();
+        go(&mut arm).unwrap();
+    }
 }

@@ -1,12 +1,14 @@
 //! The parts of an arm's world: its files, supervisor and watchdog.
 
-use super::FlatPicture;
+use super::{FlatPicture, motion};
 use crate::calibration::Calibration;
+use crate::guard::{Guard, Surface};
+use crate::kinematics::chain::Chain;
 use crate::settings::{DriverKind, Settings};
 use crate::sight::Sight;
 use crate::supervisor::{Supervisor, Watchdog};
 use crate::table::ClothTable;
-use fab_world::About;
+use fab_world::{About, WorldError};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -29,6 +31,19 @@ pub struct Parts {
     pub watchdog: Box<dyn Watchdog>,
     /// The run folder, for the arm's journal; without one nothing moves.
     pub folder: Option<PathBuf>,
+}
+
+impl Parts {
+    /// Returns the guard of the arm's motions over the calibrated table; fails for an unknown arm model.
+    pub fn guard(&self) -> Result<Guard, WorldError> {
+        guard(&self.settings, &self.calibration)
+    }
+}
+
+/// Returns the guard of an arm's motions over a calibrated table; fails for an unknown arm model.
+pub fn guard(settings: &Settings, calibration: &Calibration) -> Result<Guard, WorldError> {
+    let chain = Chain::of_model(&settings.model).map_err(|why| motion(why.to_string()))?;
+    Ok(Guard::new(settings, chain, Surface::of(calibration)))
 }
 
 /// Returns the pose of the world frame, whose origin is the middle of the table.

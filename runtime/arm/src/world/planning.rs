@@ -3,10 +3,8 @@
 //! In: what [`ArmWorld`] takes, without an arm. Out: pictures, and for the first motion a [`Plan`] in the run folder as
 //! `plan.json` and `plan.png`. No arm is connected, so none can move; the tool is assumed to be at `rest_m`.
 
-use super::reach::base_point;
 use super::{ArmWorld, FlatPicture, Parts, motion};
 use crate::driver::parked::ParkedArm;
-use crate::kinematics::chain::Chain;
 use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
 use crate::rgbd::RgbdSource;
@@ -32,7 +30,6 @@ const MAX_BYTES: u64 = 1 << 20;
 /// A table under a camera, and an arm to plan for.
 pub struct PlanningWorld {
     world: ArmWorld,
-    chain: Chain,
     folder: Option<PathBuf>,
 }
 
@@ -58,16 +55,11 @@ impl PlanningWorld {
         // Without motion there is no journal.
         let folder = parts.folder.take();
         let settings = &parts.settings;
-        let chain = Chain::of_model(&settings.model).map_err(|why| motion(why.to_string()))?;
         let turn_rad = settings.motion.hand_turn_deg.to_radians();
         let at = tool_down(&settings.workspace.rest_m.into(), turn_rad);
         let arm = ParkedArm::at(&settings.model, at);
         let world = ArmWorld::new(parts, Box::new(arm), camera)?;
-        Ok(PlanningWorld {
-            world,
-            chain,
-            folder,
-        })
+        Ok(PlanningWorld { world, folder })
     }
 
     /// Measures coverage against a picture of the flat cloth, as the arm's own world does.
@@ -126,11 +118,9 @@ impl Wrapper for PlanningWorld {
         if !self.world.is_laid {
             return Err(WorldError::NotReset);
         }
-        let settings = &self.world.parts.settings;
-        let points = [&asked.pick, &asked.place].map(|point| base_point(settings, point));
         let at_rest = self.world.arm.arm().state();
-        let from = at_rest.map_err(|error| motion(error.to_string()))?.tool;
-        let plan = Plan::make(&self.world.parts.settings, &self.chain, &from, points);
+        let from = at_rest.map_err(|error| motion(error.to_string()))?;
+        let (plan, _) = self.world.plan(&from, asked);
         self.save(&plan)?;
         match plan.refusal() {
             Some(why) => Err(motion(why)),

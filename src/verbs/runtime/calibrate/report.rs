@@ -2,13 +2,10 @@
 
 use crate::io::Io;
 use fab_agent::arm_sight::SIGHT;
-use fab_arm::calibration::{Calibration, Fit};
+use fab_arm::calibration::{Calibration, Check, METHOD, tilt_deg};
 use fab_arm::settings::Settings;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-
-/// Largest difference of the table's height from the settings' that gets no warning, metres: the driver's tolerance.
-const SAME_HEIGHT_M: f64 = 0.003;
 
 /// The files that were written.
 pub struct Written<'a> {
@@ -29,18 +26,12 @@ fn height_m(calibration: &Calibration, settings: &Settings) -> f64 {
 }
 
 /// Warns on stderr of what a person should check, even though the calibration was accepted.
-pub fn say_doubts(calibration: &Calibration, settings: &Settings, io: &Io) {
+pub fn say_doubts(calibration: &Calibration, io: &Io) {
     let note = |text: String| io.talk(&format!("note: {text}"));
     for point in calibration.accuracy.outliers(calibration.terms.limit_mm) {
         let off_mm = calibration.accuracy.left_out_mm[point - 1];
         note(format!(
             "point {point} is {off_mm:.1} mm from where the others put it, far more than they are; was it typed wrong?"
-        ));
-    }
-    let (measured, stated) = (height_m(calibration, settings), settings.table.center_m[2]);
-    if (measured - stated).abs() > SAME_HEIGHT_M {
-        note(format!(
-            "the table's middle is at {measured:.4} m by the points, and `table.center_m` says {stated:.4} m"
         ));
     }
     let [n_marks, needed] = calibration.marks(&SIGHT);
@@ -72,15 +63,17 @@ pub fn as_json(calibration: &Calibration, settings: &Settings, written: &Written
                 "residual_mm": residual_mm,
                 "left_out_mm": left_out_mm,
             });
-            if let Some(depth_m) = pair.depth_m {
-                point["depth_m"] = json!(depth_m);
+            if let Some(tag) = pair.tag {
+                point["tag"] = json!(tag);
             }
             point
         })
         .collect();
     let spread = &accuracy.spread;
-    let mut value = json!({
-        "method": calibration.terms.method.name(),
+    json!({
+        "method": METHOD,
+        "made_on": calibration.made_on,
+        "camera": calibration.terms.camera,
         "points": points,
         "rms_mm": accuracy.rms_mm,
         "left_out_mm": accuracy.left_out_rms_mm,
@@ -92,17 +85,27 @@ pub fn as_json(calibration: &Calibration, settings: &Settings, written: &Written
             "height_gain": spread.height_gain,
         },
         "height_m": height_m(calibration, settings),
-        "tilt_deg": calibration.fit.tilt_deg(),
+        "tilt_deg": tilt_deg(&calibration.fit),
+        "corners": accuracy.corners,
+        "checks": checks_as_json(&accuracy.checks),
         "marks": calibration.marks(&SIGHT)[0],
         "file": written.file,
         "reference": written.reference,
         "drawn": written.drawn,
         "earlier": written.earlier,
+    })
+}
+
+/// Returns every compared value with its bound, by its name.
+pub fn checks_as_json(checks: &[Check]) -> Value {
+    let by_name = checks.iter().map(|check| {
+        let Check { value, bound, .. } = check;
+        (
+            check.name.to_owned(),
+            json!({ "value": value, "bound": bound }),
+        )
     });
-    if let Fit::Rigid { scale, .. } = calibration.fit {
-        value["scale"] = json!(scale);
-    }
-    value
+    Value::Object(by_name.collect())
 }
 
 /// Returns the report as lines for a person.
@@ -120,7 +123,7 @@ pub fn as_text(calibration: &Calibration, settings: &Settings, written: &Written
     }
     lines.push(format!(
         "{} by {} points: {:.1} mm (root mean square), each by the others {:.1} mm; the limit is {} mm",
-        calibration.terms.method.name(),
+        METHOD,
         calibration.pairs.len(),
         accuracy.rms_mm,
         accuracy.left_out_rms_mm,
@@ -134,16 +137,19 @@ pub fn as_text(calibration: &Calibration, settings: &Settings, written: &Written
         spread.plane_gain,
         spread.height_gain
     ));
-    if let Fit::Rigid { scale, .. } = calibration.fit {
-        lines.push(format!(
-            "by depth the table is {scale:.4} times as large as by the arm"
-        ));
-    }
     lines.push(format!(
         "the table's middle is at {:.4} m, tilted by {:.1} degrees against the base",
         height_m(calibration, settings),
-        calibration.fit.tilt_deg()
+        tilt_deg(&calibration.fit)
     ));
+    lines.push("compared with the settings              value    bound".to_owned());
+    let compared = accuracy.checks.iter().filter(|check| check.is_comparison());
+    lines.extend(compared.map(|check| {
+        let Check {
+            name, value, bound, ..
+        } = check;
+        format!("{name:37} {value:7.1} {bound:8.1}")
+    }));
     if let Some(earlier) = written.earlier {
         lines.push(format!("kept: {}", earlier.display()));
     }

@@ -7,7 +7,7 @@ use super::{backup, write};
 use crate::exit::Failure;
 use crate::io::Io;
 use fab_arm::calibration::{LineOutcome, Pair, Session, Terms, ToolReader, csv_line, grid};
-use fab_picture::png;
+use fab_picture::{Tag, png};
 use fab_program::PixelPoint;
 use fab_vision::{draw_numbers, draw_points};
 use image::RgbImage;
@@ -25,6 +25,8 @@ pub struct TypingSetup<'a> {
     pub path: &'a Path,
     /// The camera's own picture.
     pub seen: Option<&'a RgbImage>,
+    /// The printed tags that it shows.
+    pub tags: &'a [Tag],
 }
 
 /// Asks for points after the given ones until `done` or the end of input.
@@ -42,7 +44,7 @@ pub fn type_points(
     };
     show(&targets, setup, io)?;
     let saved_in = setup.path.with_extension("pairs.csv");
-    let mut session = Session::new(terms, given, tool);
+    let mut session = Session::new(terms, given, setup.tags, tool);
     io.talk(&format!(
         "type {}, one point a line; `undo`, `list`, `done`",
         session.form()
@@ -82,7 +84,7 @@ fn say_earlier(earlier: &Path, io: &Io) {
 
 fn save(path: &Path, pairs: &[Pair]) -> Result<(), Failure> {
     let lines: String = pairs.iter().map(|pair| csv_line(pair) + "\n").collect();
-    write(path, format!("u,v,x,y,z,depth\n{lines}").as_bytes())
+    write(path, format!("u,v,x,y,z\n{lines}").as_bytes())
 }
 
 /// Names the next place of the grid.
@@ -123,14 +125,14 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use fab_arm::calibration::Method;
+    use fab_arm::calibration::LIMIT_MM;
     use fab_arm::settings::Settings;
 
     /// Types these lines while an arm is guided to these places, and returns the points.
     fn guided(typed: &str, mut places: Vec<Result<[f64; 3], String>>) -> (Vec<Pair>, usize) {
         let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("tasks/real/simulated.toml");
         let settings = Settings::load(&shipped).unwrap();
-        let terms = Terms::of(&settings, Method::Plane, [720, 720], 3.0);
+        let terms = Terms::of(&settings, [720, 720], LIMIT_MM);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("lab.toml");
         places.reverse();
@@ -143,6 +145,7 @@ mod tests {
             grid: None,
             path: &path,
             seen: None,
+            tags: &[],
         };
         let mut lines = typed.as_bytes();
         let pairs = type_points(
@@ -154,7 +157,7 @@ mod tests {
             &Io::new("."),
         );
         let pairs = pairs.unwrap();
-        let kept = fab_arm::calibration::read_pairs(&path.with_extension("pairs.csv"));
+        let kept = fab_arm::calibration::read_pairs(&path.with_extension("pairs.csv"), &[]);
         assert_eq!(kept.unwrap_or_default(), pairs);
         (pairs, n_looks)
     }

@@ -1,17 +1,18 @@
-//! `fabc robot check`: whether an arm's settings and calibration are usable, and what it reaches.
+//! `fabc robot check`: whether an arm's settings and calibration are usable, what it reaches, and what to do next.
 //!
 //! In: a settings file, and the calibration that it names. Out: one line per subject, or JSON; the exit code says whether a
-//! run could start. The arm and the camera are not contacted.
+//! run could start. Plans and runs pass the same check. The arm and the camera are not contacted.
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::verbs::runtime::calibrate::report::checks_as_json;
 use clap::Args;
 use clap::ValueHint;
-use fab_arm::calibration::Calibration;
+use fab_arm::calibration::{Accuracy, Calibration, METHOD};
+use fab_arm::guard::{Guard, Surface};
 use fab_arm::kinematics::chain::Chain;
 use fab_arm::kinematics::reach::{Reach, Turn};
-use fab_arm::limits;
-use fab_arm::settings::Settings;
+use fab_arm::settings::{CameraSource, Settings};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -31,35 +32,36 @@ pub struct RobotCheckArguments {
 /// A place, and why it is out of reach if it is.
 struct NamedPose {
     name: &'static str,
+    /// The settings' key of a place that a run needs. A corner out of reach only costs the points near it.
+    needed: Option<&'static str>,
     at_m: [f64; 3],
     why_not: Option<String>,
 }
 
-/// The state of the calibration.
-enum CalibrationState {
-    /// It is usable; its error with each point left out, millimetres.
-    Usable(f64),
-    /// It is not, for this reason.
-    Unusable(String),
+/// Why a calibration cannot be used, and what to do.
+struct Unusable {
+    why: String,
+    next: String,
+}
+
+/// An arm's settings, and what is wrong with what they name.
+struct Inspection {
+    settings: Settings,
+    places: Vec<NamedPose>,
+    calibration: Result<(Calibration, Accuracy), Unusable>,
 }
 
 /// Checks the settings and everything that they name.
 pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
-    let settings = Settings::load(&arguments.robot).map_err(Failure::environment)?;
-    let chain = Chain::of_model(&settings.model).map_err(Failure::environment)?;
-    let places = places(&settings, &chain);
-    let measured = measured(&arguments.robot, &settings);
-    // A corner out of reach only costs the points near it; a run needs the middle of the table and the rest position.
-    let mut needed = places.iter().filter(|place| !is_corner(place));
-    let is_usable =
-        needed.all(|it| it.why_not.is_none()) && !matches!(measured, CalibrationState::Unusable(_));
-    let exit = match is_usable {
+    let inspection = inspect(&arguments.robot)?;
+    let exit = match inspection.faults().is_empty() {
         true => Exit::Done,
         false => Exit::Environment,
     };
+    let next = inspection.next(&arguments.robot);
     match arguments.json {
-        true => io.json(&as_json(&settings, &places, &measured, exit)),
-        false => io.data(&as_text(&settings, &places, &measured)),
+        true => io.json(&as_json(&inspection, &next, exit)),
+        false => io.data(&as_text(&inspection, &next)),
     }
     if exit != Exit::Done {
         io.talk("error: this arm cannot be used as it is set up");
@@ -67,13 +69,78 @@ pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-fn is_corner(place: &NamedPose) -> bool {
-    place.name.starts_with("corner")
+/// Returns the settings of an arm with which a plan or a run may begin; fails as `robot check` does, with what to do next.
+pub fn usable(robot: &Path) -> Result<Settings, Failure> {
+    let inspection = inspect(robot)?;
+    let faults = inspection.faults();
+    if faults.is_empty() {
+        return Ok(inspection.settings);
+    }
+    let next = inspection.next(robot);
+    Err(Failure::environment(format!(
+        "nothing is planned or moved, because `fabc robot check` refuses the arm of `{}`\n{}\nnext: {}",
+        robot.display(),
+        faults.join("\n"),
+        next.join("\nnext: ")
+    )))
+}
+
+fn inspect(robot: &Path) -> Result<Inspection, Failure> {
+    let settings = Settings::load(robot).map_err(Failure::environment)?;
+    let chain = Chain::of_model(&settings.model).map_err(Failure::environment)?;
+    Ok(Inspection {
+        places: places(&settings, &chain),
+        calibration: calibration(robot, &settings),
+        settings,
+    })
+}
+
+impl Inspection {
+    /// Says what prevents a run; empty if nothing does.
+    fn faults(&self) -> Vec<String> {
+        let calibration = self.calibration.as_ref().err();
+        let calibration =
+            calibration.map(|it| format!("the calibration cannot be used: {}", it.why));
+        let unreached = self.unreached().map(|(place, why)| {
+            let [x, y, z] = place.at_m;
+            format!(
+                "the {} ({x:.3}, {y:.3}, {z:.3}) is out of reach: {why}",
+                place.name
+            )
+        });
+        calibration.into_iter().chain(unreached).collect()
+    }
+
+    fn unreached(&self) -> impl Iterator<Item = (&NamedPose, &String)> {
+        let needed = self.places.iter().filter(|place| place.needed.is_some());
+        needed.filter_map(|place| Some((place, place.why_not.as_ref()?)))
+    }
+
+    /// Says what to do: about each fault, else to plan.
+    fn next(&self, robot: &Path) -> Vec<String> {
+        let calibration = self.calibration.as_ref().err().map(|it| it.next.clone());
+        let unreached = self.unreached().filter_map(|(place, _)| {
+            let key = place.needed?;
+            Some(format!(
+                "state another `{key}` in `{}`, or the box of `workspace` around it",
+                robot.display()
+            ))
+        });
+        let next: Vec<String> = calibration.into_iter().chain(unreached).collect();
+        match next.is_empty() {
+            true => vec![format!(
+                "`fabc run TASK --world jaco --robot {} --plan-only`",
+                robot.display()
+            )],
+            false => next,
+        }
+    }
 }
 
 fn places(settings: &Settings, chain: &Chain) -> Vec<NamedPose> {
     let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
     let reach = Reach::tool_down(chain, turn);
+    let guard = Guard::new(settings, chain.clone(), Surface::level(settings));
     let [x, y, z] = settings.table.center_m;
     let ([left, low, _], [right, high, _]) = (settings.workspace.min_m, settings.workspace.max_m);
     let motion = &settings.motion;
@@ -85,6 +152,7 @@ fn places(settings: &Settings, chain: &Chain) -> Vec<NamedPose> {
     ];
     let place = |name, at_m: [f64; 3], above_m: &[f64]| NamedPose {
         name,
+        needed: None,
         at_m,
         why_not: reach
             .check(&Point3::from(at_m), above_m)
@@ -93,21 +161,21 @@ fn places(settings: &Settings, chain: &Chain) -> Vec<NamedPose> {
     };
     let top_m = over_table.into_iter().fold(0.0, f64::max);
     // The corners are those of the workspace, so only the other places are checked against it.
-    let in_box = |place: NamedPose, above_m: f64| {
+    let in_box = |place: NamedPose, key, above_m: f64| {
         let [x, y, z] = place.at_m;
         let ends = [z, z + above_m].map(|z| Point3::new(x, y, z));
-        let margin_m = settings.tolerance.position_m;
-        let mut why = ends
-            .iter()
-            .filter_map(|end| limits::check_goal(&settings.workspace, margin_m, end).err());
+        let mut why = ends.iter().filter_map(|end| guard.goal(end).err());
         NamedPose {
+            needed: Some(key),
             why_not: place.why_not.clone().or_else(|| why.next()),
             ..place
         }
     };
+    let middle = place("middle of the table", [x, y, z], &over_table);
+    let rest = place("rest", settings.workspace.rest_m, &[]);
     vec![
-        in_box(place("middle of the table", [x, y, z], &over_table), top_m),
-        in_box(place("rest", settings.workspace.rest_m, &[]), 0.0),
+        in_box(middle, "table.center_m", top_m),
+        in_box(rest, "workspace.rest_m", 0.0),
         place("corner, least x, least y", [left, low, z], &over_table),
         place("corner, least x, most y", [left, high, z], &over_table),
         place("corner, most x, least y", [right, low, z], &over_table),
@@ -115,44 +183,68 @@ fn places(settings: &Settings, chain: &Chain) -> Vec<NamedPose> {
     ]
 }
 
-fn measured(robot: &Path, settings: &Settings) -> CalibrationState {
-    let path = robot
-        .parent()
-        .unwrap_or(Path::new(""))
-        .join(&settings.calibration);
-    let calibration = match Calibration::load(&path) {
-        Ok(calibration) => calibration,
-        Err(error) => {
-            let robot = robot.display();
-            return CalibrationState::Unusable(format!(
-                "{error}; `fabc calibrate --robot {robot}` writes it"
-            ));
-        }
+/// Reads the calibration that the settings name, and compares it with them.
+fn calibration(robot: &Path, settings: &Settings) -> Result<(Calibration, Accuracy), Unusable> {
+    let beside = robot.parent().unwrap_or(Path::new(""));
+    let path = beside.join(&settings.calibration);
+    let is_simulated = settings.camera.source == CameraSource::Simulated;
+    let picture = match (is_simulated, settings.camera.source) {
+        (true, _) => "",
+        (_, CameraSource::Ros) => " --shoot",
+        _ => " --image PNG",
     };
-    match calibration.check_settings(settings) {
-        Ok(()) if calibration.reference.is_none() => CalibrationState::Unusable(format!(
-            "it has no picture, so that a moved camera could not be noticed and no run begins; calibrate with `--image PNG` or `--shoot`, and keep `{}` beside it",
-            Calibration::picture_beside(&path).display()
-        )),
-        Ok(()) => CalibrationState::Usable(calibration.accuracy.left_out_rms_mm),
-        Err(refusal) => {
-            CalibrationState::Unusable(format!("it does not fit these settings: {refusal}"))
-        }
+    let calibrate = format!(
+        "touch points and calibrate: `fabc calibrate --robot {} --grid 4x4{picture}`",
+        robot.display()
+    );
+    let unusable = |why: String, next: &str| Unusable {
+        why,
+        next: next.to_owned(),
+    };
+    let made = Calibration::load(&path).map_err(|error| unusable(error.to_string(), &calibrate))?;
+    let compared = made.check_settings(settings).map_err(|refusal| {
+        let next = format!(
+            "correct what is said of it in `{}`; else {calibrate}",
+            robot.display()
+        );
+        unusable(format!("it does not fit these settings: {refusal}"), &next)
+    })?;
+    // A simulated camera cannot be moved.
+    if made.reference.is_none() && !is_simulated {
+        let why = "it has no picture, so that a moved camera could not be noticed";
+        return Err(unusable(why.to_owned(), &calibrate));
     }
+    Ok((made, compared))
 }
 
-fn as_text(settings: &Settings, places: &[NamedPose], measured: &CalibrationState) -> String {
+fn as_text(inspection: &Inspection, next: &[String]) -> String {
+    let settings = &inspection.settings;
     let mut lines = vec![format!(
         "settings     {}, {}: can be used",
         settings.name, settings.model
     )];
-    lines.push(match measured {
-        CalibrationState::Usable(error_mm) => {
-            format!("calibration  can be used; a point left out is {error_mm:.1} mm off")
+    match &inspection.calibration {
+        Ok((made, compared)) => {
+            lines.push(format!(
+                "calibration  of {}, {METHOD}, camera {}: can be used; a point left out is {:.1} mm off",
+                made.made_on, made.terms.camera, compared.left_out_rms_mm
+            ));
+            lines.extend(compared.corners.iter().map(|corner| {
+                let [x, y, _] = corner.at_m;
+                let side = match corner.above_mm < 0.0 {
+                    true => "below",
+                    false => "above",
+                };
+                format!(
+                    "corner       ({x:.3}, {y:.3}): {:.1} mm {side} the table's middle, known to {:.1} mm",
+                    corner.above_mm.abs(),
+                    corner.error_mm
+                )
+            }));
         }
-        CalibrationState::Unusable(why) => format!("calibration  cannot be used: {why}"),
-    });
-    for place in places {
+        Err(unusable) => lines.push(format!("calibration  cannot be used: {}", unusable.why)),
+    }
+    for place in &inspection.places {
         let [x, y, z] = place.at_m;
         let result = match &place.why_not {
             None => "reached".to_owned(),
@@ -163,28 +255,34 @@ fn as_text(settings: &Settings, places: &[NamedPose], measured: &CalibrationStat
             place.name
         ));
     }
+    lines.extend(next.iter().map(|next| format!("next         {next}")));
     lines.join("\n")
 }
 
-fn as_json(
-    settings: &Settings,
-    places: &[NamedPose],
-    measured: &CalibrationState,
-    exit: Exit,
-) -> Value {
-    let places: Vec<Value> = places
+fn as_json(inspection: &Inspection, next: &[String], exit: Exit) -> Value {
+    let places: Vec<Value> = inspection
+        .places
         .iter()
         .map(|it| json!({ "place": it.name, "at_m": it.at_m, "why_not": it.why_not }))
         .collect();
-    let calibration = match measured {
-        CalibrationState::Usable(error_mm) => json!({ "usable": true, "left_out_mm": error_mm }),
-        CalibrationState::Unusable(why) => json!({ "usable": false, "why": why }),
+    let calibration = match &inspection.calibration {
+        Ok((made, compared)) => json!({
+            "usable": true,
+            "left_out_mm": compared.left_out_rms_mm,
+            "made_on": made.made_on,
+            "method": METHOD,
+            "camera": made.terms.camera,
+            "corners": compared.corners,
+            "checks": checks_as_json(&compared.checks),
+        }),
+        Err(unusable) => json!({ "usable": false, "why": unusable.why }),
     };
     json!({
-        "name": settings.name,
-        "model": settings.model,
+        "name": inspection.settings.name,
+        "model": inspection.settings.model,
         "calibration": calibration,
         "reach": places,
+        "next": next,
         "exit": exit.code(),
     })
 }

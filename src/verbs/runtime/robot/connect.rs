@@ -6,6 +6,7 @@
 use crate::exit::Failure;
 use fab_arm::directory::{DirectoryCamera, PictureSelection};
 use fab_arm::driver::Arm;
+use fab_arm::guard::Guard;
 use fab_arm::port::Port;
 use fab_arm::rgbd::RgbdSource;
 use fab_arm::settings::{CameraSource, DriverKind, Settings};
@@ -89,21 +90,18 @@ fn ros(settings: &Settings) -> Result<fab_arm_ros::RosPort, String> {
     connected.map_err(|error| error.to_string())
 }
 
-/// Connects to the node of an arm, and drives it as its settings say.
+/// Connects to the node of an arm, and drives it as its settings say; `guard` checks every motion before it is sent.
 #[cfg(feature = "ros")]
-pub fn arm(settings: &Settings) -> Result<Box<dyn Arm>, String> {
+pub fn arm(settings: &Settings, guard: Guard) -> Result<Box<dyn Arm>, String> {
     use fab_arm::driver::PortArm;
-    use fab_arm::kinematics::chain::Chain;
 
     let port = ros(settings)?;
     let (fingers, tolerance) = (settings.fingers, settings.tolerance);
     Ok(match settings.driver {
         DriverKind::Trajectory => {
-            let chain = Chain::of_model(&settings.model).map_err(|error| error.to_string())?;
-            let arm = PortArm::by_trajectories(port, chain, fingers, tolerance);
-            Box::new(arm.with_floor(settings.table.center_m[2]))
+            Box::new(PortArm::by_trajectories(port, guard, fingers, tolerance))
         }
-        _ => Box::new(PortArm::by_poses(port, &settings.model, fingers, tolerance)),
+        _ => Box::new(PortArm::by_poses(port, guard, fingers, tolerance)),
     })
 }
 
@@ -115,7 +113,7 @@ pub fn port(_: &Settings) -> Result<Box<dyn Port>, String> {
 
 /// Drives nothing.
 #[cfg(not(feature = "ros"))]
-pub fn arm(_: &Settings) -> Result<Box<dyn Arm>, String> {
+pub fn arm(_: &Settings, _: Guard) -> Result<Box<dyn Arm>, String> {
     Err(NONE.to_owned())
 }
 

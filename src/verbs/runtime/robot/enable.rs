@@ -10,6 +10,7 @@ use crate::io::Io;
 use clap::Args;
 use clap::ValueHint;
 use fab_arm::driver::Arm;
+use fab_arm::guard::Guard;
 use fab_arm::last_run;
 use fab_arm::last_run::Recovery;
 use fab_arm::log::{ARM_FILE, ArmLog, Entry};
@@ -49,7 +50,8 @@ pub fn run(arguments: &EnableArguments, io: &Io) -> Result<Exit, Failure> {
             "{NO_ANSWER}, so that the arm is left as it is"
         )));
     }
-    let mut arm = connect::arm(&settings).map_err(Failure::environment)?;
+    let guard = Guard::level(&settings).map_err(Failure::environment)?;
+    let mut arm = connect::arm(&settings, guard).map_err(Failure::environment)?;
     enable(arm.as_mut(), robot, &how)?;
     match arguments.json {
         true => io.json(&json!({ "enabled": true, "how": how })),
@@ -110,7 +112,7 @@ mod tests {
         let settings = Settings::load(&shipped).unwrap();
         let port = SimulatedArm::new(Simulation::of(&settings).unwrap(), None);
         let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-        let mut arm = PortArm::by_poses(port, &settings.model, fingers, tolerance);
+        let mut arm = PortArm::by_poses(port, Guard::level(&settings).unwrap(), fingers, tolerance);
         let folder = tempfile::tempdir().unwrap();
         let (robot, run) = (folder.path().join("robot.toml"), folder.path().join("run"));
         fs::create_dir(&run).unwrap();

@@ -1,20 +1,38 @@
 //! The hold-to-run key: whether the space bar is held on the terminal.
 //!
 //! In: bytes from the terminal, without echo. Out: whether the key is held, was just released, or is up. A terminal sends
-//! repeats of a held key but no event for its release, so a release is noticed only after [`HOLD_TIMEOUT`].
+//! repeats of a held key but no event for its release, so a release is noticed only after a while without repeats. Bytes
+//! may have waited in a terminal, a multiplexer or a connection. So after a stall of this program or of the bytes only a
+//! fresh press counts: one byte after a silence, not followed at once by a second, as buffered repeats are.
 
 use std::time::{Duration, Instant};
 
-/// How long the key counts as held after a byte; repeats come 10 to 30 times a second, the first after up to 0.66 s.
+/// How long the key counts as held after a repeat; repeats come 10 to 30 times a second.
 pub const HOLD_TIMEOUT: Duration = Duration::from_millis(600);
+
+/// The same after its press: the first repeat comes after 0.25 to 0.66 s.
+const FIRST_TIMEOUT: Duration = Duration::from_millis(750);
+
+/// How long after a press no repeat of it can come.
+const ALONE: Duration = Duration::from_millis(100);
 
 /// The hold-to-run key.
 const SPACE: u8 = b' ';
 
 /// Tracks the hold-to-run key.
-#[derive(Debug, Default)]
-pub struct HoldKey {
-    last: Option<Instant>,
+#[derive(Debug)]
+pub struct HoldKey(Phase);
+
+#[derive(Debug)]
+enum Phase {
+    /// The key counts as released only after a silence; the last byte, or the stall, was then.
+    Draining(Instant),
+    /// It is up.
+    Up,
+    /// One byte came then; it may be the first of many that waited.
+    Pressed(Instant),
+    /// It is held until then, if no repeat comes.
+    Held(Instant),
 }
 
 /// The state of the key.
@@ -29,18 +47,45 @@ pub enum KeyState {
 }
 
 impl HoldKey {
+    /// Tracks the key from now on; only a fresh press counts.
+    pub fn after_stall(now: Instant) -> HoldKey {
+        HoldKey(Phase::Draining(now))
+    }
+
     /// Takes in the bytes that were typed since the last update, and returns the state of the key.
     pub fn update(&mut self, typed: &[u8], now: Instant) -> KeyState {
-        if typed.contains(&SPACE) {
-            self.last = Some(now);
-        }
-        match self.last {
-            Some(last) if now.saturating_duration_since(last) < HOLD_TIMEOUT => KeyState::Held,
-            Some(_) => {
-                self.last = None;
+        let n_presses = typed.iter().filter(|byte| **byte == SPACE).count();
+        let was_held = matches!(self.0, Phase::Held(_));
+        self.0 = match self.0 {
+            Phase::Draining(_) if n_presses > 0 => Phase::Draining(now),
+            Phase::Draining(since) if now.saturating_duration_since(since) < HOLD_TIMEOUT => {
+                Phase::Draining(since)
+            }
+            Phase::Draining(_) => Phase::Up,
+            Phase::Up if n_presses == 1 => Phase::Pressed(now),
+            Phase::Up if n_presses == 0 => Phase::Up,
+            Phase::Pressed(at) if n_presses == 0 => {
+                match now.saturating_duration_since(at) < ALONE {
+                    true => Phase::Pressed(at),
+                    false => Phase::Held(at + FIRST_TIMEOUT),
+                }
+            }
+            Phase::Up | Phase::Pressed(_) => Phase::Draining(now),
+            Phase::Held(_) if n_presses > 0 => Phase::Held(now + HOLD_TIMEOUT),
+            Phase::Held(until) => Phase::Held(until),
+        };
+        match self.0 {
+            Phase::Held(until) if now < until => KeyState::Held,
+            _ if was_held => {
+                // If the bytes come late rather than not at all, they must not count as a press.
+                self.0 = Phase::Draining(now);
                 KeyState::Released
             }
-            None => KeyState::Up,
+            Phase::Held(_) => {
+                self.0 = Phase::Draining(now);
+                KeyState::Up
+            }
+            _ => KeyState::Up,
         }
     }
 }
@@ -157,22 +202,93 @@ pub fn has_input(_: u8) -> bool {
 mod tests {
     use super::*;
 
+    /// The states of the key after bytes that came at these times, milliseconds after a stall.
+    fn states(typed: &[(u64, &str)]) -> Vec<KeyState> {
+        let stall = Instant::now();
+        let mut key = HoldKey::after_stall(stall);
+        let update = |(after_ms, bytes): &(u64, &str)| {
+            key.update(bytes.as_bytes(), stall + Duration::from_millis(*after_ms))
+        };
+        typed.iter().map(update).collect()
+    }
+
     #[test]
-    fn a_key_is_held_for_a_while_after_it_came() {
-        let start = Instant::now();
-        let mut key = HoldKey::default();
-        for (typed, after_ms, expected) in [
-            (&b""[..], 0, KeyState::Up),
-            (b"yx\n", 0, KeyState::Up),
-            (b"  ", 0, KeyState::Held),
-            (b"", 599, KeyState::Held),
-            (b"x", 600, KeyState::Released),
-            (b"x", 601, KeyState::Up),
-            (b"a ", 700, KeyState::Held),
-            (b"", 2000, KeyState::Released),
+    fn only_a_fresh_press_holds_the_key() {
+        use KeyState::{Held, Released, Up};
+        for (told, typed, expected) in [
+            (
+                "a press after a silence",
+                &[
+                    (600, ""),
+                    (700, "x "),
+                    (750, ""),
+                    (800, ""),
+                    (1449, ""),
+                    (1450, ""),
+                ][..],
+                &[Up, Up, Up, Held, Held, Released][..],
+            ),
+            (
+                "repeats of a press",
+                &[
+                    (600, ""),
+                    (700, " "),
+                    (900, ""),
+                    (1360, " "),
+                    (1400, "  "),
+                    (1999, ""),
+                    (2000, ""),
+                ],
+                &[Up, Up, Held, Held, Held, Held, Released],
+            ),
+            (
+                "a key that is held all through a stall",
+                &[(10, " "), (60, " "), (600, " "), (1100, " "), (1600, " ")],
+                &[Up, Up, Up, Up, Up],
+            ),
+            (
+                "repeats that waited, all at once",
+                &[(600, ""), (700, "    "), (850, ""), (1000, "")],
+                &[Up, Up, Up, Up],
+            ),
+            (
+                "repeats that waited, one after the other",
+                &[(600, ""), (700, " "), (705, " "), (710, " "), (900, "")],
+                &[Up, Up, Up, Up, Up],
+            ),
+            (
+                "repeats that come after the key was taken for released",
+                &[
+                    (600, ""),
+                    (700, " "),
+                    (800, ""),
+                    (1500, ""),
+                    (1550, " "),
+                    (1600, " "),
+                    (1700, ""),
+                ],
+                &[Up, Up, Held, Released, Up, Up, Up],
+            ),
+            (
+                "a second press",
+                &[
+                    (600, ""),
+                    (700, " "),
+                    (800, ""),
+                    (1500, ""),
+                    (2100, ""),
+                    (2200, " "),
+                    (2300, ""),
+                ],
+                &[Up, Up, Held, Released, Up, Up, Held],
+            ),
+            (
+                "other keys",
+                &[(600, ""), (700, "yx\n"), (900, "")],
+                &[Up, Up, Up],
+            ),
         ] {
-            let now = start + Duration::from_millis(after_ms);
-            assert_eq!(key.update(typed, now), expected, "{typed:?} {after_ms}");
+            assert_eq!(states(typed), expected, "{told}");
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::io::Io;
 use clap::ValueEnum;
 use fab_arm::route::{Act, Segment};
 use fab_arm::supervisor::{MotionRequest, Supervisor};
+use fab_base::outbox::Outbox;
 use fab_world::start::Start;
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, Read};
@@ -24,7 +25,10 @@ pub const MAX_LINE: u64 = 4096;
 /// Interval at which an interrupt is checked while waiting for an answer, milliseconds.
 const POLL_MS: u8 = 100;
 
-/// Buffered key bytes count as current only if the last poll was no longer ago than this.
+/// The most notes that wait for a terminal that takes none.
+const MAX_NOTES: usize = 8;
+
+/// This program stalled if its last look at the key was longer ago than this: six times the usual.
 const STALE: Duration = Duration::from_millis(300);
 
 /// What a person is asked before an arm moves.
@@ -57,6 +61,8 @@ pub struct TerminalSupervisor {
     /// When keys were polled last.
     polled: Option<Instant>,
     io: Io,
+    /// Notes while the arm moves: a terminal that was halted takes none.
+    notes: Outbox<String>,
 }
 
 impl TerminalSupervisor {
@@ -83,8 +89,15 @@ impl TerminalSupervisor {
             confirm,
             hold,
             keys: None,
-            hold_key: HoldKey::default(),
+            hold_key: HoldKey::after_stall(Instant::now()),
             polled: None,
+            notes: {
+                let io = io.clone();
+                Outbox::new(MAX_NOTES, move |note: String| {
+                    io.talk(&note);
+                    Ok(())
+                })
+            },
             io: io.clone(),
         })
     }
@@ -92,7 +105,11 @@ impl TerminalSupervisor {
     /// Returns the terminal to line input, until motion needs the key again.
     pub fn release_keys(&mut self) {
         self.keys = None;
-        self.hold_key = HoldKey::default();
+    }
+
+    /// Says something without waiting for a terminal that does not take it.
+    fn note(&mut self, note: &str) {
+        let _ = self.notes.send(note.to_owned());
     }
 
     fn ask(&mut self, question: &str) -> bool {
@@ -142,17 +159,17 @@ impl Supervisor for TerminalSupervisor {
         if is_new {
             self.keys = Keys::watch().ok();
         }
-        // Bytes from before the last poll do not show a key that is held now; a held key repeats at once.
+        // Bytes from before the last look do not show a key that is held now.
         if is_new || polled.is_none_or(|at| now.duration_since(at) > STALE) {
-            self.io.talk("hold the space bar to move");
+            self.note("hold the space bar to move; if you hold it, release it first");
             hold_key::discard_typed();
-            self.hold_key = HoldKey::default();
+            self.hold_key = HoldKey::after_stall(now);
         }
         let typed = self.keys.as_mut().map(Keys::typed).unwrap_or_default();
         match self.hold_key.update(&typed, now) {
             KeyState::Held => true,
             KeyState::Released => {
-                self.io.talk("paused: hold the space bar to go on");
+                self.note("paused: hold the space bar to go on");
                 false
             }
             KeyState::Up => {
@@ -235,6 +252,41 @@ fn ask_yes_no(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Write;
+    use std::sync::mpsc::{Receiver, channel};
+
+    /// A stderr that takes nothing until it is released.
+    struct Halted(Receiver<()>);
+
+    impl Write for Halted {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            let _ = self.0.recv();
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_terminal_that_takes_nothing_holds_up_no_motion() {
+        let (release, halted) = channel();
+        let io = Io::new(".").with_stderr(Halted(halted));
+        let supervisor = TerminalSupervisor::new(Confirm::None, HoldToRun::Off, &io);
+        let Ok(mut supervisor) = supervisor else {
+            panic!("it asks nobody");
+        };
+        let (sender, done) = channel();
+        std::thread::spawn(move || {
+            for _ in 0..100 {
+                supervisor.note("paused: hold the space bar to go on");
+            }
+            sender.send(())
+        });
+        assert_eq!(done.recv_timeout(Duration::from_secs(60)), Ok(()));
+        drop(release);
+    }
 
     #[test]
     fn only_a_yes_confirms() {

@@ -1,7 +1,8 @@
 //! A separate process that stops the arm if the process that moves it sends no heartbeat.
 //!
-//! In: lines `watch`, `beat` and `rest` on stdin. Out: `ready` once it can stop the arm, and a line if it had to. It ends
-//! with stdin; if that happens while it watches, it stops the arm.
+//! In: lines `watch`, `beat`, `rest` and `stop` on stdin. Out: `ready` once it can stop the arm, each of the first three
+//! lines again to acknowledge it, and a line if it stopped the arm. It ends with stdin; if that happens while it watches,
+//! it stops the arm.
 
 mod process;
 
@@ -13,7 +14,7 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use fab_arm::settings::Settings;
 use std::io::{BufRead, BufReader, Read};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -35,6 +36,10 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// How often stopping is attempted.
 const ATTEMPTS: u32 = 5;
+/// What it says once it has stopped the arm.
+const STOPPED: &str = "stopped: it was asked to, or there was no sign of life";
+/// The most lines that wait to be handled.
+const MAX_WAITING: usize = 64;
 /// The longest line that is read, bytes.
 const MAX_LINE: u64 = 256;
 
@@ -48,16 +53,17 @@ pub fn run(arguments: &WatchdogArguments, io: &Io) -> Result<Exit, Failure> {
     let lines = lines_of(io.input());
     io.data("ready");
     let timeout = Duration::from_secs_f64(arguments.timeout);
-    match keep_watch(&lines, timeout, &mut stop) {
+    let mut acknowledge = |line: &str| io.data(line);
+    match keep_watch(&lines, timeout, &mut acknowledge, &mut stop) {
         WatchEnd::AtRest => Ok(Exit::Done),
         WatchEnd::Stopped => {
-            io.data("stopped: there was no sign of life");
+            io.data(STOPPED);
             Ok(Exit::Environment)
         }
         WatchEnd::NotStopped(why) => {
             io.data(&format!("not stopped: {why}"));
             Err(Failure::environment(format!(
-                "there is no sign of life, and the arm could not be stopped: {why}"
+                "the arm could not be stopped: {why}"
             )))
         }
     }
@@ -108,7 +114,7 @@ enum WatchEnd {
 
 /// Reads lines in a thread of its own; the channel closes at their end.
 fn lines_of(source: impl Read + Send + 'static) -> Receiver<String> {
-    let (send, lines) = channel();
+    let (send, lines) = sync_channel(MAX_WAITING);
     thread::spawn(move || {
         let mut source = BufReader::new(source);
         loop {
@@ -123,10 +129,11 @@ fn lines_of(source: impl Read + Send + 'static) -> Receiver<String> {
     lines
 }
 
-/// Watches: stops the arm if no heartbeat comes for `timeout` after `watch`, or the lines end before `rest`.
+/// Watches: stops the arm on `stop`, if no heartbeat comes for `timeout` after `watch`, or the lines end before `rest`.
 fn keep_watch(
     lines: &Receiver<String>,
     timeout: Duration,
+    acknowledge: &mut dyn FnMut(&str),
     stop: &mut dyn FnMut() -> Result<(), String>,
 ) -> WatchEnd {
     let mut deadline: Option<Instant> = None;
@@ -138,10 +145,13 @@ fn keep_watch(
         match (line.as_deref(), deadline) {
             (Ok("watch"), _) | (Ok("beat"), Some(_)) => deadline = Some(Instant::now() + timeout),
             (Ok("rest"), _) => deadline = None,
-            // An unknown line is no heartbeat.
-            (Ok(_), _) => {}
             (Err(_), None) => return WatchEnd::AtRest,
-            (Err(_), Some(_)) => return stopped(stop),
+            (Ok("stop"), _) | (Err(_), Some(_)) => return stopped(stop),
+            // A heartbeat while it does not watch, or an unknown line.
+            (Ok(_), _) => continue,
+        }
+        if let Ok(line) = line {
+            acknowledge(&line);
         }
     }
 }
@@ -168,27 +178,42 @@ mod tests {
     const LONG: Duration = Duration::from_secs(600);
     const SHORT: Duration = Duration::from_millis(60);
 
-    /// Watches these lines, then end of input; returns how it ended and how often the arm was stopped.
-    fn watch_lines(typed: &'static str, timeout: Duration) -> (WatchEnd, u32) {
-        let mut n_stops = 0;
-        let ended = keep_watch(&lines_of(typed.as_bytes()), timeout, &mut || {
-            n_stops += 1;
-            Ok(())
-        });
-        (ended, n_stops)
+    /// Watches these lines, then end of input; returns how it ended, what it acknowledged, and how often the arm was
+    /// stopped.
+    fn watch_lines(typed: &'static str) -> (WatchEnd, String, u32) {
+        let (mut n_stops, mut acknowledged) = (0, Vec::new());
+        let ended = keep_watch(
+            &lines_of(typed.as_bytes()),
+            LONG,
+            &mut |line| acknowledged.push(line.to_owned()),
+            &mut || {
+                n_stops += 1;
+                Ok(())
+            },
+        );
+        (ended, acknowledged.join(" "), n_stops)
     }
 
     #[test]
-    fn lines_that_end_while_it_watches_stop_the_arm() {
-        for typed in ["watch\n", "watch\nbeat\nbeat", "rest\nwatch\nhello\n"] {
-            assert_eq!(
-                watch_lines(typed, LONG),
-                (WatchEnd::Stopped, 1),
-                "{typed:?}"
-            );
+    fn lines_that_end_while_it_watches_stop_the_arm_and_each_is_acknowledged() {
+        for (typed, acknowledged) in [
+            ("watch\n", "watch"),
+            ("watch\nbeat\nbeat", "watch beat beat"),
+            ("rest\nwatch\nhello\n", "rest watch"),
+            ("stop\nwatch\n", ""),
+            ("watch\nstop\nrest\n", "watch"),
+        ] {
+            let expected = (WatchEnd::Stopped, acknowledged.to_owned(), 1);
+            assert_eq!(watch_lines(typed), expected, "{typed:?}");
         }
-        for typed in ["", "beat\n", "watch\nbeat\nrest\n", "watch\nrest\nbeat\n"] {
-            assert_eq!(watch_lines(typed, LONG), (WatchEnd::AtRest, 0), "{typed:?}");
+        for (typed, acknowledged) in [
+            ("", ""),
+            ("beat\n", ""),
+            ("watch\nbeat\nrest\n", "watch beat rest"),
+            ("watch\nrest\nbeat\n", "watch rest"),
+        ] {
+            let expected = (WatchEnd::AtRest, acknowledged.to_owned(), 0);
+            assert_eq!(watch_lines(typed), expected, "{typed:?}");
         }
     }
 
@@ -198,7 +223,7 @@ mod tests {
             let (reader, mut writer) = pipe().unwrap();
             writer.write_all(typed.as_bytes()).unwrap();
             let begun = Instant::now();
-            let ended = keep_watch(&lines_of(reader), SHORT, &mut || Ok(()));
+            let ended = keep_watch(&lines_of(reader), SHORT, &mut |_| {}, &mut || Ok(()));
             assert_eq!(ended, WatchEnd::Stopped, "{typed:?}");
             assert!(begun.elapsed() >= SHORT);
             drop(writer);
@@ -208,17 +233,25 @@ mod tests {
     #[test]
     fn stopping_is_tried_again() {
         let mut n_tries = 0;
-        let ended = keep_watch(&lines_of("watch".as_bytes()), LONG, &mut || {
-            n_tries += 1;
-            match n_tries {
-                3 => Ok(()),
-                _ => Err("no answer".to_owned()),
-            }
-        });
+        let ended = keep_watch(
+            &lines_of("watch".as_bytes()),
+            LONG,
+            &mut |_| {},
+            &mut || {
+                n_tries += 1;
+                match n_tries {
+                    3 => Ok(()),
+                    _ => Err("no answer".to_owned()),
+                }
+            },
+        );
         assert_eq!((ended, n_tries), (WatchEnd::Stopped, 3));
-        let ended = keep_watch(&lines_of("watch".as_bytes()), LONG, &mut || {
-            Err("no answer".to_owned())
-        });
+        let ended = keep_watch(
+            &lines_of("watch".as_bytes()),
+            LONG,
+            &mut |_| {},
+            &mut || Err("no answer".to_owned()),
+        );
         assert_eq!(ended, WatchEnd::NotStopped("no answer".to_owned()));
     }
 }

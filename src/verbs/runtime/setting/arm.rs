@@ -2,9 +2,11 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
+use crate::verbs::runtime::robot::check::usable;
 use crate::verbs::runtime::robot::terminal::{Confirm, HoldToRun, TerminalSupervisor};
 use crate::verbs::runtime::robot::watchdog::Process;
 use crate::verbs::runtime::robot::{connect, preflight};
+use crate::verbs::runtime::setting::worlds::WorldChoice;
 use clap::{Args, ValueHint};
 use fab_agent::arm_sight::SIGHT;
 use fab_arm::directory::PictureSelection;
@@ -19,14 +21,14 @@ use fab_world::start::Start;
 use fab_world::{World, WorldError};
 use serde::Deserialize;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The arm of `--world jaco`, and who watches it.
-#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ArmArguments {
-    /// With `--world jaco`: the settings of the arm and its table.
-    #[arg(long, value_name = "FILE", default_value = "robot.toml", value_hint = ValueHint::FilePath)]
-    pub robot: PathBuf,
+    /// With `--world jaco`: the settings of the arm and its table; default: robot.toml.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub robot: Option<PathBuf>,
     /// When a person must confirm motion; default: each pick and place of a real arm, never for a simulated one.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub confirm: Option<Confirm>,
@@ -35,12 +37,27 @@ pub struct ArmArguments {
     pub hold_to_run: bool,
 }
 
-impl Default for ArmArguments {
-    fn default() -> Self {
-        ArmArguments {
-            robot: PathBuf::from("robot.toml"),
-            confirm: None,
-            hold_to_run: false,
+impl ArmArguments {
+    /// Returns the settings file.
+    pub fn robot(&self) -> &Path {
+        self.robot
+            .as_deref()
+            .unwrap_or_else(|| Path::new("robot.toml"))
+    }
+
+    /// Fails if an option is for an arm and another world was chosen: whoever gave it believes that it applies.
+    pub fn check_world(&self, world: &WorldChoice) -> Result<(), Failure> {
+        let given = [
+            (self.robot.is_some(), "--robot"),
+            (self.confirm.is_some(), "--confirm"),
+            (self.hold_to_run, "--hold-to-run"),
+        ];
+        match given.iter().find(|(is_given, _)| *is_given) {
+            Some((_, option)) if *world != WorldChoice::Jaco => Err(Failure::usage(format!(
+                "`{option}` is for an arm, and nothing is moved by one with `--world {world}`: add `--world jaco`, or leave \
+                 `{option}` out"
+            ))),
+            _ => Ok(()),
         }
     }
 }
@@ -54,20 +71,33 @@ pub enum ArmMode {
     PlanOnly,
 }
 
+/// What the driver `kinova` cannot hold.
+const POSES_ALONE: &str = "\
+note: the driver `kinova` sends pose by pose to a node that takes nothing else and chooses speed, acceleration and joint \
+path itself: `motion.speed_m_s`, the limits of the joints, a straight way and the clearance of the links are not held; \
+the arm is stopped when its measured place, joint angles or speed are out of their limits";
+
 /// Checks first of all that the settings are usable and that a supervisor can be asked.
 pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Settings, Failure> {
-    let (settings, _, calibration) = world::load(&arguments.robot).map_err(Failure::environment)?;
-    FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(Failure::environment)?;
+    let robot = arguments.robot();
+    let settings = Settings::load(robot).map_err(Failure::environment)?;
+    let moves_real = mode == ArmMode::Execute && settings.driver != DriverKind::Simulated;
+    if moves_real {
+        // The state of the arm comes first: it does not depend on anything else.
+        preflight::claim(robot).map_err(Failure::environment)?;
+        preflight::check(robot).map_err(Failure::environment)?;
+    }
+    usable(robot)?;
+    let (settings, _, calibration) = world::load(robot).map_err(Failure::environment)?;
+    FlatPicture::load(robot, &settings, &calibration).map_err(Failure::environment)?;
+    if settings.driver == DriverKind::Kinova {
+        io.talk(POSES_ALONE);
+    }
     if mode == ArmMode::PlanOnly {
         return Ok(settings);
     }
-    if settings.driver != DriverKind::Simulated {
-        // The state of the arm comes first: it does not depend on what this build can reach.
-        preflight::claim(&arguments.robot).map_err(Failure::environment)?;
-        preflight::check(&arguments.robot).map_err(Failure::environment)?;
-        if !cfg!(feature = "ros") {
-            return Err(Failure::environment(connect::without_ros(&arguments.robot)));
-        }
+    if moves_real && !cfg!(feature = "ros") {
+        return Err(Failure::environment(connect::without_ros(robot)));
     }
     supervisor(arguments, &settings, io)?;
     Ok(settings)
@@ -98,8 +128,10 @@ pub fn world(
     folder: Option<&PathBuf>,
     io: &Io,
 ) -> Result<Box<dyn World>, WorldError> {
-    let (settings, settings_hash, calibration) = world::load(&arguments.robot).map_err(failed)?;
-    let flat = FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(failed)?;
+    // Again, because the files may have changed since.
+    usable(arguments.robot()).map_err(|failure| failed(failure.to_string()))?;
+    let (settings, settings_hash, calibration) = world::load(arguments.robot()).map_err(failed)?;
+    let flat = FlatPicture::load(arguments.robot(), &settings, &calibration).map_err(failed)?;
     let supervisor = match mode {
         ArmMode::Execute => {
             supervisor(arguments, &settings, io).map_err(|error| failed(error.to_string()))?
@@ -127,28 +159,29 @@ pub fn world(
             return Ok(Box::new(ArmWorld::simulated(parts)?.with_flat(flat)));
         }
         (ArmMode::PlanOnly, false) => {
-            let camera = connect::camera(&parts.settings, &arguments.robot, PictureSelection::Last);
+            let camera =
+                connect::camera(&parts.settings, arguments.robot(), PictureSelection::Last);
             let camera = camera.map_err(|why| WorldError::Camera { why })?;
             return Ok(Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat)));
         }
         (ArmMode::Execute, false) => {}
     }
-    preflight::check(&arguments.robot).map_err(failed)?;
-    let watchdog = Process::start(&arguments.robot, watchdog_s, io).map_err(failed)?;
+    preflight::check(arguments.robot()).map_err(failed)?;
+    let watchdog = Process::start(arguments.robot(), watchdog_s, io).map_err(failed)?;
     parts.watchdog = Box::new(watchdog);
     let world = real(parts, arguments)?.with_flat(flat);
     if let Some(folder) = folder {
         // Before the first motion: after a crash in it, the next run must find this one.
-        last_run::record(&arguments.robot, folder).map_err(|error| failed(error.to_string()))?;
+        last_run::record(arguments.robot(), folder).map_err(|error| failed(error.to_string()))?;
     }
     Ok(Box::new(world))
 }
 
 /// Makes a simulated world that refuses points out of the arm's reach: nobody is asked, and nothing moves.
 pub fn look(program: &Program, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
-    let (settings, ..) = world::load(&arguments.robot).map_err(failed)?;
+    let (settings, _, calibration) = world::load(arguments.robot()).map_err(failed)?;
     let world = super::world(program)?;
-    Ok(Box::new(WithinReach::new(world, settings)?))
+    Ok(Box::new(WithinReach::new(world, settings, &calibration)?))
 }
 
 /// Returns whether a person beside the arm judges the result, if the command line does not say.
@@ -164,11 +197,11 @@ fn real(parts: Parts, arguments: &ArmArguments) -> Result<ArmWorld, WorldError> 
     let timeout_s = settings.camera.timeout_s;
     let camera = connect::camera(
         settings,
-        &arguments.robot,
+        arguments.robot(),
         PictureSelection::Fresh { timeout_s },
     );
     let camera = camera.map_err(|why| WorldError::Camera { why })?;
-    let arm = connect::arm(settings).map_err(failed)?;
+    let arm = connect::arm(settings, parts.guard()?).map_err(failed)?;
     ArmWorld::new(parts, arm, camera)
 }
 

@@ -5,10 +5,11 @@ use super::*;
 use image::Luma;
 use std::fs;
 
-fn noisy(method: Method) -> Calibration {
-    let pairs = measured_grid(11, 4, 0.8, 0.001);
+fn noisy() -> Calibration {
+    let mut pairs = measured_grid(11, 4, 0.8);
+    pairs[3].tag = Some(TagName(7));
     let reference = GrayImage::from_fn(640, 480, |u, v| Luma([(u * 7 + v * 13) as u8]));
-    let mut terms = terms(method);
+    let mut terms = terms();
     terms.camera = "a \"topic\"\n\u{7f}".to_owned();
     Calibration::make(terms, pairs, "2026-11-22", Some(reference)).unwrap()
 }
@@ -16,49 +17,59 @@ fn noisy(method: Method) -> Calibration {
 #[test]
 fn what_is_kept_is_what_is_read() {
     let folder = tempfile::tempdir().unwrap();
-    for method in [Method::Plane, Method::Rigid] {
-        let mut made = noisy(method);
-        let path = folder.path().join("lab.toml");
-        made.save(&path).unwrap();
-        assert_eq!(Calibration::load(&path).unwrap(), made);
-        made.reference = None;
-        made.save(&path).unwrap();
-        assert_eq!(Calibration::load(&path).unwrap(), made);
-    }
+    let path = folder.path().join("lab.toml");
+    let mut made = noisy();
+    made.save(&path).unwrap();
+    assert_eq!(Calibration::load(&path).unwrap(), made);
+    made.reference = None;
+    made.terms.camera = "a".to_owned();
+    made.save(&path).unwrap();
+    assert_eq!(Calibration::load(&path).unwrap(), made);
 }
 
 #[test]
 fn what_was_changed_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lab.toml");
-    let made = noisy(Method::Plane);
+    let made = noisy();
     made.save(&path).unwrap();
     let text = fs::read_to_string(&path).unwrap();
-    let first_row = text
-        .lines()
-        .skip_while(|line| *line != "matrix = [")
-        .nth(1)
-        .unwrap();
     let pixel = format!("pixel = {:?}", made.pairs[4].pixel);
     let residual = format!("residual_mm = {:?}", made.accuracy.residual_mm[2]);
-    let cases: [(&str, &str, &str, &str); 12] = [
+    let matrix = format!("{:?}", made.fit.world_from_pixel[(0, 0)]);
+    let place = format!("base_m = {:?}", made.pairs[4].base_m);
+    let longer = place.replace(']', ", 0.5]");
+    let shifted = format!("pixel = {:?}", made.pairs[4].pixel.map(|it| it + 1.0));
+    let cases: [(&str, &str, &str, &str); 15] = [
         (
             "matrix",
-            first_row,
-            "[0.001, 0.0, 0.0],",
-            "`fit.matrix` or `fit.height` does not fit its points",
+            &matrix,
+            "0.001",
+            "`fit.base_from_pixel.1.1` does not fit its points",
         ),
         (
             "cut matrix",
-            first_row,
+            &format!("{matrix}, "),
             "",
-            "`fit.matrix` or `fit.height` does not fit its points",
+            "expected an array of length 3",
         ),
         (
             "height",
             "height = [",
             "height = [0.1, 0.0, 0.0]\nold = [",
-            "unknown field `old`",
+            "`fit.height.1` does not fit",
+        ),
+        (
+            "key",
+            "limit_mm",
+            "slack_mm = 3\nlimit_mm",
+            "`terms.slack_mm` does not fit",
+        ),
+        (
+            "longer place",
+            &place,
+            &longer,
+            "invalid length 4, expected 3 elements",
         ),
         (
             "pixel",
@@ -66,29 +77,30 @@ fn what_was_changed_is_refused() {
             "pixel = [1.0, 1.0]",
             "its points are refused: point 5 is",
         ),
-        (
-            "shifted pixel",
-            &pixel,
-            &format!("pixel = {:?}", made.pairs[4].pixel.map(|it| it + 1.0)),
-            "does not fit its points",
-        ),
+        ("shifted pixel", &pixel, &shifted, "does not fit its points"),
         (
             "residual",
             &residual,
             "residual_mm = 0.0",
-            "`residual_mm` or `left_out_mm` of a point does not fit",
+            "`points.3.residual_mm` does not fit",
         ),
         (
             "error",
             "rms_mm = ",
             "rms_mm = 1",
-            "`fit.rms_mm` or `fit.left_out_mm` does not fit",
+            "`accuracy.rms_mm` does not fit",
+        ),
+        (
+            "bound",
+            "shear_deg = ",
+            "shear_deg = 1",
+            "`accuracy.shear_deg` does not fit",
         ),
         (
             "format",
-            "format = 1",
             "format = 2",
-            "its format is 2, and this fabc reads 1",
+            "format = 1",
+            "its format is 1, and this fabc reads 2",
         ),
         (
             "day",
@@ -96,22 +108,12 @@ fn what_was_changed_is_refused() {
             "2026-13-22",
             "not a date such as `2026-11-22`",
         ),
-        (
-            "method",
-            "\"plane\"",
-            "\"guess\"",
-            "`method` is neither `plane` nor `rigid`",
-        ),
-        (
-            "other method",
-            "\"plane\"",
-            "\"rigid\"",
-            "needs the camera's intrinsics",
-        ),
+        ("method", "\"plane\"", "\"guess\"", "`method` does not fit"),
+        ("tag", "tag7", "seven", "`seven` is no tag"),
         (
             "window",
-            "window_px = [80,",
-            "window_px = [280,",
+            "window = [80,",
+            "window = [280,",
             "the window `280, 0, 480` does not lie",
         ),
     ];
@@ -138,7 +140,7 @@ fn what_was_changed_is_refused() {
 fn another_picture_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lab.toml");
-    let made = noisy(Method::Plane);
+    let made = noisy();
     made.save(&path).unwrap();
     let beside = Calibration::picture_beside(&path);
     assert_eq!(beside, folder.path().join("lab.png"));

@@ -1,6 +1,7 @@
 //! Tests of points as lines: in a file, and typed one after the other.
 
 use super::*;
+use fab_picture::Tag;
 use proptest::prelude::*;
 
 #[test]
@@ -9,23 +10,23 @@ fn files_with_and_without_names_are_read() {
         Pair {
             pixel: [10.5, 20.5],
             base_m: [0.3, -0.1, 0.02],
-            depth_m: None,
+            tag: None,
         },
         Pair {
             pixel: [30.0, 40.0],
             base_m: [0.4, 0.1, 0.02],
-            depth_m: Some(0.9),
+            tag: None,
         },
     ];
     for text in [
-        "10.5,20.5,0.3,-0.1,0.02\n30,40,0.4,0.1,0.02,0.9\n",
-        "# a table\n\nu,v,x,y,z,depth\n10.5, 20.5, 0.3, -0.1, 0.02,  # first\n30,40,0.4,0.1,0.02,0.9",
-        "10.5 20.5 0.3 -0.1 0.02\r\n30 40 0.4 0.1 0.02 0.9\r\n",
-        "depth_mm,X_m,Y,z,u_px,v\n,0.3,-0.1,0.02,10.5,20.5\n900,0.4,0.1,0.02,30,40",
+        "10.5,20.5,0.3,-0.1,0.02\n30,40,0.4,0.1,0.02\n",
+        "# a table\n\nu,v,x,y,z\n10.5, 20.5, 0.3, -0.1, 0.02  # first\n30,40,0.4,0.1,0.02",
+        "10.5 20.5 0.3 -0.1 0.02\r\n30 40 0.4 0.1 0.02\r\n",
+        "X_m,Y_mm,z,u_px,v\n0.3,-100,0.02,10.5,20.5\n0.4,100,0.02,30,40",
     ] {
-        assert_eq!(parse_pairs(text).unwrap(), wanted, "{text}");
+        assert_eq!(parse_pairs(text, &[]).unwrap(), wanted, "{text}");
     }
-    assert_eq!(parse_pairs("# none\n").unwrap(), []);
+    assert_eq!(parse_pairs("# none\n", &[]).unwrap(), []);
 }
 
 #[test]
@@ -34,8 +35,8 @@ fn a_wrong_line_is_named() {
     for (text, wanted) in [
         ("1,2,3,4\n", "line 1: 4 numbers; a point is `u,v,x,y,z`"),
         (
-            "1,2,3,4,5,6,7\n",
-            "line 1: 7 numbers, and there are 6 columns",
+            "1,2,3,4,5,6\n",
+            "line 1: 6 numbers, and there are 5 columns",
         ),
         (
             "1,2,0.3,0.4,0.5\n1,2,0.3,x,0.5\n",
@@ -47,9 +48,10 @@ fn a_wrong_line_is_named() {
         ("u,v,x,y\n", "line 1: the column `z` is missing"),
         ("u,v,x,y,z,u\n", "line 1: the column `u` is there twice"),
         ("u,v,x_km,y,z\n", "line 1: `x_km` is not a column"),
+        ("u,v,x,y,z,depth\n", "line 1: `depth` is not a column"),
         (&many, "line 401: there are more than 400 points"),
     ] {
-        let error = parse_pairs(text).map(|_| ()).unwrap_err().to_string();
+        let error = parse_pairs(text, &[]).map(|_| ()).unwrap_err().to_string();
         let is_named = error.starts_with(wanted)
             || text.contains("nan") && error.contains("`nan` is no number");
         assert!(is_named, "{error}");
@@ -61,23 +63,22 @@ proptest! {
     fn a_line_leads_back_to_its_point(
         pixel in prop::array::uniform2(-1e6..1e6_f64),
         base_m in prop::array::uniform3(-3.0..3.0_f64),
-        depth_m in prop::option::of(1e-9..10.0_f64),
     ) {
-        let pair = Pair { pixel, base_m, depth_m };
-        prop_assert_eq!(parse_pairs(&csv_line(&pair)).unwrap(), [pair]);
+        let pair = Pair { pixel, base_m, tag: None };
+        prop_assert_eq!(parse_pairs(&csv_line(&pair), &[]).unwrap(), [pair]);
     }
 
     #[test]
-    fn no_text_brings_it_down(text in "[0-9a-z,. #\n\\-]{0,80}") {
-        let _ = parse_pairs(&text);
+    fn no_text_brings_it_down(text in "(tag|[0-9a-z,. #:\n\\-]){0,80}") {
+        let _ = parse_pairs(&text, &[TAG]);
     }
 }
 
 #[test]
 fn a_slip_shows_while_typing() {
-    let terms = terms(Method::Plane);
+    let terms = terms();
     let grid = Truth::usual().grid(4, 0.8);
-    let mut session = Session::new(&terms, Vec::new(), None);
+    let mut session = Session::new(&terms, Vec::new(), &[], None);
     for pair in &grid[..6] {
         assert!(matches!(
             session.line(&csv_line(pair)),
@@ -109,9 +110,9 @@ fn a_slip_shows_while_typing() {
         ("1,2,3", "3 numbers; a point is"),
         (
             "700,2,0.3,0.1,0",
-            "point 8 is at the pixel 700, 2, outside of the picture",
+            "point 8 is at the pixel 700.0, 2.0, outside of the picture",
         ),
-        ("70,2,300,100,0", "in millimetres it would"),
+        ("70,2,300,100,0", "positions are metres"),
         ("help", "`help` is no number"),
     ] {
         let said = session.line(line);
@@ -130,31 +131,84 @@ fn a_slip_shows_while_typing() {
 
 #[test]
 fn an_arm_says_where_its_tool_is() {
-    let terms = terms(Method::Plane);
+    let terms = terms();
     let grid = Truth::usual().grid(4, 0.8);
     let mut places = vec![
         Err("the arm said nothing for 2 s".to_owned()),
         Ok(grid[0].base_m),
     ];
     let tool = move || places.pop().unwrap();
-    let mut session = Session::new(&terms, Vec::new(), Some(Box::new(tool)));
+    let mut session = Session::new(&terms, Vec::new(), &[], Some(Box::new(tool)));
     let [u, v] = grid[0].pixel;
     assert!(
-        matches!(session.line("1,2,3,4,5"), LineOutcome::Invalid(why) if why.contains("type `u,v`"))
+        matches!(session.line("1,2,3,4,5"), LineOutcome::Invalid(why) if why.contains("5 numbers, and there are 2 columns"))
     );
     assert!(matches!(
-        session.line(&format!("{u},{v},1.01")),
+        session.line(&format!("{u},{v}")),
         LineOutcome::Added(_)
     ));
-    let wanted = Pair {
-        depth_m: Some(1.01),
-        ..grid[0]
-    };
-    assert_eq!(session.pairs(), [wanted]);
+    assert_eq!(session.pairs(), [grid[0]]);
     assert_eq!(
         session.line(&format!("{u},{v}")),
         LineOutcome::Invalid("the arm said nothing for 2 s".to_owned())
     );
+}
+
+const TAG: Tag = Tag {
+    id: 7,
+    middle_px: [200.5, 133.25],
+};
+
+#[test]
+fn a_tag_stands_for_its_pixel() {
+    let seen = [TAG, Tag { id: 8, ..TAG }, Tag { id: 8, ..TAG }];
+    let text = "u,v,x,y,z\ntag7,0.3,0.1,0.02\n5,6,0.5,0.1,0.02\n";
+    let pairs = parse_pairs(text, &seen).unwrap();
+    assert_eq!(
+        [pairs[0].pixel, pairs[1].pixel],
+        [TAG.middle_px, [5.0, 6.0]]
+    );
+    assert_eq!([pairs[0].tag, pairs[1].tag], [Some(TagName(7)), None]);
+    assert_eq!(csv_line(&pairs[0]), "200.5,133.25,0.3,0.1,0.02 # tag7");
+    assert_eq!(parse_pairs("tag7 0.3 0.1 0.02", &seen).unwrap(), pairs[..1]);
+    for (text, words) in [
+        (
+            "tag9,0.3,0.1,0.02",
+            "does not show `tag9`; it shows tag7, tag8, tag8",
+        ),
+        ("tag8,0.3,0.1,0.02", "the picture shows `tag8` twice"),
+        (
+            "tag7:top,0.3,0.1,0.02",
+            "`tag7:top` is no tag; write such as `tag7`",
+        ),
+        ("tag,0.3,0.1,0.02", "`tag` is no tag"),
+        ("tag-1,0.3,0.1,0.02", "`tag-1` is no tag"),
+        (
+            "0.3,tag7,0.1,0.02",
+            "stands in place of the columns `u` and `v`",
+        ),
+        ("tag7,0.3,0.1", "4 numbers; a point is"),
+        ("tag7,1,0.3,0.1,0.02", "5 numbers, and there are 5 columns"),
+        (
+            "v,u,x,y,z\ntag7,0.3,0.1,0.02",
+            "stands in place of the columns `u` and `v`",
+        ),
+    ] {
+        let error = parse_pairs(text, &seen).expect_err(text).to_string();
+        assert!(error.contains(words), "{text}: {error}");
+    }
+    let error = parse_pairs("tag7,0.3,0.1,0.02", &[])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("it shows no tag of the family 36h11"),
+        "{error}"
+    );
+    let terms = terms();
+    let tool = || Ok([0.3, 0.1, 0.02]);
+    let mut session = Session::new(&terms, Vec::new(), &seen, Some(Box::new(tool)));
+    assert!(matches!(session.line("tag7"), LineOutcome::Added(_)));
+    assert_eq!(session.pairs(), &pairs[..1]);
 }
 
 #[test]

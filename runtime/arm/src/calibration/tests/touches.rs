@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::kinematics::tool_down::tool_down;
-use crate::port::{Goal, GoalId, GoalState, Port, PortError, Reading, Readings};
+use crate::port::{AfterStop, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint};
 
 const AT_M: [f64; 3] = [0.4, 0.1, 0.02];
 
@@ -23,11 +23,19 @@ impl<F: Fn(f64) -> Isometry3<f64>> Port for Guided<F> {
         self.clock_s += seconds;
     }
 
-    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
-        panic!("the arm is sent {goal:?}");
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        panic!("the arm is sent {points:?}");
     }
 
-    fn state(&mut self, _: &GoalId) -> GoalState {
+    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        panic!("the arm is sent {tool}");
+    }
+
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        panic!("the arm is sent {positions:?}");
+    }
+
+    fn goal(&mut self, _: &GoalId) -> GoalState {
         unreachable!("no goal was sent")
     }
 
@@ -39,11 +47,15 @@ impl<F: Fn(f64) -> Isometry3<f64>> Port for Guided<F> {
         panic!("the arm is stopped")
     }
 
+    fn after_stop(&self) -> AfterStop {
+        AfterStop::Refuses
+    }
+
     fn start(&mut self) -> Result<(), PortError> {
         panic!("the arm is started")
     }
 
-    fn readings(&mut self) -> Readings {
+    fn state(&mut self) -> Readings {
         let at_s = (self.clock_s * 10.0).floor() / 10.0;
         let at_s = at_s.min(self.until_s);
         Readings {

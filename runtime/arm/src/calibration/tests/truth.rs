@@ -1,12 +1,13 @@
 //! A camera over a table and an arm that touches it, both simulated; `super` brings the calibration into scope.
 
-use super::{Fit, Intrinsics, Method, Pair, Terms, Window};
+use super::{Intrinsics, LIMIT_MM, Pair, Terms, Window};
 use fab_picture::camera::Lens;
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// A camera with a known pose above a table of known height.
 pub struct Truth {
+    /// Its frame has x image right, y image down, z the optical axis.
     pub base_from_camera: Isometry3<f64>,
     pub lens: Lens,
     pub height: [f64; 3],
@@ -20,33 +21,31 @@ impl Truth {
         let turned = Isometry3::rotation(Vector3::new(0.0, 0.0, -FRAC_PI_2 + 0.05));
         let tilted = Isometry3::rotation(Vector3::new(0.04, -0.03, 0.0));
         Truth {
-            base_from_camera: Isometry3::translation(0.45, 0.02, 1.0) * turned * down * tilted,
+            base_from_camera: Isometry3::translation(0.43, 0.02, 1.0) * turned * down * tilted,
             lens: Lens::undistorted([600.0, 602.0], [322.0, 238.0]),
-            height: [0.02, 0.005, -0.003],
+            height: [0.02, 0.003, -0.003],
         }
     }
 
-    pub fn fit(&self) -> Fit {
-        Fit::Rigid {
-            base_from_camera: self.base_from_camera,
-            lens: self.lens,
-            height: self.height,
-            scale: 1.0,
-        }
+    /// The point of the table that a pixel shows.
+    pub fn table(&self, pixel: [f64; 2]) -> Point3<f64> {
+        let ray = self.lens.camera_from_pixel(pixel, 1.0).unwrap().coords;
+        let way = self.base_from_camera.rotation * ray;
+        let eye = self.base_from_camera.translation.vector;
+        let [level, along_x, along_y] = self.height;
+        let above = |point: Vector3<f64>| point.z - level - along_x * point.x - along_y * point.y;
+        let far = above(eye) / (above(eye) - above(eye + way));
+        assert!(far > 0.0, "{pixel:?}");
+        Point3::from(eye + way * far)
     }
 
     /// The touched point at the place that a pixel shows.
     pub fn pair(&self, pixel: [f64; 2]) -> Pair {
-        let touched = self.fit().table_from_pixel(pixel).unwrap();
         Pair {
             pixel,
-            base_m: touched.coords.into(),
-            depth_m: Some(self.depth(touched)),
+            base_m: self.table(pixel).into(),
+            tag: None,
         }
-    }
-
-    pub fn depth(&self, point: Point3<f64>) -> f64 {
-        self.base_from_camera.inverse_transform_point(&point).z
     }
 
     pub fn intrinsics(&self) -> Intrinsics {
@@ -66,25 +65,33 @@ impl Truth {
             .map(|(column, row)| self.pair(window().pixel_at([at(column), at(row)])))
             .collect()
     }
+
+    /// What a person would state of this camera and table.
+    pub fn terms(&self) -> Terms {
+        let shown = |share| self.table(window().pixel_at(share));
+        let (middle, top, bottom) = (shown([0.5, 0.5]), shown([0.5, 0.4]), shown([0.5, 0.6]));
+        let up = top - bottom;
+        let height_m = self.base_from_camera.translation.z - middle.z;
+        Terms {
+            limit_mm: LIMIT_MM,
+            camera: "simulated".to_owned(),
+            size_px: [640, 480],
+            window: window(),
+            height_m: Some((height_m * 1000.0).round() / 1000.0),
+            up_deg: Some(up.y.atan2(up.x).to_degrees().round()),
+            center_m: middle.into(),
+            reach_m: [[0.15, -0.525], [0.75, 0.525]],
+            intrinsics: Some(self.intrinsics()),
+        }
+    }
 }
 
 pub fn window() -> Window {
     Window::from([80, 0, 480])
 }
 
-pub fn terms(method: Method) -> Terms {
-    Terms {
-        method,
-        camera: "simulated".to_owned(),
-        size_px: [640, 480],
-        intrinsics: match method {
-            Method::Plane => None,
-            Method::Rigid => Some(Truth::usual().intrinsics()),
-        },
-        window: window(),
-        reach_m: [[0.15, -0.525], [0.75, 0.525]],
-        limit_mm: method.limit_mm(),
-    }
+pub fn terms() -> Terms {
+    Truth::usual().terms()
 }
 
 /// Reproducible random numbers.

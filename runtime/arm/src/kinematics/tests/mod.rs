@@ -6,6 +6,7 @@ mod chain;
 mod inverse;
 mod peer;
 mod reach;
+mod shape;
 mod straight;
 
 use super::chain::{Chain, JOINTS};

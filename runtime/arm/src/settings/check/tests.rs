@@ -14,7 +14,7 @@ table = { center_m = [0.45, 0.0, 0.02] }
 fingers = { count = 2, open = 0.0, closed = 6400.0, cloth = 300.0, tolerance = 200.0 }
 motion = { lift_m = 0.005 }
 [workspace]
-min_m = [0.15, -0.525, 0.0]
+min_m = [0.15, -0.525, 0.01]
 max_m = [0.75, 0.525, 0.5]
 rest_m = [0.3, -0.4, 0.4]
 keep_out = [{ name = 'post', min_m = [0.6, 0.3, 0.0], max_m = [0.7, 0.4, 0.5] }]
@@ -30,12 +30,19 @@ depth = '/d'
 info = '/i'
 ";
 
-/// The settings with one value replaced; `-` removes it.
-fn with(key: &str, value: &str) -> Result<Settings, String> {
-    let mut table: Table = toml::from_str(ROBOT).unwrap();
+/// The settings with some values replaced; `-` removes one.
+fn with(robot: &str, changes: &[(&str, &str)]) -> Result<Settings, String> {
+    let mut table: Table = toml::from_str(robot).unwrap();
+    for (key, value) in changes {
+        replace(&mut table, key, value);
+    }
+    Settings::parse(&toml::to_string(&table).unwrap())
+}
+
+fn replace(table: &mut Table, key: &str, value: &str) {
     let mut parts: Vec<&str> = key.split('.').collect();
     let last = parts.pop().unwrap();
-    let mut inner = &mut table;
+    let mut inner = table;
     for part in parts {
         let next = inner.entry(part).or_insert(Value::Table(Table::new()));
         inner = next.as_table_mut().unwrap();
@@ -49,8 +56,6 @@ fn with(key: &str, value: &str) -> Result<Settings, String> {
             inner.insert(last.to_owned(), read["it"].clone());
         }
     }
-    let settings: Settings = table.try_into().map_err(|error| format!("{error}"))?;
-    super::check(&settings).map(|()| settings)
 }
 
 #[test]
@@ -60,12 +65,19 @@ fn settings_that_can_be_used_are_read() {
         ("fingers.open", "-5.0"),
         ("fingers.cloth", "-"),
         ("motion.speed_m_s", "0.2"),
-        ("workspace.rest_m", "[0.15, -0.525, 0.5]"),
+        ("motion.lift_m", "0.0031"),
+        ("workspace.min_m", "[0.15, -0.525, 0.017]"),
+        ("workspace.rest_m", "[0.153, -0.522, 0.07]"),
         ("workspace.keep_out", "-"),
         ("model", "'j2s6s200'"),
         ("camera.flat", "'flat.png'"),
+        ("table.center_m", "[0, 0, 0]"),
     ] {
-        with(key, value).unwrap_or_else(|why| panic!("{key} = {value}: {why}"));
+        let moved = match key {
+            "table.center_m" => ROBOT.replace("0.15, -0.525, 0.01]", "-0.15, -0.525, -0.01]"),
+            _ => ROBOT.to_owned(),
+        };
+        with(&moved, &[(key, value)]).unwrap_or_else(|why| panic!("{key} = {value}: {why}"));
     }
 }
 
@@ -74,22 +86,37 @@ fn each_number_that_cannot_be_meant_is_refused_by_its_key() {
     for (key, value) in [
         ("name", "' '"),
         ("model", "'j2n7s300'"),
+        ("driver", "'kinovas'"),
         ("table.center_m", "[nan, 0.0, 0.0]"),
-        ("table.center_m", "[0.9, 0.0, 0.0]"),
+        ("table.center_m", "[0.9, 0.0, 0.02]"),
+        ("table.center_m", "[0.45, 0, 0, 0.02]"),
+        ("table.center_m", "[0.45, 0.0]"),
         ("table.turn_deg", "inf"),
-        ("workspace.min_m", "[0.15, 0.525, 0.0]"),
+        ("workspace.min_m", "[0.15, 0.525, 0.01]"),
+        ("workspace.min_m", "[0.15, -0.525, 0.0]"),
+        ("workspace.min_m", "[0.15, -0.525, 0.019]"),
         ("workspace.max_m", "[inf, 0.525, 0.5]"),
+        ("workspace.max_m", "[0.75, 0.525, 0.12]"),
         ("workspace.rest_m", "[0.3, -0.4, 0.6]"),
+        ("workspace.rest_m", "[0.3, -0.4, 0.01]"),
+        ("workspace.rest_m", "[0.3, -0.4, 0.06]"),
+        ("workspace.rest_m", "[0.152, -0.4, 0.3]"),
         ("workspace.rest_m", "[0.65, 0.35, 0.2]"),
+        ("workspace.rest_m", "[0.598, 0.35, 0.2]"),
         ("workspace.rest_m", "[nan, 0.35, 0.2]"),
         ("workspace.max_speed_m_s", "0.0"),
+        ("workspace.max_speed_m_s", "0.6"),
         ("workspace.max_step_m", "-1.0"),
         ("motion.pre_pick_m", "-0.001"),
+        ("motion.pre_pick_m", "0.003"),
         ("motion.grasp_m", "nan"),
         ("motion.lift_m", "0.6"),
+        ("motion.lift_m", "0.0"),
         ("motion.release_m", "-inf"),
         ("motion.retreat_m", "5.0"),
+        ("motion.retreat_m", "0.002"),
         ("motion.travel_m", "-0.1"),
+        ("motion.travel_m", "0.0"),
         ("motion.speed_m_s", "0.0"),
         ("motion.speed_m_s", "0.21"),
         ("motion.hand_turn_deg", "nan"),
@@ -97,18 +124,33 @@ fn each_number_that_cannot_be_meant_is_refused_by_its_key() {
         ("fingers.open", "nan"),
         ("fingers.closed", "0.0"),
         ("fingers.tolerance", "0.0"),
-        ("fingers.tolerance", "6400.0"),
+        ("fingers.tolerance", "6399.0"),
+        ("fingers.tolerance", "641.0"),
         ("fingers.cloth", "-1.0"),
+        ("fingers.cloth", "200.0"),
+        ("fingers.cloth", "3200.0"),
         ("tolerance.position_m", "0.0"),
+        ("tolerance.position_m", "0.1"),
         ("tolerance.angle_deg", "-3.0"),
+        ("tolerance.angle_deg", "45.0"),
         ("tolerance.corrections", "4000"),
         ("tolerance.settle_s", "nan"),
+        ("tolerance.settle_s", "600.0"),
         ("tolerance.stale_s", "0.0"),
+        ("tolerance.stale_s", "600.0"),
         ("tolerance.watchdog_s", "0.0"),
+        ("tolerance.watchdog_s", "60.0"),
         ("camera.window_px", "[0, 0, 0]"),
+        ("camera.window_px", "[161, 0, 480]"),
+        ("camera.window_px", "[80, 0, 480, 1]"),
         ("camera.window_px", "[4294967295, 0, 480]"),
         ("camera.timeout_s", "inf"),
+        ("camera.timeout_s", "600.0"),
         ("camera.flat", "''"),
+        ("camera.intrinsics.size_px", "[0, 480]"),
+        ("camera.intrinsics.focal_px", "[0, 480]"),
+        ("camera.intrinsics.focal_px", "[600, 600, 600]"),
+        ("camera.intrinsics.middle_px", "[320.0, -1.0]"),
         ("ros.master", "'localhost'"),
         ("ros.arm", "'j2n6s200_driver'"),
         ("simulated.camera_height_m", "0.0"),
@@ -118,18 +160,126 @@ fn each_number_that_cannot_be_meant_is_refused_by_its_key() {
         ("simulated.camera_px", "0"),
         ("simulated.repeatability_m", "-0.001"),
     ] {
-        let why = with(key, value).expect_err(key);
-        assert!(why.contains(&format!("`{key}`")), "{key} = {value}: {why}");
+        let why = with(ROBOT, &[(key, value)]).expect_err(&format!("{key} = {value}"));
+        assert!(
+            why.contains(&format!("`{key}` is ")),
+            "{key} = {value}: {why}"
+        );
     }
-    let why = with(
-        "workspace.keep_out",
-        "[{ name = 'post', min_m = [0.6, 0.3, 0.0], max_m = [0.6, 0.4, 0.5] }]",
+    for (zone, why) in [
+        (
+            "min_m = [0.6, 0.3, 0.0], max_m = [0.6, 0.4, 0.5]",
+            "keep_out `lamp`.min_m",
+        ),
+        (
+            "min_m = [0.8, 0.3, 0.0], max_m = [0.9, 0.4, 0.5]",
+            "reaches into the workspace",
+        ),
+        (
+            "min_m = [0.5, 0.2, -0.2], max_m = [0.6, 0.4, 0.01]",
+            "reaches into the workspace",
+        ),
+        (
+            "min_m = [0.0, -1.0, 0.0], max_m = [1.0, 1.0, 1.0]",
+            "`workspace.rest_m` is",
+        ),
+        (
+            "min_m = [0.6, 0.3, 0.0], max_m = [0.5, 0.6, 0.01, 0.4]",
+            "`workspace.keep_out[0].max_m` is `[0.5, 0.6, 0.01, 0.4]`; expected 3 numbers",
+        ),
+    ] {
+        let zones = format!("[{{ name = 'lamp', {zone} }}]");
+        let refused = with(ROBOT, &[("workspace.keep_out", &zones)]).expect_err(zone);
+        assert!(refused.contains(why), "{refused}");
+    }
+}
+
+/// A value that one number alone would allow.
+#[test]
+fn a_tolerance_that_would_hide_a_miss_is_refused_against_each_height() {
+    let why = with(ROBOT, &[("tolerance.position_m", "0.006")]).unwrap_err();
+    for key in ["motion.pre_pick_m", "motion.lift_m"] {
+        assert!(
+            why.contains(&format!("`{key}` is `0.005`; expected above 0.0060")),
+            "{why}"
+        );
+    }
+    let higher = [
+        ("tolerance.position_m", "0.006"),
+        ("motion.pre_pick_m", "0.02"),
+        ("motion.lift_m", "0.02"),
+    ];
+    with(ROBOT, &higher).unwrap();
+}
+
+#[test]
+fn an_unknown_key_is_refused_with_the_one_that_was_meant() {
+    for (key, expected) in [
+        (
+            "workspace.max_sped_m_s",
+            "did you mean `workspace.max_speed_m_s`?",
+        ),
+        ("position_m", "did you mean `tolerance.position_m`?"),
+        ("tolerence", "did you mean `tolerance`?"),
+        ("motion.Lift_m", "did you mean `motion.lift_m`?"),
+        ("table.sideways", "here may stand `center_m`, `turn_deg`"),
+        ("camera.intrinsics.focal", "did you mean"),
+    ] {
+        let why = with(ROBOT, &[(key, "0.1")]).unwrap_err();
+        assert!(why.contains(&format!("`{key}` is not a setting")), "{why}");
+        if key != "camera.intrinsics.focal" {
+            assert!(why.contains(expected), "{why}");
+        }
+    }
+    let zone =
+        "[{ name = 'a', min = [0, 0, 0], min_m = [0.5, 0.2, 0.0], max_m = [0.6, 0.4, 0.5] }]";
+    let why = with(ROBOT, &[("workspace.keep_out", zone)]).unwrap_err();
+    assert!(
+        why.contains("`workspace.keep_out[0].min` is not a setting"),
+        "{why}"
     );
-    assert!(why.unwrap_err().contains("keep_out `post`"));
-    for key in ["size_px", "focal_px"] {
-        let key = format!("camera.intrinsics.{key}");
-        assert!(with(&key, "[0, 480]").is_err());
+}
+
+#[test]
+fn what_is_missing_or_of_another_type_is_named() {
+    for (key, value, expected) in [
+        ("name", "-", "`name` is missing"),
+        ("table", "-", "`table.center_m` is missing"),
+        ("table", "5", "`table` is `5`; expected a section"),
+        ("fingers.tolerance", "-", "`fingers.tolerance` is missing"),
+        (
+            "workspace.keep_out",
+            "5",
+            "`workspace.keep_out` is `5`; expected a list of sections",
+        ),
+        (
+            "workspace.keep_out",
+            "[5]",
+            "`workspace.keep_out[0]` is `5`",
+        ),
+        ("ros", "'here'", "expected a section"),
+        ("fingers.count", "2.0", "expected a whole number, 2 to 3"),
+        ("simulated.seed", "-1", "expected a whole number, 0 or more"),
+        ("ros.joints", "['a', '']", "expected a list of texts"),
+        (
+            "camera.intrinsics.distortion",
+            "[nan]",
+            "`camera.intrinsics.distortion` is",
+        ),
+    ] {
+        let why = with(ROBOT, &[(key, value)]).unwrap_err();
+        assert!(why.contains(expected), "{why}");
     }
+    // A file of nothing but faults is no wall of text.
+    let many: String = (0..5000).map(|at| format!("key_{at} = 1\n")).collect();
+    let why = Settings::parse(&(many + ROBOT)).unwrap_err();
+    assert_eq!(why.lines().count(), 21, "{why}");
+    assert!(why.ends_with("and 4980 faults more"), "{why}");
+    let long = format!("{} = 1\n{ROBOT}", "k".repeat(200_000));
+    assert!(Settings::parse(&long).is_err());
+    // All at once, not one after the other.
+    let why = with(ROBOT, &[("name", "-"), ("motion.grasp_m", "9")]).unwrap_err();
+    assert_eq!(why.lines().count(), 2, "{why}");
 }
 
 #[test]
@@ -163,7 +313,7 @@ fn what_one_part_needs_of_another_is_said() {
         (
             "motion.speed_m_s",
             "0.5",
-            "`motion.speed_m_s` is `0.5`; expected above 0 and at most 0.2",
+            "`motion.speed_m_s` is `0.5`; expected at most 0.2, `workspace.max_speed_m_s`",
         ),
         (
             "fingers.count",
@@ -171,6 +321,6 @@ fn what_one_part_needs_of_another_is_said() {
             "`fingers.count` is `3`; expected 2, as many as `j2n6s200` has",
         ),
     ] {
-        assert_eq!(with(key, value).unwrap_err(), expected);
+        assert_eq!(with(ROBOT, &[(key, value)]).unwrap_err(), expected);
     }
 }

@@ -1,35 +1,44 @@
 //! The client side of the watchdog: the child process, and the heartbeats sent to it.
 //!
-//! In: heartbeats. Out: lines for the child, and an error if the child is gone or reports that it has stopped the arm.
+//! In: heartbeats. Out: lines for the child, and an error if the child is gone, reports that it has stopped the arm, or
+//! does not acknowledge in time: one that hangs could not stop the arm. Nothing here waits while the arm moves.
 
-use super::lines_of;
+use super::{STOPPED, lines_of};
 use crate::io::Io;
 use fab_arm::supervisor::Watchdog;
+use fab_base::outbox::Outbox;
+use std::collections::VecDeque;
 use std::io::Write;
 use std::path::Path;
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::time::{Duration, Instant};
 
 /// Time limit until the watchdog is ready: it connects to the arm's node.
 const READY: Duration = Duration::from_secs(30);
-/// How long to wait for its end. It takes longer only if the arm's node does not answer; then it continues alone, so that
-/// this program can report at once that the arm may move.
+/// How long to wait for its end, or for its stop of the arm. It takes longer only if the arm's node does not answer; then
+/// it continues alone, so that this program can report at once that the arm may move.
 const ENDED: Duration = Duration::from_secs(5);
 /// Interval between two checks for its end.
 const LOOK: Duration = Duration::from_millis(20);
+/// The most lines that wait for a pipe that is full.
+const MAX_WAITING: usize = 16;
 
 /// A watchdog that is another process of this program.
 pub struct Process {
     child: Child,
-    stdin: Option<ChildStdin>,
+    /// `None` once its input was closed.
+    lines: Option<Outbox<&'static str>>,
     messages: Receiver<String>,
+    /// Lines that were sent and not acknowledged, with their times.
+    sent: VecDeque<(&'static str, Instant)>,
+    timeout: Duration,
 }
 
 impl Process {
     /// Starts it, and waits until it can stop the arm; the error says why it cannot.
     ///
-    /// - `timeout_s`: the longest time without a heartbeat, seconds.
+    /// - `timeout_s`: the longest time without a heartbeat, and without its acknowledgement, seconds.
     pub fn start(robot: &Path, timeout_s: f64, io: &Io) -> Result<Process, String> {
         let program = io.program().map_err(|error| error.to_string())?;
         let mut command = Command::new(program);
@@ -37,11 +46,16 @@ impl Process {
             .args(["robot", "watchdog", "--robot"])
             .arg(robot)
             .args(["--timeout", &timeout_s.to_string()]);
-        Process::spawn(command, READY)
+        let timeout = Duration::try_from_secs_f64(timeout_s).map_err(|error| error.to_string())?;
+        Process::spawn(command, READY, timeout)
     }
 
     /// Starts a watchdog command, and waits until it prints `ready`.
-    fn spawn(mut command: Command, longest: Duration) -> Result<Process, String> {
+    fn spawn(
+        mut command: Command,
+        longest: Duration,
+        timeout: Duration,
+    ) -> Result<Process, String> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped());
         // Ctrl-C goes to all of a group; the watchdog outlives it.
         #[cfg(unix)]
@@ -49,14 +63,20 @@ impl Process {
         let mut child = command
             .spawn()
             .map_err(|error| format!("the watchdog cannot be started: {error}"))?;
-        let stdin = child.stdin.take();
+        let mut stdin = child.stdin.take().expect("stdin is a pipe");
         let stdout = child.stdout.take().expect("stdout is a pipe");
         let messages = lines_of(stdout);
         let ready = messages.recv_timeout(longest);
+        let write = move |line: &str| {
+            let written = writeln!(stdin, "{line}").and_then(|()| stdin.flush());
+            written.map_err(|error| error.to_string())
+        };
         let mut process = Process {
             child,
-            stdin,
+            lines: Some(Outbox::new(MAX_WAITING, write)),
             messages,
+            sent: VecDeque::new(),
+            timeout,
         };
         let nothing = "so that nothing is moved";
         match ready.as_deref() {
@@ -73,39 +93,94 @@ impl Process {
         }
     }
 
-    fn write(&mut self, line: &str) -> Result<(), String> {
-        if let Ok(message) = self.messages.try_recv() {
-            return Err(format!("the watchdog says: {message}"));
+    /// Sends a line without waiting; fails if an earlier one was not acknowledged in time.
+    fn send(&mut self, line: &'static str) -> Result<(), String> {
+        loop {
+            match self.messages.try_recv() {
+                Ok(message) => self.acknowledged(&message)?,
+                Err(TryRecvError::Empty) => break,
+                Err(TryRecvError::Disconnected) => return Err(GONE.to_owned()),
+            }
         }
-        let gone = |error: std::io::Error| format!("the watchdog is gone: {error}");
-        match &mut self.stdin {
-            Some(stdin) => writeln!(stdin, "{line}")
-                .and_then(|()| stdin.flush())
-                .map_err(gone),
-            None => Err("the watchdog is gone".to_owned()),
+        if let Some((line, at)) = self.sent.front()
+            && at.elapsed() > self.timeout
+        {
+            return Err(format!(
+                "the watchdog has not acknowledged `{line}` within {:?}",
+                self.timeout
+            ));
+        }
+        let lines = self.lines.as_mut().ok_or(GONE)?;
+        lines
+            .send(line)
+            .map_err(|why| format!("the watchdog is gone: {why}"))?;
+        self.sent.push_back((line, Instant::now()));
+        Ok(())
+    }
+
+    /// Takes in a message, which acknowledges the first of the lines that were not.
+    fn acknowledged(&mut self, message: &str) -> Result<(), String> {
+        match self.sent.pop_front() {
+            Some((line, _)) if line == message => Ok(()),
+            _ => Err(format!("the watchdog says: {message}")),
         }
     }
 }
 
+const GONE: &str = "the watchdog is gone";
+
 impl Watchdog for Process {
     fn watch(&mut self) -> Result<(), String> {
-        self.write("watch")
+        self.send("watch")?;
+        let deadline = Instant::now() + self.timeout;
+        while !self.sent.is_empty() {
+            let left = deadline.saturating_duration_since(Instant::now());
+            match self.messages.recv_timeout(left) {
+                Ok(message) => self.acknowledged(&message)?,
+                Err(RecvTimeoutError::Timeout) => {
+                    return Err(format!(
+                        "the watchdog does not acknowledge within {:?} that it watches",
+                        self.timeout
+                    ));
+                }
+                Err(RecvTimeoutError::Disconnected) => return Err(GONE.to_owned()),
+            }
+        }
+        Ok(())
     }
 
     fn beat(&mut self) -> Result<(), String> {
-        self.write("beat")
+        self.send("beat")
     }
 
     fn rest(&mut self) {
         // A watchdog that is gone does not watch.
-        let _ = self.write("rest");
+        let _ = self.send("rest");
+    }
+
+    fn stop(&mut self) -> Result<(), String> {
+        // It may have stopped the arm already, and ended; then it has said so.
+        if let Some(lines) = &mut self.lines {
+            let _ = lines.send("stop");
+        }
+        let deadline = Instant::now() + ENDED;
+        loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            match self.messages.recv_timeout(left) {
+                Ok(message) if message == STOPPED => return Ok(()),
+                Ok(message) if matches!(message.as_str(), "watch" | "beat" | "rest") => {}
+                Ok(message) => return Err(message),
+                Err(RecvTimeoutError::Timeout) => return Err("it does not answer".to_owned()),
+                Err(RecvTimeoutError::Disconnected) => return Err("it is gone".to_owned()),
+            }
+        }
     }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
         // Closing stdin ends it; it stops the arm first if it still watches.
-        self.stdin = None;
+        self.lines = None;
         let begun = Instant::now();
         while matches!(self.child.try_wait(), Ok(None)) && begun.elapsed() < ENDED {
             std::thread::sleep(LOOK);
@@ -120,11 +195,14 @@ mod tests {
     use super::*;
     use std::thread;
 
+    /// Longer than a loaded machine takes for an answer.
+    const TIMEOUT: Duration = Duration::from_secs(2);
+
     /// Another program in the watchdog's place.
     fn played(script: &str) -> Result<Process, String> {
         let mut command = Command::new("sh");
         command.args(["-c", script]);
-        Process::spawn(command, Duration::from_secs(2))
+        Process::spawn(command, Duration::from_secs(2), TIMEOUT)
     }
 
     #[test]
@@ -152,7 +230,7 @@ mod tests {
     fn it_hears_each_line_and_that_they_end() {
         let folder = tempfile::tempdir().unwrap();
         let heard = folder.path().join("heard");
-        let script = format!("echo ready; cat > '{}'; echo end >> '{0}'", heard.display());
+        let script = format!("echo ready; tee '{}'; echo end >> '{0}'", heard.display());
         let mut process = played(&script).unwrap();
         process.watch().unwrap();
         process.beat().unwrap();
@@ -188,9 +266,82 @@ mod tests {
             }
         };
         assert!(ended("echo ready; exec 0<&-; exit 0").starts_with("the watchdog is gone"));
-        let why = ended(
-            "echo ready; read line; echo 'stopped: there was no sign of life'; cat > /dev/null",
+        let why = ended("echo ready; read line; echo 'stopped: it woke up'; cat");
+        assert_eq!(why, "the watchdog says: stopped: it woke up");
+        // It says more than it was asked, and something else.
+        for script in [
+            "echo ready; echo beat; cat",
+            "echo ready; while read line; do echo rest; done",
+        ] {
+            let why = ended(script);
+            assert!(why.starts_with("the watchdog says: "), "{why}");
+        }
+    }
+
+    /// Neither a program that reads and does not answer, nor one that does not read, delays a heartbeat.
+    #[test]
+    #[ignore = "long"]
+    fn one_that_hangs_is_noticed_and_blocks_nothing() {
+        for script in ["echo ready; cat > /dev/null", "echo ready; exec sleep 60"] {
+            let mut process = played(script).unwrap();
+            let why = process.watch().unwrap_err();
+            assert!(
+                why.starts_with("the watchdog does not acknowledge within 2s"),
+                "{why}"
+            );
+            let mut process =
+                played(&script.replace("ready;", "ready; read line; echo $line;")).unwrap();
+            process.watch().unwrap();
+            let (begun, mut longest) = (Instant::now(), Duration::ZERO);
+            let why = loop {
+                let sent = Instant::now();
+                let beat = process.beat();
+                longest = longest.max(sent.elapsed());
+                match beat {
+                    Err(why) => break why,
+                    Ok(()) => thread::sleep(Duration::from_millis(150)),
+                }
+            };
+            assert_eq!(why, "the watchdog has not acknowledged `beat` within 2s");
+            assert!(longest < TIMEOUT, "a heartbeat took {longest:?}");
+            assert!(begun.elapsed() >= TIMEOUT);
+        }
+    }
+
+    #[test]
+    fn a_full_pipe_is_an_error_and_blocks_nothing() {
+        let mut command = Command::new("sh");
+        command.args(["-c", "echo ready; exec sleep 5"]);
+        let mut process = Process::spawn(command, TIMEOUT, Duration::from_secs(600)).unwrap();
+        // More than any pipe holds.
+        let full = (0..1 << 20).find_map(|_| process.beat().err());
+        assert_eq!(
+            full.as_deref(),
+            Some("the watchdog is gone: its reader does not read")
         );
-        assert_eq!(why, "the watchdog says: stopped: there was no sign of life");
+        let _ = process.child.kill();
+    }
+
+    #[test]
+    fn a_stop_is_acknowledged_or_told_as_not() {
+        for (script, expected) in [
+            (
+                format!("echo ready; read line; echo watch; read line; echo '{STOPPED}'"),
+                Ok(()),
+            ),
+            (
+                "echo ready; read line; echo watch; read line; echo 'not stopped: no answer'"
+                    .to_owned(),
+                Err("not stopped: no answer".to_owned()),
+            ),
+            (
+                "echo ready; read line; echo watch".to_owned(),
+                Err("it is gone".to_owned()),
+            ),
+        ] {
+            let mut process = played(&script).unwrap();
+            process.watch().unwrap();
+            assert_eq!(process.stop(), expected, "{script}");
+        }
     }
 }

@@ -1,0 +1,602 @@
+//! The one check that every motion passes, and the type that alone can be sent to an arm.
+//!
+//! In: the settings' limits, the table's surface, the arm's shapes, and motions: planned ones, those that are about to
+//! be sent, corrections, and trajectories point by point. Out: [`Checked`], or why a motion is not allowed. The tool
+//! stays in its box. No part of hand and links goes below the table or into a keep-out zone.
+//!
+//! Where the arm's node finds the joint angles itself, the path of the links is the one that this crate's kinematics
+//! would take; the measured angles are checked while it moves. Without measured angles only the hand is checked.
+
+use super::driver::ArmState;
+use super::kinematics::chain::Chain;
+use super::kinematics::models::UnknownModel;
+use super::kinematics::shape::{Capsule, PlacedCapsule};
+use super::kinematics::tool_down::tool_down;
+use super::port::Waypoint;
+use super::route::{Act, Route, Segment, SegmentName};
+use super::settings::{KeepOut, Settings, Workspace};
+use crate::calibration::Calibration;
+use nalgebra::{Isometry3, Point3, Vector3};
+
+/// The longest step between two checked points of a path, metres.
+pub const STEP_M: f64 = 0.01;
+
+/// Largest tilt of the hand from straight down, and largest rotation in one motion, radians. Every goal points down.
+const MAX_TILT_RAD: f64 = 0.2;
+
+/// Resolution of a measured position, metres.
+const READING_M: f64 = 0.001;
+
+/// Slack of comparisons, metres: the inverse kinematics ends this near to its target.
+const EXACT_M: f64 = 1e-5;
+
+/// Halvings in the search for the point of a capsule that is nearest to a box: a metre to 0.01 mm.
+const HALVINGS: usize = 30;
+
+/// Something that passed the checks of a [`Guard`]. Nothing else can be sent to an arm, and only a guard makes one.
+#[derive(Debug, PartialEq)]
+pub struct Checked<T>(T);
+
+impl<T> Checked<T> {
+    /// Returns what was checked.
+    pub fn get(&self) -> &T {
+        &self.0
+    }
+}
+
+impl Checked<Isometry3<f64>> {
+    /// The pose in which the arm was measured: as a goal it moves nothing.
+    pub(crate) fn here(state: &ArmState) -> Checked<Isometry3<f64>> {
+        Checked(state.tool)
+    }
+}
+
+impl Checked<Vec<Waypoint>> {
+    /// A trajectory that holds the joints where they were measured.
+    ///
+    /// - `at_s`: the times of its points, seconds.
+    pub(crate) fn hold(state: &ArmState, at_s: &[f64]) -> Checked<Vec<Waypoint>> {
+        let hold = |at_s: &f64| Waypoint {
+            joints_rad: state.joints_rad.clone(),
+            at_s: *at_s,
+        };
+        Checked(at_s.iter().map(hold).collect())
+    }
+}
+
+/// A straight motion of the tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion {
+    /// Where it ends, `base_from_tool`.
+    pub to: Isometry3<f64>,
+    /// Speed of the tool, m/s.
+    pub speed_m_s: f64,
+    /// Joint angles along it, radians, both ends included; empty if the arm does not report its angles.
+    pub joints_rad: Vec<Vec<f64>>,
+}
+
+impl Checked<Motion> {
+    /// Returns its end as a goal for a node that finds the joint angles itself.
+    pub fn pose(&self) -> Checked<Isometry3<f64>> {
+        Checked(self.0.to)
+    }
+}
+
+/// A segment, and the arm's state at its end if it is allowed.
+pub type SegmentEnd = (Segment, Option<ArmState>);
+
+/// A route, as far as it is allowed.
+#[derive(Debug)]
+pub struct Walk {
+    /// Its segments; a refused one is the last.
+    pub ends: Vec<SegmentEnd>,
+    /// Likewise those after a missed grasp.
+    pub home: Vec<SegmentEnd>,
+    /// The route, or why its last segment is not allowed.
+    pub route: Result<Checked<Route>, String>,
+}
+
+/// The tool's height when the closed fingertips touch the table, at each place: a plane in the base frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// `z = height[0] + height[1] x + height[2] y`, metres.
+    height: [f64; 3],
+}
+
+impl Surface {
+    /// The plane that was touched for a calibration.
+    pub fn of(calibration: &Calibration) -> Surface {
+        let at = |x, y| calibration.table_height_m([x, y]);
+        let level_m = at(0.0, 0.0);
+        Surface::tilted([level_m, at(1.0, 0.0) - level_m, at(0.0, 1.0) - level_m])
+    }
+
+    /// A level plane through the settings' table.
+    pub fn level(settings: &Settings) -> Surface {
+        Surface::tilted([settings.table.center_m[2], 0.0, 0.0])
+    }
+
+    /// A plane `z = height[0] + height[1] x + height[2] y`, metres, base frame.
+    pub fn tilted(height: [f64; 3]) -> Surface {
+        Surface { height }
+    }
+
+    /// Returns its height at a place, metres, base frame.
+    pub fn height_m(&self, x: f64, y: f64) -> f64 {
+        self.height[0] + self.height[1] * x + self.height[2] * y
+    }
+
+    /// Returns its normal, which points up.
+    fn normal(&self) -> Vector3<f64> {
+        Vector3::new(-self.height[1], -self.height[2], 1.0).normalize()
+    }
+
+    /// Returns the distance of a point above it, metres; negative below.
+    fn distance_m(&self, point: &Point3<f64>) -> f64 {
+        (point.z - self.height_m(point.x, point.y)) * self.normal().z
+    }
+}
+
+/// Checks motions of one arm over one table.
+#[derive(Clone, Debug)]
+pub struct Guard {
+    chain: Chain,
+    workspace: Workspace,
+    surface: Surface,
+    /// Height of the table's middle, metres: the height at which the box is stated.
+    middle_m: f64,
+    /// Distance that goals keep from box and zones, metres: the position tolerance of the arm.
+    margin_m: f64,
+    /// How far below the tool's place the straight hand reaches, along the table's normal, metres.
+    touch_m: f64,
+    /// How far below the table a measured hand may seem to be, metres.
+    slack_m: f64,
+}
+
+impl Guard {
+    /// Guards the arm of the settings over a table.
+    pub fn new(settings: &Settings, chain: Chain, surface: Surface) -> Guard {
+        let margin_m = settings.tolerance.position_m;
+        let down = tool_down(
+            &Point3::origin(),
+            settings.motion.hand_turn_deg.to_radians(),
+        );
+        let hand = |shape: &&Capsule| shape.link == chain.joints().len();
+        let ends = |shape: &Capsule| [shape.from, shape.to].map(|end| down * end);
+        let below = |shape: &Capsule| {
+            let along = ends(shape).map(|end| -end.coords.dot(&surface.normal()));
+            along[0].max(along[1]) + shape.radius_m
+        };
+        let aside = |shape: &Capsule| {
+            let aside = ends(shape).map(|end| end.x.hypot(end.y));
+            aside[0].max(aside[1])
+        };
+        let hands: Vec<&Capsule> = chain.shapes().iter().filter(hand).collect();
+        let aside_m = hands.iter().map(|shape| aside(shape)).fold(0.0, f64::max);
+        let touch_m = hands.iter().map(|shape| below(shape)).fold(0.0, f64::max);
+        Guard {
+            workspace: settings.workspace.clone(),
+            surface,
+            middle_m: settings.table.center_m[2],
+            margin_m,
+            touch_m,
+            // A hand that is tilted by its tolerance is lower on one side.
+            slack_m: margin_m
+                + READING_M
+                + aside_m * settings.tolerance.angle_deg.to_radians().sin(),
+            chain,
+        }
+    }
+
+    /// Guards the arm of the settings over a level table, as if no calibration had measured a tilt; fails for an
+    /// unknown model.
+    pub fn level(settings: &Settings) -> Result<Guard, UnknownModel> {
+        let chain = Chain::of_model(&settings.model)?;
+        Ok(Guard::new(settings, chain, Surface::level(settings)))
+    }
+
+    /// Returns the arm.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
+    }
+
+    /// Returns the table's surface.
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// Returns the highest speed of the tool, m/s.
+    pub fn max_speed_m_s(&self) -> f64 {
+        self.workspace.max_speed_m_s
+    }
+
+    /// Checks a straight motion of the tool from where the arm is; the error says why it is not allowed.
+    ///
+    /// - `from`: the arm's state; without joint angles only the hand is checked along the way.
+    /// - `to`: `base_from_tool`.
+    pub fn motion(
+        &self,
+        from: &ArmState,
+        to: &Isometry3<f64>,
+        speed_m_s: f64,
+    ) -> Result<Checked<Motion>, String> {
+        self.ends(&from.tool, to, speed_m_s)?;
+        let mut path = Path::default();
+        let mut joints_rad = Vec::new();
+        if from.joints_rad.is_empty() {
+            let way_m = (to.translation.vector - from.tool.translation.vector).norm();
+            let steps = (way_m / STEP_M).ceil().max(1.0) as usize;
+            for step in 0..=steps {
+                let pose = between(&from.tool, to, step as f64 / steps as f64);
+                self.clear(&self.hand_at(&pose), &mut path)?;
+            }
+        } else {
+            let points = self
+                .chain
+                .straight(&from.tool, to, &from.joints_rad, STEP_M);
+            joints_rad = points.map_err(|why| format!("the arm cannot follow: {why}"))?;
+            for joints_rad in &joints_rad {
+                self.posture(joints_rad, &mut path)?;
+            }
+        }
+        path.end()?;
+        Ok(Checked(Motion {
+            to: *to,
+            speed_m_s,
+            joints_rad,
+        }))
+    }
+
+    /// Checks a route, and the way home after a missed grasp; fails with the first segment that is not allowed.
+    ///
+    /// - `from`: the arm's state before it, with joint angles.
+    pub fn route(&self, from: &ArmState, route: Route, speed_m_s: f64) -> Walk {
+        let (ends, walked) = self.walk(from, &route.segments, speed_m_s);
+        let mut walk = Walk {
+            ends,
+            home: Vec::new(),
+            route: Err(String::new()),
+        };
+        let is_grasp = |(segment, _): &&SegmentEnd| segment.name == SegmentName::Grasp;
+        let grasped = walk.ends.iter().find(is_grasp);
+        let walked = walked.and_then(|()| {
+            let Some((_, Some(grasped))) = grasped else {
+                return Ok(());
+            };
+            let (home, walked) = self.walk(grasped, &route.after_missed_grasp, speed_m_s);
+            walk.home = home;
+            walked
+        });
+        walk.route = walked.map(|()| Checked(route));
+        walk
+    }
+
+    /// Checks segments up to the first that is not allowed.
+    fn walk(
+        &self,
+        from: &ArmState,
+        segments: &[Segment],
+        speed_m_s: f64,
+    ) -> (Vec<SegmentEnd>, Result<(), String>) {
+        let mut ends = Vec::with_capacity(segments.len());
+        let mut at = from.clone();
+        for segment in segments {
+            if let Act::Move(to) = segment.act {
+                match self.motion(&at, &to, speed_m_s) {
+                    Ok(Checked(motion)) => {
+                        at.joints_rad = motion.joints_rad.last().cloned().unwrap_or_default();
+                        at.tool = to;
+                    }
+                    Err(why) => {
+                        ends.push((*segment, None));
+                        return (ends, Err(why));
+                    }
+                }
+            }
+            ends.push((*segment, Some(at.clone())));
+        }
+        (ends, Ok(()))
+    }
+
+    /// Checks a trajectory point by point; the error says why it is not allowed.
+    pub fn trajectory(&self, points: Vec<Waypoint>) -> Result<Checked<Vec<Waypoint>>, String> {
+        let mut path = Path::default();
+        for point in &points {
+            let tool = self.posture(&point.joints_rad, &mut path)?;
+            self.inside(&Point3::from(tool.translation.vector), 0.0)
+                .map_err(|why| format!("the tool would be {why}"))?;
+        }
+        path.end()?;
+        Ok(Checked(points))
+    }
+
+    /// Checks a goal of the tool, wherever the tool is now; the error says why it is not allowed.
+    pub fn goal(&self, point: &Point3<f64>) -> Result<(), String> {
+        self.inside(point, self.margin_m)
+            .map_err(|why| format!("the tool would be {why}"))
+    }
+
+    /// Checks the state of an arm that moves; the error says which limit it violates.
+    pub fn measured(&self, state: &ArmState) -> Result<(), String> {
+        let at = Point3::from(state.tool.translation.vector);
+        self.inside(&at, 0.0)
+            .map_err(|why| format!("the tool is {why}"))?;
+        let shapes = match self.chain.placed_shapes(&state.joints_rad) {
+            Ok(shapes) => shapes,
+            Err(_) => self.hand_at(&state.tool),
+        };
+        for shape in &shapes {
+            let below_m = -self.above_table_m(shape);
+            if below_m > self.slack_m {
+                return Err(format!(
+                    "{} is {:.0} mm below the table",
+                    self.part(shape),
+                    below_m * 1000.0
+                ));
+            }
+            let zones = self.workspace.keep_out.iter();
+            if let Some(zone) = zones.into_iter().find(|zone| gap_m(shape, zone) <= 0.0) {
+                return Err(format!(
+                    "{}, with the tool at {}, is within `{}`, which is kept out",
+                    self.part(shape),
+                    place(&at),
+                    zone.name
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks the ends of a motion: numbers, speed, length, rotation, and the tool's box.
+    fn ends(
+        &self,
+        from: &Isometry3<f64>,
+        to: &Isometry3<f64>,
+        speed_m_s: f64,
+    ) -> Result<(), String> {
+        let ends = [from, to].map(|pose| Point3::from(pose.translation.vector));
+        let mut numbers = ends.iter().flat_map(|end| end.iter());
+        if !numbers.all(|value| value.is_finite()) {
+            return Err("a motion's end is no place".to_owned());
+        }
+        let most_m_s = self.workspace.max_speed_m_s;
+        if !(speed_m_s > 0.0 && speed_m_s <= most_m_s) {
+            return Err(format!(
+                "a speed of `{speed_m_s}` m/s is not above 0 and at most `{most_m_s}` m/s"
+            ));
+        }
+        let way_m = (ends[1] - ends[0]).norm();
+        if way_m > self.workspace.max_step_m {
+            return Err(format!(
+                "a way of {way_m:.3} m is longer than `{}` m, the longest that is allowed at once",
+                self.workspace.max_step_m
+            ));
+        }
+        // Rotation speed is not limited, and every motion here keeps the rotation. NaN must fail these checks.
+        let turn_rad = from.rotation.angle_to(&to.rotation);
+        let keeps = turn_rad <= MAX_TILT_RAD;
+        if !keeps {
+            return Err(format!(
+                "the hand would turn by {:.0} degrees; the limit is {:.0}; move it by hand until it points straight \
+                 down with the rotation `motion.hand_turn_deg`",
+                turn_rad.to_degrees(),
+                MAX_TILT_RAD.to_degrees()
+            ));
+        }
+        let tilt_rad = (to.rotation * Vector3::z()).angle(&-Vector3::z());
+        let is_upright = tilt_rad <= MAX_TILT_RAD;
+        if !is_upright || !to.rotation.coords.iter().all(|value| value.is_finite()) {
+            return Err(format!(
+                "the hand would be tilted by {:.0} degrees, and at most {:.0} are allowed",
+                tilt_rad.to_degrees(),
+                MAX_TILT_RAD.to_degrees()
+            ));
+        }
+        self.inside(&ends[0], 0.0)
+            .map_err(|why| format!("the tool is {why}; bring it back by hand"))?;
+        self.goal(&ends[1])
+    }
+
+    /// Checks that a point is inside the box, shrunk by a margin; the error names the violated axis. The box's floor
+    /// follows the table's tilt.
+    fn inside(&self, point: &Point3<f64>, margin_m: f64) -> Result<(), String> {
+        let tilt_m = self.surface.height_m(point.x, point.y) - self.middle_m;
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let tilt_m = if axis == 2 { tilt_m } else { 0.0 };
+            let (least, most) = (
+                self.workspace.min_m[axis] + tilt_m,
+                self.workspace.max_m[axis],
+            );
+            let slack_m = match axis == 2 && margin_m > 0.0 {
+                true => EXACT_M,
+                false => 0.0,
+            };
+            // NaN must count as outside.
+            let (low, high) = (least + margin_m - slack_m, most - margin_m);
+            if !(point[axis] >= low && point[axis] <= high) {
+                let margin = match margin_m > 0.0 {
+                    true => format!(" with a margin of {:.0} mm", margin_m * 1000.0),
+                    false => String::new(),
+                };
+                return Err(format!(
+                    "at {}, outside of the workspace, whose {name} goes from {least:.3} to {most:.3} m{margin}",
+                    place(point)
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks joint angles as the next point of a path, and returns where the tool is.
+    fn posture(&self, joints_rad: &[f64], path: &mut Path) -> Result<Isometry3<f64>, String> {
+        let tool = self.chain.base_from_tool(joints_rad);
+        let tool = tool.map_err(|why| why.to_string())?;
+        let shapes = self.chain.placed_shapes(joints_rad);
+        self.clear(&shapes.map_err(|why| why.to_string())?, path)?;
+        Ok(tool)
+    }
+
+    /// Returns the hand's shapes with the tool at a pose.
+    fn hand_at(&self, tool: &Isometry3<f64>) -> Vec<PlacedCapsule> {
+        let shapes = self.chain.shapes().iter();
+        let hand = shapes.filter(|shape| shape.link == self.chain.joints().len());
+        hand.map(|shape| PlacedCapsule {
+            link: shape.link,
+            ends: [&shape.from, &shape.to].map(|end| tool * end),
+            radius_m: shape.radius_m,
+        })
+        .collect()
+    }
+
+    /// Checks that shapes are above the table and outside of every zone.
+    fn clear(&self, shapes: &[PlacedCapsule], path: &mut Path) -> Result<(), String> {
+        let part = |found: &Nearest| self.part(found.shape);
+        let table = Nearest::of(shapes, |shape| self.above_table_m(shape));
+        if let Some(found) = table {
+            path.next(0, found.gap_m, -EXACT_M, -self.slack_m, || {
+                let below_mm = -found.gap_m * 1000.0;
+                format!("{} would be {below_mm:.0} mm below the table", part(&found))
+            })?;
+        }
+        for (index, zone) in self.workspace.keep_out.iter().enumerate() {
+            // Between two points of a path a shape comes nearer by at most half a step.
+            let least_m = self.margin_m + STEP_M / 2.0;
+            let Some(found) = Nearest::of(shapes, |shape| gap_m(shape, zone)) else {
+                continue;
+            };
+            path.next(index + 1, found.gap_m, least_m, 0.0, || {
+                let mm = |metres: f64| metres.max(0.0) * 1000.0;
+                format!(
+                    "{} would come within {:.0} mm of `{}`, which is kept out by {:.0} mm",
+                    part(&found),
+                    mm(found.gap_m),
+                    zone.name,
+                    mm(least_m)
+                )
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Returns the height of a shape above the table, metres.
+    ///
+    /// The settings state the table by the tool's place when the fingertips touch it, so the hand's shapes end where
+    /// that is. Links are held to the tool's place itself, which is higher.
+    fn above_table_m(&self, shape: &PlacedCapsule) -> f64 {
+        let ends = shape.ends.map(|end| self.surface.distance_m(&end));
+        let touch_m = match shape.link == self.chain.joints().len() {
+            true => self.touch_m,
+            false => 0.0,
+        };
+        ends[0].min(ends[1]) - shape.radius_m + touch_m
+    }
+
+    /// Names the part of the arm that a shape contains.
+    fn part(&self, shape: &PlacedCapsule) -> String {
+        match shape.link == self.chain.joints().len() {
+            true => "the hand".to_owned(),
+            false => format!("the arm behind joint {}", shape.link + 1),
+        }
+    }
+}
+
+/// The shape that is nearest to an obstacle.
+struct Nearest<'s> {
+    shape: &'s PlacedCapsule,
+    gap_m: f64,
+}
+
+impl Nearest<'_> {
+    fn of(shapes: &[PlacedCapsule], gap_m: impl Fn(&PlacedCapsule) -> f64) -> Option<Nearest<'_>> {
+        let all = shapes.iter().map(|shape| Nearest {
+            shape,
+            gap_m: gap_m(shape),
+        });
+        all.min_by(|a, b| a.gap_m.total_cmp(&b.gap_m))
+    }
+}
+
+/// The gaps to obstacles along a path so far. An arm that begins too near to one may go away from it, and must end
+/// clear of it.
+#[derive(Default)]
+struct Path {
+    /// For each obstacle that the path has not been clear of yet: the last gap, and what is wrong.
+    leaving: Vec<(usize, f64, String)>,
+    /// The obstacles that the path has been clear of.
+    left: Vec<usize>,
+}
+
+impl Path {
+    /// Notes the next gap to an obstacle.
+    ///
+    /// - `least_m`: the gap at which the path is clear of it; `worst_m`: the gap with which it may begin.
+    fn next(
+        &mut self,
+        obstacle: usize,
+        gap_m: f64,
+        least_m: f64,
+        worst_m: f64,
+        why: impl Fn() -> String,
+    ) -> Result<(), String> {
+        let before = self.leaving.iter().position(|(it, ..)| *it == obstacle);
+        // NaN must count as too near.
+        if gap_m >= least_m {
+            if let Some(index) = before {
+                self.leaving.remove(index);
+            }
+            if !self.left.contains(&obstacle) {
+                self.left.push(obstacle);
+            }
+            return Ok(());
+        }
+        let begun_m = before.map(|index| self.leaving[index].1);
+        let goes_away = begun_m.is_none_or(|begun_m| gap_m >= begun_m - EXACT_M);
+        let may_leave = gap_m >= worst_m && goes_away && !self.left.contains(&obstacle);
+        if !may_leave {
+            return Err(why());
+        }
+        match before {
+            Some(index) => self.leaving[index] = (obstacle, gap_m, why()),
+            None => self.leaving.push((obstacle, gap_m, why())),
+        }
+        Ok(())
+    }
+
+    /// Fails if the path ends too near to an obstacle.
+    fn end(self) -> Result<(), String> {
+        match self.leaving.into_iter().next() {
+            Some((_, _, why)) => Err(why),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Returns the distance between a shape and a zone, metres; 0 or less if they overlap.
+fn gap_m(shape: &PlacedCapsule, zone: &KeepOut) -> f64 {
+    let from_axis_m = |part: f64| {
+        let point = shape.ends[0] + (shape.ends[1] - shape.ends[0]) * part;
+        let away = Vector3::from_fn(|axis, _| {
+            point[axis] - point[axis].clamp(zone.min_m[axis], zone.max_m[axis])
+        });
+        away.norm()
+    };
+    // The distance to a box is convex along a line, so thirds without the least can be dropped.
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..2 * HALVINGS {
+        let third = (high - low) / 3.0;
+        match from_axis_m(low + third) <= from_axis_m(high - third) {
+            true => high -= third,
+            false => low += third,
+        }
+    }
+    from_axis_m((low + high) / 2.0) - shape.radius_m
+}
+
+/// Interpolates between two poses, at a fraction from 0 to 1; the rotation is at most [`MAX_TILT_RAD`].
+fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, part: f64) -> Isometry3<f64> {
+    from.try_lerp_slerp(to, part, 1e-9).unwrap_or(*to)
+}
+
+fn place(point: &Point3<f64>) -> String {
+    format!("({:.3}, {:.3}, {:.3})", point.x, point.y, point.z)
+}
