@@ -111,7 +111,7 @@ const ROWS: &[Row] = &[
     anywhere(Lengths, "the answer counts lengths in another unit", &["in inches|in centimetres|in centimeters|in metres|in meters", "length|lengths|distance|distances"], NOT),
     anywhere(Lengths, "the answer means another side of the cloth", &["shorter side|shorter edge|short side", "edge|distance"], "not the shorter|not of the shorter|and not"),
     anywhere(Action, SAMPLE, &["illustrative|dummy|hypothetical|fictitious|made - up|made up|invented|random|default", "value|values|number|numbers|coordinates|points|answer|purely|example|below|above|/ /"], NOT),
-    anywhere(Action, SAMPLE, &["no idea|wild guess|blind guess|blindly|just guessing|something at random|points at random|values at random"], "not|without"),
+    anywhere(Action, SAMPLE, &["no idea|wild guess|blind guess|just guessing|something at random|points at random|values at random"], "not|without"),
     anywhere(Action, SAMPLE, &["sample values|example values|placeholder values|are placeholders|placeholder coordinates|sample coordinates|example coordinates|only an example|just an example|merely an example|only a template|just a template|only a sample|only an illustration"], NOT),
     anywhere(Action, SAMPLE, &["would look like|would respond|you would write|format would be|would be formatted|would have the form|structure you need|replace the numbers|replace the values|replace these|replace them|replace those|fill in the actual|fill in your|once i know|one usually sees|the demonstration reads|the paper reads"], ""),
     anywhere(Action, "the answer says what would be right in another picture", &["if|assuming", "were at|were in|could see|had the image|were visible|was centered|was centred", "would|could"], ""),
