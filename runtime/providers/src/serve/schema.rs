@@ -4,7 +4,7 @@
 //! not. A schema with another keyword is refused, because nothing here could hold an answer against it. Work, depth and
 //! memory are bounded, whatever the schema says.
 
-use Rule::{Is, Limited, Nothing};
+use Effect::{Is, Limited, Nothing};
 use Shape::{
     Anything, Count, List, NamedSchemas, Names, Note, Number, Pattern, Reference, SchemaOrSwitch,
     Schemas, Types,
@@ -51,7 +51,7 @@ enum Shape {
 }
 
 /// How a keyword is held against a value.
-enum Rule {
+enum Effect {
     /// It has no effect by itself.
     Nothing,
     /// A quantity of the value has a limit; a value without that quantity is not concerned.
@@ -82,7 +82,7 @@ struct Place<'a> {
     at: &'a str,
 }
 
-const KEYWORDS: [(&str, Shape, Rule); 26] = [
+const KEYWORDS: [(&str, Shape, Effect); 26] = [
     ("title", Note, Nothing),
     ("description", Note, Nothing),
     ("default", Note, Nothing),
