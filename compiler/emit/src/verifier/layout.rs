@@ -158,7 +158,7 @@ mod tests {
                 let is_short = 11 + code.flat().len() <= WIDTH;
                 let one_word_is_left = matches!(code, Code::Infix { .. });
                 assert!(
-                    is_short == !text.contains('\n') || one_word_is_left,
+                    is_short != text.contains('\n') || one_word_is_left,
                     "{text}"
                 );
                 let text = format!("{}{text}", " ".repeat(11));
