@@ -23,8 +23,8 @@ const MAX_SHEAR_DEG: f64 = 2.0;
 const MAX_STRETCH_PERCENT: f64 = 3.0;
 /// A tape measures a metre to within 1 %, and a stated focal length is within 2 %.
 const MAX_CAMERA_HEIGHT_PERCENT: f64 = 5.0;
-/// Directions are stated by eye.
-const MAX_UP_DEG: f64 = 10.0;
+/// A direction is stated with a ruler and a protractor on the table.
+const MAX_UP_DEG: f64 = 5.0;
 /// How far the window's middle may lie from the table's, millimetres: a window is placed to within a few pixels.
 const MAX_MIDDLE_MM: f64 = 50.0;
 /// How far the touched table may be from `table.center_m`, millimetres: 3 for the driver, and what careful touches

@@ -104,6 +104,10 @@ const PLACE: Accepts = Numbers(3, from(-3.0, 3.0));
 const ANGLE: Range = from(-360.0, 360.0);
 /// Heights above a point of the table.
 const HEIGHT: Accepts = Number(from(0.0, 0.5));
+/// The most faults that are told at once.
+const MAX_FAULTS: usize = 20;
+/// The longest unknown key for which a similar one is sought.
+const MAX_KEY: usize = 40;
 const MAX_SIDE_PX: i64 = 16_384;
 
 /// The keys, section by section.
@@ -448,7 +452,7 @@ pub(super) const KEYS: &[Key] = &[
         "deg",
         Nothing,
         "direction on the table of the picture's top, about z from the base's x axis; a calibration of a real camera is \
-         refused without it, or if it is 10 degrees off",
+         refused without it, or if it is 5 degrees off",
     ),
     key(
         "camera.timeout_s",
@@ -580,9 +584,14 @@ pub(super) fn read(text: &str) -> Result<Table, String> {
     let mut document: Table = toml::from_str(text).map_err(|error| error.to_string())?;
     let mut faults = Vec::new();
     section(&mut document, "", "", &mut faults);
-    match faults.is_empty() {
-        true => Ok(document),
-        false => Err(faults.join("\n")),
+    match faults.len() {
+        0 => Ok(document),
+        1..=MAX_FAULTS => Err(faults.join("\n")),
+        all => Err(format!(
+            "{}\nand {} faults more",
+            faults[..MAX_FAULTS].join("\n"),
+            all - MAX_FAULTS
+        )),
     }
 }
 
@@ -674,6 +683,7 @@ fn unknown_key(found: &str, prefix: &str, shown: &str) -> String {
         .map(|key| key.name.to_owned());
     let near = here
         .iter()
+        .filter(|_| found.len() <= MAX_KEY)
         .map(|name| (strsim::damerau_levenshtein(found, name), name))
         .min()
         .filter(|(distance, _)| *distance <= (found.len() / 3).max(1))

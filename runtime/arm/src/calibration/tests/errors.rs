@@ -1,5 +1,6 @@
 //! Tests that fits are exact without errors, and that errors propagate as the spread predicts.
 
+use super::super::accuracy::measure;
 use super::super::fit::{error, fit, sightings};
 use super::*;
 use fab_picture::camera::Plane;
@@ -128,10 +129,9 @@ fn the_gain_is_what_errors_come_to() {
         let mut terms = terms();
         terms.reach_m = [[-2.0; 2], [2.0; 2]];
         let pairs = truth.grid(4, share);
-        let said = match make(terms, pairs.clone()) {
-            Ok(made) => made.accuracy.spread,
-            Err(refusal) => panic!("{refusal}"),
-        };
+        let points = sightings(&truth.lens, &pairs).unwrap();
+        let fit = fitted(&truth, &pairs);
+        let said = measure(&terms, &truth.lens, &fit, &points).unwrap().spread;
         // A corner of the window is the worst place, or as bad as the worst.
         let corner = truth.pair(window().pixel_at([0.0, 1.0]));
         let (mut noise, mut off) = (Noise::new(7), Vec::new());

@@ -59,6 +59,8 @@ distortion = [0.0, 0.0, 0.0, 0.0, 0.0]
     Settings::parse(&text).unwrap()
 }
 
+type Edit = fn(&mut Settings);
+
 #[test]
 fn settings_that_disagree_with_the_calibration_are_refused() {
     let expected = Terms {
@@ -68,7 +70,7 @@ fn settings_that_disagree_with_the_calibration_are_refused() {
     assert_eq!(Terms::of(&settings(), [640, 480], 3.0), expected);
     let made = make(expected, measured_grid(11, 4, 0.8)).unwrap();
     made.check_settings(&settings()).unwrap();
-    let cases: [(fn(&mut Settings), &str); 9] = [
+    let cases: [(Edit, &str); 9] = [
         (
             |it| it.table.center_m[2] += 0.1,
             "99.8 mm from its height there; at most 5 mm",
