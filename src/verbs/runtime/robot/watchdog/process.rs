@@ -32,6 +32,7 @@ pub struct Process {
     messages: Receiver<String>,
     /// Lines that were sent and not acknowledged, with their times.
     sent: VecDeque<(&'static str, Instant)>,
+    has_stopped_arm: bool,
     timeout: Duration,
 }
 
@@ -76,6 +77,7 @@ impl Process {
             lines: Some(Outbox::new(MAX_WAITING, write)),
             messages,
             sent: VecDeque::new(),
+            has_stopped_arm: false,
             timeout,
         };
         let nothing = "so that nothing is moved";
@@ -120,6 +122,7 @@ impl Process {
 
     /// Takes in a message, which acknowledges the first of the lines that were not.
     fn acknowledged(&mut self, message: &str) -> Result<(), String> {
+        self.has_stopped_arm |= message == STOPPED;
         match self.sent.pop_front() {
             Some((line, _)) if line == message => Ok(()),
             _ => Err(format!("the watchdog says: {message}")),
@@ -159,7 +162,9 @@ impl Watchdog for Process {
     }
 
     fn stop(&mut self) -> Result<(), String> {
-        // It may have stopped the arm already, and ended; then it has said so.
+        if self.has_stopped_arm {
+            return Ok(());
+        }
         if let Some(lines) = &mut self.lines {
             let _ = lines.send("stop");
         }
@@ -343,5 +348,12 @@ mod tests {
             process.watch().unwrap();
             assert_eq!(process.stop(), expected, "{script}");
         }
+        // It stopped the arm by itself, and said so before it was asked.
+        let mut process = played(&format!("echo ready; read line; echo '{STOPPED}'")).unwrap();
+        assert_eq!(
+            process.watch(),
+            Err(format!("the watchdog says: {STOPPED}"))
+        );
+        assert_eq!(process.stop(), Ok(()));
     }
 }
