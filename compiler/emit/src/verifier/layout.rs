@@ -143,7 +143,8 @@ mod tests {
     fn an_expression_is_on_one_line_if_it_fits_and_no_line_is_too_long() {
         for n_letters in 2..=120 {
             let half = || Code::text("x".repeat(n_letters / 2));
-            let pair = || Code::group("f(", [half(), half()], ")");
+            let other = || Code::text("x".repeat(n_letters - n_letters / 2));
+            let pair = || Code::group("f(", [half(), other()], ")");
             let joined = |parts| Code::Joined { sign: "and", parts };
             for code in [
                 pair(),
@@ -165,6 +166,22 @@ mod tests {
                 let longest = text.lines().map(str::len).max();
                 assert!(longest <= Some(WIDTH), "{text}");
             }
+            // A part is broken only if it does not fit where it begins.
+            let fits = |begin: usize| begin + pair().flat().len() <= WIDTH;
+            let left = Code::wrapped("not (", Code::infix(pair(), "<", half()), ")");
+            let is_whole = left
+                .print(11, 4)
+                .starts_with(&format!("not ({}", pair().flat()));
+            assert_eq!(is_whole, fits(11 + "not ()".len()), "{n_letters}");
+            let right = Code::infix(pair(), "<", pair());
+            let is_whole = right
+                .print(11, 4)
+                .ends_with(&format!(" < {}", pair().flat()));
+            let behind_left = match fits(11) {
+                true => 11 + pair().flat().len(),
+                false => "    )".len(),
+            };
+            assert_eq!(is_whole, fits(behind_left + " < ".len()), "{n_letters}");
         }
     }
 }
