@@ -4,7 +4,6 @@ use super::points::{Heading, Point};
 use super::uses::{Depends, Uses};
 use crate::exact::written;
 use crate::measures::{Length, Number};
-use crate::units::{DEG, Unit};
 use serde::{Deserialize, Serialize};
 
 /// The value that a placeholder of a text shows.
@@ -91,25 +90,6 @@ pub struct NumberFormat {
 }
 
 impl NumberFormat {
-    /// Makes the format of an angle, degrees in programs, in a unit of angles.
-    pub fn angle(unit: &Unit) -> NumberFormat {
-        NumberFormat::new(DEG.size / unit.size, unit)
-    }
-
-    /// Makes the format of a length: metres in a unit of the table, or pixels in pixels. `edge_m` is the cloth's
-    /// longer side.
-    pub fn length(unit: &Unit, edge_m: f64) -> NumberFormat {
-        NumberFormat::new(1.0 / unit.size_with(edge_m), unit)
-    }
-
-    fn new(factor: f64, unit: &Unit) -> NumberFormat {
-        NumberFormat {
-            factor,
-            decimals: unit.decimals,
-            unit: format!(" {}", unit.name),
-        }
-    }
-
     /// Writes a number.
     pub fn write(&self, value: f64) -> String {
         let digits = written(value * self.factor, usize::from(self.decimals));
