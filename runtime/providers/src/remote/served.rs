@@ -106,6 +106,7 @@ mod tests {
         read(&Incoming {
             status,
             content_type: None,
+            coding: None,
             location: None,
             wait: None,
             body: body.as_bytes().to_vec(),
