@@ -200,6 +200,8 @@ fn replies() -> Vec<Case> {
         case("200_choices_of_another_form", "200 OK", "json", r#"{"choices":"none"}"#),
         case("200_no_text", "200 OK", "json", chat(&said(""), "stop")),
         case("200_truncated", "200 OK", "json", chat(&said("fold the left"), "length")),
+        case("200_thoughts_cut_off", "200 OK", "json", chat(&said("<think>The cloth lies flat, so"), "length")),
+        case("200_hidden_reasoning_cut_off", "200 OK", "json", chat(r#"{"role":"assistant","content":"","reasoning_content":"The cloth lies flat, so"}"#, "length")),
         case("200_unknown_end", "200 OK", "json", chat(&said("fold"), "eos_token")),
         case("200_declined", "200 OK", "json", chat(r#"{"role":"assistant","content":null,"refusal":"I cannot help with that."}"#, "stop")),
         case("200_filtered", "200 OK", "json", chat(&said("fold"), "content_filter")),
