@@ -175,11 +175,7 @@ fn dated_and_older_ids_are_found_by_alias_and_no_further() {
         ("openai:gpt-4o", "2027-01-14", Some("gpt-6-luna")),
         ("openai:gpt-4.1-mini", "2027-01-14", Some("gpt-6-luna")),
         ("openrouter:openai/gpt-4o", "2027-01-14", Some("gpt-6-luna")),
-        (
-            "anthropic:claude-sonnet-4-5",
-            "2026-11-30",
-            Some("claude-sonnet-4-6"),
-        ),
+        ("anthropic:claude-sonnet-4-5", "2026-11-30", None),
         (
             "anthropic:claude-opus-4-20250514",
             "2026-06-15",
