@@ -25,9 +25,14 @@ fn every_page_of_the_book_is_in_its_summary_once() {
         .filter(is_chapter)
         .map(|page| page.path.clone())
         .collect();
-    assert_eq!(
-        listed, chapters,
-        "docs/SUMMARY.md lists other pages than there are"
+    let differ = |of: &[String], other: &[String]| -> Vec<String> {
+        let is_new = |page: &&String| !other.contains(page);
+        of.iter().filter(is_new).cloned().collect()
+    };
+    let (missing, unknown) = (differ(&chapters, &listed), differ(&listed, &chapters));
+    assert!(
+        listed == chapters,
+        "docs/SUMMARY.md lacks {missing:?}, and lists {unknown:?}, which do not exist; each page is listed once"
     );
 }
 
