@@ -299,23 +299,12 @@ fn schema_and_reader_admit_the_same_actions() {
 
 #[test]
 fn an_action_from_any_form_of_answer_is_one_that_the_schema_can_state() {
-    the_schema_can_state_what_is_read(5);
-}
-
-#[test]
-#[ignore = "long"]
-fn an_action_from_every_answer_is_one_that_the_schema_can_state() {
-    the_schema_can_state_what_is_read(1);
-}
-
-/// Reads one of every so many of the fixtures' answers.
-fn the_schema_can_state_what_is_read(every: usize) {
     let folder = common::workspace().join("tests/fixtures/replies");
     let entries = std::fs::read_dir(folder).unwrap();
     let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     files.sort();
     let mut n_read = 0;
-    for file in files.iter().step_by(every) {
+    for file in &files {
         let text = std::fs::read_to_string(file).unwrap();
         let (head, answer) = text.split_once("---\n").unwrap();
         let Some(name) = head.lines().next().unwrap().strip_prefix("action in ") else {
@@ -345,7 +334,7 @@ fn the_schema_can_state_what_is_read(every: usize) {
         assert_eq!(fits(&schema, &Json::Object(stated)), is_offered, "{answer}");
         n_read += 1;
     }
-    assert!(n_read > 1000 / every, "{n_read}");
+    assert!(n_read > 500, "{n_read}");
 }
 
 #[test]
