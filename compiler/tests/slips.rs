@@ -322,8 +322,8 @@ fn a_slip_in_one_token_causes_few_errors() {
 
 #[test]
 #[ignore = "long"]
-fn every_slip_in_one_token_causes_few_errors() {
-    few_errors(&break_tokens(&shipped(), 1));
+fn slips_in_many_tokens_cause_few_errors() {
+    few_errors(&break_tokens(&shipped(), 4));
 }
 
 // ---- quotes --------------------------------------------------------------------------------------
