@@ -1148,8 +1148,8 @@ const REFRAMING: &[&str] = words!(
     cropped crop"
 );
 
-/// Returns whether something is told of a word before the cursor, so that it is a reason: `a firm grip` before `could
-/// leave marks`.
+/// Returns whether a sentence says something about an offered word, so that it is a reason and no choice: `a firm grip`
+/// before `could leave marks`.
 fn tells_of_word(mut behind: Cursor<'_, '_>, context: &Context<'_>) -> bool {
     let start = behind.at;
     own_words(&mut behind, context);
