@@ -790,11 +790,12 @@ fn dismissed(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) 
         || cursor.eat_words("is unnecessary");
     let is_other = other.is_some_and(|(other, _)| other != *value);
     let rest = cursor.rest();
-    let is_plain = !rest
-        .iter()
-        .any(|token| token.is_any(ALTERING) || token.is_any(PREFERRING))
-        && (0..rest.len()).all(|at| bare(&mut Cursor { tokens: rest, at }, context).is_none());
-    if !(is_other && is_conditional && is_plain) {
+    let is_plain = || {
+        let changes = |token: &Token<'_>| token.is_any(ALTERING) || token.is_any(PREFERRING);
+        !rest.iter().any(changes)
+            && (0..rest.len()).all(|at| bare(&mut Cursor { tokens: rest, at }, context).is_none())
+    };
+    if !(is_other && is_conditional && is_plain()) {
         *cursor = start;
         return false;
     }
