@@ -388,6 +388,9 @@ fn take_less_than(limit: Duration, length: usize) {
         "Instructions: x\n",
         "For example:\n",
         "move it 1 edge ",
+        "pull it 60 deg ",
+        "<point ",
+        "if it ",
         "</",
     ] {
         let text = piece.repeat(length / piece.len());
