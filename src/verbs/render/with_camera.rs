@@ -255,7 +255,7 @@ impl DisplayedScene {
         match left.len() {
             0 => Ok(rehearsed),
             beyond => Err(Failure::usage(format!(
-                "the last {beyond} of the answers given by `--reply` are to no question: no more are asked"
+                "the last {beyond} of the answers given by `--reply` belong to no question: no more are asked"
             ))),
         }
     }

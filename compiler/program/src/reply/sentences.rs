@@ -1,7 +1,7 @@
 //! Reads what sentences state about each field.
 //!
-//! In: a text without its asides, objects and tables. Out: claims: a value, or why what stands there is none. A
-//! sentence that negates, doubts or asks claims nothing.
+//! In: a text without its asides, objects and tables. Out: claims, each with a value, or with the reason why the words
+//! are not one. A sentence that negates, doubts or asks claims nothing.
 
 use super::choice::Expected;
 use super::cursor::Cursor;
@@ -36,9 +36,9 @@ pub(super) enum Claimed {
     Axis(char, f64),
     /// The answer judges that this value is unfit: `0.75 edge is too far`.
     Unfit(Value),
-    /// Words that hold no value at their start, why they are none, and how each value that they name is meant.
+    /// Words that do not begin with a value, the reason, and how each value that they name is meant.
     Prose(String, Vec<Named>),
-    /// Something that is no value, and why not.
+    /// Something that is not a value, and why not.
     Bad(String),
     Nothing,
 }

@@ -22,7 +22,7 @@ pub(super) enum Found {
     Value(Value, Option<String>),
     /// Something that is not a value, and why not.
     Bad(String),
-    /// Words that do not begin with a value, and why they are none.
+    /// Words that do not begin with a value, and the reason why they are not one.
     Prose(String),
     /// The value is called wrong.
     Rejected,
@@ -323,7 +323,7 @@ fn skip_description(cursor: &mut Cursor<'_, '_>, clarity: Clarity) -> bool {
     while let Some(token) = cursor.peek() {
         let is_joint = matches!(token.kind, Kind::Sign('-' | ',' | ':' | '=' | '→' | '–'));
         let is_paragraph = cursor.at > 0 && token.gap >= Gap::Item;
-        // Any word describes the point that follows, unless it makes it another one or begins another thought.
+        // A word only describes the point that follows, unless it changes which point is meant or begins a new thought.
         let most = if clarity == Clarity::Assigned {
             MAX_DESCRIPTION
         } else {
@@ -1148,8 +1148,8 @@ const REFRAMING: &[&str] = words!(
     cropped crop"
 );
 
-/// Returns whether something is told of a word before the cursor, so that it is a reason: `a firm grip` before `could
-/// leave marks`.
+/// Returns whether a sentence says something about an offered word, so that it is a reason and no choice: `a firm grip`
+/// before `could leave marks`.
 fn tells_of_word(mut behind: Cursor<'_, '_>, context: &Context<'_>) -> bool {
     let start = behind.at;
     own_words(&mut behind, context);

@@ -345,7 +345,7 @@ const CAUSES: &[Cause] = &[
         cause: "the server itself failed",
         help: "the log of the server at `{authority}` says why",
     },
-    // A reply of status 200 that is no answer.
+    // A reply of status 200 that is not an answer.
     Cause {
         applies: is_stream,
         cause: "the server streams its answer, though no stream was asked for",
@@ -378,7 +378,7 @@ const CAUSES: &[Cause] = &[
     },
     Cause {
         applies: |e| is_success(e) && matches!(e.body(), Some(Body::Other)),
-        cause: "what answers at `{authority}` is not an interface of models, or a proxy answers in its place",
+        cause: "what answers at `{authority}` does not serve models, or a proxy answers in its place",
         help: "open `{base_url}` in a browser, and check the base URL{such_as_usual}",
     },
     Cause {

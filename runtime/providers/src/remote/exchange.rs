@@ -1,7 +1,7 @@
-//! A call that failed: what was sent, and what came.
+//! A call that failed: what was sent, and what came back.
 //!
-//! In: the fixed part of a model's calls, and a reply or the reason why there is none. Out: the parts by which `causes`
-//! tells why, and of which `message` is made.
+//! In: the fixed part of a model's calls, and a reply or the reason why there is none. Out: the parts from which `causes`
+//! finds the reason and `message` makes its text.
 
 use super::BaseUrl;
 use super::served::Served;
@@ -51,7 +51,7 @@ pub(super) enum Came {
     Nothing(NoReply),
 }
 
-/// A reply that is no answer.
+/// A reply that is not an answer.
 pub(super) struct Received {
     pub incoming: Incoming,
     pub error: ErrorBody,

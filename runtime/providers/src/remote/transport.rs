@@ -84,7 +84,7 @@ pub(super) enum Obstacle {
     Unrouted,
     /// The connection was not accepted in time.
     ConnectTimeout,
-    /// The certificate is signed by nobody that this machine trusts.
+    /// This machine trusts no signer of the certificate.
     UntrustedCertificate,
     /// The certificate is not valid now.
     ExpiredCertificate,

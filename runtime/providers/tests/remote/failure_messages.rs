@@ -281,7 +281,7 @@ fn greet(mut stream: TcpStream, certificate: &'static [u8]) {
     while session.is_handshaking() && session.complete_io(&mut stream).is_ok() {}
 }
 
-/// Runs `act` on every connection to a new port, which is returned.
+/// Listens on a new port and runs `act` on every connection; returns the port.
 fn listen(act: impl Fn(TcpStream) + Send + 'static) -> u16 {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();

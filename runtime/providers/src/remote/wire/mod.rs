@@ -19,7 +19,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 use serde_json::error::Category;
 
-/// The longest name of an answer's end that is repeated, characters.
+/// The longest finish reason that a message quotes, characters.
 const MAX_REASON: usize = 60;
 
 /// An encoded question.
@@ -256,7 +256,7 @@ fn truncated(text: String, usage: Option<Usage>) -> Failure {
     }
 }
 
-/// Makes the failure of an answer whose end has an unknown name, which may not be whole.
+/// Makes the failure for an answer with an unknown finish reason: it may be incomplete.
 fn unknown_end(reason: &str, usage: Option<Usage>) -> Failure {
     let reason: String = reason.chars().take(MAX_REASON).collect();
     let why = format!("the answer stopped for {reason:?}, and not at its end");

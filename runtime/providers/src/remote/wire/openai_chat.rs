@@ -235,7 +235,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         Some("stop" | "") | None => answer(text, usage),
         Some("length") => Err(truncated(text, usage)),
         Some("content_filter") => {
-            let why = "the provider's filter took the answer away";
+            let why = "the provider's filter removed the answer";
             Err(Failure::new(Fault::ContentFiltered, why, usage))
         }
         Some(reason @ ("error" | "abort")) => {

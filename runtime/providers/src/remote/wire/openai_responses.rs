@@ -201,7 +201,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         (Some("completed") | None, _) => {}
         (Some("incomplete"), Some("max_output_tokens")) => is_cut = true,
         (Some("incomplete"), Some("content_filter")) => {
-            let why = "the provider's filter took the answer away";
+            let why = "the provider's filter removed the answer";
             return Err(Failure::new(Fault::ContentFiltered, why, usage));
         }
         (Some("failed"), _) => {
