@@ -246,8 +246,9 @@ impl Spline {
             }
         }
         for at in (1..count - 1).rev() {
-            for column in 0..width {
-                bends[at][column] -= factors[at] * bends[at + 1][column];
+            let next = bends[at + 1].clone();
+            for (bend, next) in bends[at].iter_mut().zip(next) {
+                *bend -= factors[at] * next;
             }
         }
         Spline { knots, rows, bends }
