@@ -18,7 +18,7 @@ const EXACT: f64 = 1e-6;
 const TOOL: f64 = 0.02;
 
 /// How far the tool may leave its line, metres, as `docs/arm.md` states.
-const BESIDE_M: f64 = 5e-4;
+const BESIDE_M: f64 = 1e-3;
 
 /// How far the simulated arm may be from a stated time, as a share of it.
 const KEPT: f64 = 0.05;
