@@ -112,9 +112,13 @@ def trajectory(joints):
         points = goal.trajectory.points
         # kinova-ros's controller moves by the velocities, and reads them without looking.
         assert all(len(point.velocities) == len(joints) for point in points) and len(points) > 1
+
+        def values(point):
+            return [[each[at] for at in order] for each in (point.positions, point.velocities, point.accelerations)]
+
         return {
             "ask": "trajectory",
-            "points": [(point.time_from_start.to_sec(), [point.positions[at] for at in order]) for point in points],
+            "points": [(point.time_from_start.to_sec(), values(point)) for point in points],
         }
 
     return request

@@ -111,10 +111,7 @@ fn peer_ros_a_trajectory_is_followed() {
         fab_arm_ros::connect(&settings, super::nodes::MODEL, super::nodes::PATIENCE_S).unwrap();
     let start = port.state().joints_rad.unwrap().value;
     let moved = |by: f64| start.iter().map(|angle| angle + by).collect::<Vec<f64>>();
-    let point = |at_s: f64, by: f64| Waypoint {
-        joints_rad: moved(by),
-        at_s,
-    };
+    let point = |at_s: f64, by: f64| Waypoint::at_rest(moved(by), at_s);
     let points = [point(0.0, 0.0), point(0.4, 0.2), point(0.8, 0.1)];
     let id = port.send_trajectory(&points).unwrap();
     assert_eq!(outcome(&mut port, &id), Some(Ending::Succeeded));

@@ -96,7 +96,7 @@ pub(super) fn fingers(
 /// Makes the goal of a trajectory through `points`, which starts on arrival.
 ///
 /// kinova-ros's controller reads the velocities of every point and of the last but one without checking that they
-/// exist, so a trajectory has at least two points, each with velocities: the mean over its neighbours, 0 at the ends.
+/// exist, so a trajectory has at least two points, each with velocities.
 pub(super) fn trajectory(
     points: &[Waypoint],
     joints: &[String],
@@ -109,8 +109,15 @@ pub(super) fn trajectory(
     }
     let mut before_s = -1.0;
     for (index, point) in points.iter().enumerate() {
-        check_count(point.joints_rad.len(), joints.len(), "joints")?;
-        check_finite(point.joints_rad.iter().chain([&point.at_s]))?;
+        for values in [
+            &point.joints_rad,
+            &point.speeds_rad_s,
+            &point.accelerations_rad_s2,
+        ] {
+            check_count(values.len(), joints.len(), "joints")?;
+            check_finite(values)?;
+        }
+        check_finite([&point.at_s])?;
         let is_later = if index == 0 {
             point.at_s >= 0.0
         } else {
@@ -124,9 +131,7 @@ pub(super) fn trajectory(
         }
         before_s = point.at_s;
     }
-    let messages: Vec<_> = (0..points.len())
-        .map(|index| point_message(points, index))
-        .collect();
+    let messages: Vec<_> = points.iter().map(point_message).collect();
     let joints = joints.to_vec();
     Ok(move |id| {
         let mut message = FollowJointTrajectoryActionGoal {
@@ -139,21 +144,13 @@ pub(super) fn trajectory(
     })
 }
 
-fn point_message(points: &[Waypoint], index: usize) -> JointTrajectoryPoint {
-    let point = &points[index];
-    let is_end = index == 0 || index + 1 == points.len();
-    let velocity = |joint: usize| {
-        if is_end {
-            return 0.0;
-        }
-        let (before, after) = (&points[index - 1], &points[index + 1]);
-        (after.joints_rad[joint] - before.joints_rad[joint]) / (after.at_s - before.at_s)
-    };
+fn point_message(point: &Waypoint) -> JointTrajectoryPoint {
     // Rounded as a whole, so that the nanoseconds never reach a full second.
     let nanoseconds = (point.at_s * 1e9).round() as i64;
     JointTrajectoryPoint {
         positions: point.joints_rad.clone(),
-        velocities: (0..point.joints_rad.len()).map(velocity).collect(),
+        velocities: point.speeds_rad_s.clone(),
+        accelerations: point.accelerations_rad_s2.clone(),
         time_from_start: Duration {
             sec: (nanoseconds / 1_000_000_000) as i32,
             nsec: (nanoseconds % 1_000_000_000) as i32,
@@ -196,10 +193,7 @@ mod tests {
     use super::*;
 
     fn waypoint(at_s: f64, angle: f64) -> Waypoint {
-        Waypoint {
-            joints_rad: vec![angle, 0.0],
-            at_s,
-        }
+        Waypoint::at_rest(vec![angle, 0.0], at_s)
     }
 
     fn names() -> Vec<String> {
@@ -242,15 +236,18 @@ mod tests {
 
     #[test]
     fn a_trajectory_says_how_fast_each_point_is_passed() {
-        let points = [
+        let mut points = [
             waypoint(0.0, 0.0),
             waypoint(0.5, 1.0),
             waypoint(1.9999999999, 4.0),
         ];
+        points[1].speeds_rad_s = vec![2.0, 0.5];
+        points[1].accelerations_rad_s2 = vec![-3.0, 0.25];
         let message = trajectory(&points, &names()).unwrap()(GoalID::default());
         let sent = message.goal.trajectory.points;
         assert_eq!(sent[0].velocities, [0.0, 0.0]);
-        assert!((sent[1].velocities[0] - 2.0).abs() < 1e-9);
+        assert_eq!(sent[1].velocities, [2.0, 0.5]);
+        assert_eq!(sent[1].accelerations, [-3.0, 0.25]);
         assert_eq!(sent[2].velocities, [0.0, 0.0]);
         let times: Vec<_> = sent
             .iter()

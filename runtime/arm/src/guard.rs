@@ -15,6 +15,7 @@ use super::kinematics::tool_down::tool_down;
 use super::port::Waypoint;
 use super::route::{Act, Route, Segment, SegmentName};
 use super::settings::{KeepOut, Settings, Workspace};
+use super::timing::JointLimits;
 use crate::calibration::Calibration;
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -29,6 +30,9 @@ const READING_M: f64 = 0.001;
 
 /// Slack of comparisons, metres: the inverse kinematics ends this near to its target.
 const EXACT_M: f64 = 1e-5;
+
+/// How far the joint angles that an arm reports may be from those of its tool's pose, radians.
+const ASIDE_RAD: f64 = 0.05;
 
 /// Halvings in the search for the point of a capsule that is nearest to a box: a metre to 0.01 mm.
 const HALVINGS: usize = 30;
@@ -56,10 +60,7 @@ impl Checked<Vec<Waypoint>> {
     ///
     /// - `at_s`: the times of its points, seconds.
     pub(crate) fn hold(state: &ArmState, at_s: &[f64]) -> Checked<Vec<Waypoint>> {
-        let hold = |at_s: &f64| Waypoint {
-            joints_rad: state.joints_rad.clone(),
-            at_s: *at_s,
-        };
+        let hold = |at_s: &f64| Waypoint::at_rest(state.joints_rad.clone(), *at_s);
         Checked(at_s.iter().map(hold).collect())
     }
 }
@@ -71,18 +72,35 @@ pub struct Motion {
     pub to: Isometry3<f64>,
     /// Speed of the tool, m/s.
     pub speed_m_s: f64,
-    /// Joint angles along it, radians, both ends included; empty if the arm does not report its angles.
-    pub joints_rad: Vec<Vec<f64>>,
+    /// What the joints do, from rest to rest, at most [`STEP_M`] apart: a single point if nothing moves, none if the
+    /// arm does not report its angles.
+    pub waypoints: Vec<Waypoint>,
+}
+
+impl Motion {
+    /// Returns how long it takes, seconds; without joint angles, no less than the speed of the tool allows.
+    ///
+    /// - `from`: where the tool is before it, `base_from_tool`.
+    pub fn takes_s(&self, from: &Isometry3<f64>) -> f64 {
+        let way_m = (self.to.translation.vector - from.translation.vector).norm();
+        let timed = self.waypoints.last().map(|last| last.at_s);
+        timed.unwrap_or(way_m / self.speed_m_s)
+    }
 }
 
 impl Checked<Motion> {
+    /// Returns what the joints do as a goal for a controller of joint trajectories.
+    pub fn trajectory(&self) -> Checked<Vec<Waypoint>> {
+        Checked(self.0.waypoints.clone())
+    }
+
     /// Returns its end as a goal for a node that finds the joint angles itself.
     pub fn pose(&self) -> Checked<Isometry3<f64>> {
         Checked(self.0.to)
     }
 }
 
-/// A segment, and the arm's state at its end if it is allowed.
+/// A segment, and the arm's state at its end if it is allowed, with the time when it is there.
 pub type SegmentEnd = (Segment, Option<ArmState>);
 
 /// A route, as far as it is allowed.
@@ -141,6 +159,7 @@ impl Surface {
 #[derive(Clone, Debug)]
 pub struct Guard {
     chain: Chain,
+    joint_limits: JointLimits,
     workspace: Workspace,
     surface: Surface,
     /// Height of the table's middle, metres: the height at which the box is stated.
@@ -175,6 +194,7 @@ impl Guard {
         let aside_m = hands.iter().map(|shape| aside(shape)).fold(0.0, f64::max);
         let touch_m = hands.iter().map(|shape| below(shape)).fold(0.0, f64::max);
         Guard {
+            joint_limits: JointLimits::of(settings, &chain),
             workspace: settings.workspace.clone(),
             surface,
             middle_m: settings.table.center_m[2],
@@ -222,7 +242,7 @@ impl Guard {
     ) -> Result<Checked<Motion>, String> {
         self.ends(&from.tool, to, speed_m_s)?;
         let mut path = Path::default();
-        let mut joints_rad = Vec::new();
+        let mut waypoints = Vec::new();
         if from.joints_rad.is_empty() {
             let way_m = (to.translation.vector - from.tool.translation.vector).norm();
             let steps = (way_m / STEP_M).ceil().max(1.0) as usize;
@@ -234,16 +254,21 @@ impl Guard {
             let points = self
                 .chain
                 .straight(&from.tool, to, &from.joints_rad, STEP_M);
-            joints_rad = points.map_err(|why| format!("the arm cannot follow: {why}"))?;
-            for joints_rad in &joints_rad {
-                self.posture(joints_rad, &mut path)?;
+            let mut points = points.map_err(|why| format!("the arm cannot follow: {why}"))?;
+            begin_at(&mut points, &from.joints_rad);
+            let way_m = (to.translation.vector - from.tool.translation.vector).norm();
+            waypoints = self.joint_limits.time(&points, way_m, speed_m_s)?;
+            for point in &waypoints {
+                let tool = self.posture(&point.joints_rad, &mut path)?;
+                self.inside(&Point3::from(tool.translation.vector), 0.0)
+                    .map_err(|why| format!("the tool would be {why}"))?;
             }
         }
         path.end()?;
         Ok(Checked(Motion {
             to: *to,
             speed_m_s,
-            joints_rad,
+            waypoints,
         }))
     }
 
@@ -283,8 +308,10 @@ impl Guard {
         for segment in segments {
             if let Act::Move(to) = segment.act {
                 match self.motion(&at, &to, speed_m_s) {
-                    Ok(Checked(motion)) => {
-                        at.joints_rad = motion.joints_rad.last().cloned().unwrap_or_default();
+                    Ok(Checked(mut motion)) => {
+                        at.at_s += motion.takes_s(&at.tool);
+                        let last = motion.waypoints.pop();
+                        at.joints_rad = last.map(|last| last.joints_rad).unwrap_or_default();
                         at.tool = to;
                     }
                     Err(why) => {
@@ -296,18 +323,6 @@ impl Guard {
             ends.push((*segment, Some(at.clone())));
         }
         (ends, Ok(()))
-    }
-
-    /// Checks a trajectory point by point; the error says why it is not allowed.
-    pub fn trajectory(&self, points: Vec<Waypoint>) -> Result<Checked<Vec<Waypoint>>, String> {
-        let mut path = Path::default();
-        for point in &points {
-            let tool = self.posture(&point.joints_rad, &mut path)?;
-            self.inside(&Point3::from(tool.translation.vector), 0.0)
-                .map_err(|why| format!("the tool would be {why}"))?;
-        }
-        path.end()?;
-        Ok(Checked(points))
     }
 
     /// Checks a goal of the tool, wherever the tool is now; the error says why it is not allowed.
@@ -567,6 +582,29 @@ impl Path {
         match self.leaving.into_iter().next() {
             Some((_, _, why)) => Err(why),
             None => Ok(()),
+        }
+    }
+}
+
+/// Lets a path begin where the joints are. The tool's pose and the joint angles are read one after the other and with a
+/// millimetre of error, so its first point may be beside them; that fades out along the path.
+fn begin_at(points: &mut [Vec<f64>], joints_rad: &[f64]) {
+    let Some(first) = points.first().cloned() else {
+        return;
+    };
+    let aside: Vec<f64> = joints_rad
+        .iter()
+        .zip(&first)
+        .map(|(at, first)| at - first)
+        .collect();
+    if aside.iter().any(|aside| aside.abs() > ASIDE_RAD) {
+        return;
+    }
+    let steps = (points.len() - 1).max(1) as f64;
+    for (step, point) in points.iter_mut().enumerate() {
+        let left = 1.0 - step as f64 / steps;
+        for (angle, aside) in point.iter_mut().zip(&aside) {
+            *angle += left * aside;
         }
     }
 }

@@ -26,6 +26,7 @@ pub mod sight;
 pub mod simulated;
 pub mod supervisor;
 pub mod table;
+pub mod timing;
 pub mod world;
 
 #[cfg(test)]

@@ -9,13 +9,57 @@ pub use stamps::Stamps;
 
 use nalgebra::Isometry3;
 
-/// A point of a joint trajectory.
+/// A point of a joint trajectory, with how it is passed; each list goes from the base to the hand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Waypoint {
-    /// Angles from the base to the hand, radians.
+    /// Angles, radians.
     pub joints_rad: Vec<f64>,
+    /// Speeds, rad/s.
+    pub speeds_rad_s: Vec<f64>,
+    /// Accelerations, rad/s².
+    pub accelerations_rad_s2: Vec<f64>,
     /// Time since the start of the trajectory, seconds; strictly increasing.
     pub at_s: f64,
+}
+
+impl Waypoint {
+    /// Makes a point at which the joints rest.
+    pub fn at_rest(joints_rad: Vec<f64>, at_s: f64) -> Waypoint {
+        let still = vec![0.0; joints_rad.len()];
+        Waypoint {
+            joints_rad,
+            speeds_rad_s: still.clone(),
+            accelerations_rad_s2: still,
+            at_s,
+        }
+    }
+
+    /// Returns the angles at a time between this point and a later one, radians, as controllers interpolate: with the
+    /// angles, speeds and accelerations of both.
+    ///
+    /// - `at_s`: seconds since the start of the trajectory.
+    pub fn towards(&self, next: &Waypoint, at_s: f64) -> Vec<f64> {
+        let whole_s = next.at_s - self.at_s;
+        let part = (at_s - self.at_s) / whole_s;
+        let ends = |point: &Waypoint, joint: usize| {
+            let or_still = |values: &[f64]| values.get(joint).copied().unwrap_or_default();
+            [
+                or_still(&point.speeds_rad_s) * whole_s,
+                or_still(&point.accelerations_rad_s2) * whole_s * whole_s,
+            ]
+        };
+        let angles = self.joints_rad.iter().zip(&next.joints_rad).enumerate();
+        let angles = angles.map(|(joint, (from, to))| {
+            let ([speed, bend], [end_speed, end_bend]) = (ends(self, joint), ends(next, joint));
+            let way = to - from;
+            let third = 10.0 * way - 6.0 * speed - 4.0 * end_speed - 1.5 * bend + 0.5 * end_bend;
+            let fourth = -15.0 * way + 8.0 * speed + 7.0 * end_speed + 1.5 * bend - end_bend;
+            let fifth = 6.0 * way - 3.0 * (speed + end_speed) - 0.5 * (bend - end_bend);
+            let curved = bend / 2.0 + part * (third + part * (fourth + part * fifth));
+            from + part * (speed + part * curved)
+        });
+        angles.collect()
+    }
 }
 
 /// Identifies a goal that was sent.

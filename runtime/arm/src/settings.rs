@@ -118,6 +118,10 @@ pub struct MotionSettings {
     /// Speed of the tool, m/s. The node behind the driver `kinova` uses its own speed; for it this only determines a
     /// motion's time limit.
     pub speed_m_s: f64,
+    /// The largest acceleration of a joint, degrees/s².
+    pub acceleration_deg_s2: f64,
+    /// The largest jerk of a joint, degrees/s³.
+    pub jerk_deg_s3: f64,
     /// Rotation of the hand about the vertical, degrees in the base frame.
     pub hand_turn_deg: f64,
 }

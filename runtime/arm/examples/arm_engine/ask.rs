@@ -20,9 +20,9 @@ pub enum Request {
     Fingers {
         positions: Vec<f64>,
     },
-    /// Each point is seconds, then radians.
+    /// Each point is seconds, then radians, rad/s and rad/s².
     Trajectory {
-        points: Vec<(f64, Vec<f64>)>,
+        points: Vec<(f64, [Vec<f64>; 3])>,
     },
     State {
         goal: String,
@@ -76,7 +76,15 @@ pub fn answer(stage: &mut dyn Stage, request: Request) -> (Value, Vec<Vec<u8>>) 
         Request::Fingers { positions } => sent(stage.send_fingers(&positions)),
         Request::Trajectory { points } => {
             let points = points.into_iter();
-            let points = points.map(|(at_s, joints_rad)| Waypoint { joints_rad, at_s });
+            let points =
+                points.map(
+                    |(at_s, [joints_rad, speeds_rad_s, accelerations_rad_s2])| Waypoint {
+                        joints_rad,
+                        speeds_rad_s,
+                        accelerations_rad_s2,
+                        at_s,
+                    },
+                );
             sent(stage.send_trajectory(&points.collect::<Vec<_>>()))
         }
     };

@@ -1,13 +1,15 @@
 //! Turns a motion of the tool into a goal for the arm's node.
 //!
 //! In: a checked motion. Out: the goal. With tool poses the node solves the inverse kinematics, so the path of elbow
-//! and wrist may be another than the one that was checked; a trajectory is checked again with its times.
+//! and wrist may be another than the one that was checked; a trajectory is what was checked.
 
 use super::goal::Goal;
 use super::state::POLL_S;
-use super::{ArmError, ArmState, Deviation};
-use crate::guard::{Checked, Guard, Motion};
-use crate::port::Waypoint;
+use super::{ArmError, ArmState};
+use crate::guard::{Checked, Motion};
+
+/// How far from the joints' angles a trajectory may begin, radians; those of a checked motion begin there.
+const BEGIN_RAD: f64 = 1e-6;
 
 /// Which kind of goal commands a motion of the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,57 +22,38 @@ pub(super) enum CommandMode {
 
 impl CommandMode {
     /// Returns the goal of a motion from the arm's state.
-    pub(super) fn goal(
-        self,
-        guard: &Guard,
-        from: &ArmState,
-        motion: &Checked<Motion>,
-    ) -> Result<Goal, ArmError> {
+    pub(super) fn goal(self, from: &ArmState, motion: &Checked<Motion>) -> Result<Goal, ArmError> {
         match self {
             CommandMode::Poses => Ok(Goal::Pose(motion.pose())),
-            CommandMode::Trajectories => trajectory(guard, from, motion.get()),
+            CommandMode::Trajectories => trajectory(from, motion),
         }
     }
 }
 
-/// Times the joint angles of a motion.
-fn trajectory(guard: &Guard, from: &ArmState, motion: &Motion) -> Result<Goal, ArmError> {
-    let deviation = Deviation::between(&from.tool, &motion.to);
-    if deviation.position_m < 1e-6 && deviation.angle_rad < 1e-6 {
+/// Returns the trajectory of a motion that begins where the joints are.
+fn trajectory(from: &ArmState, motion: &Checked<Motion>) -> Result<Goal, ArmError> {
+    let [first, _, ..] = motion.get().waypoints.as_slice() else {
         return Ok(hold_position(from));
+    };
+    let pairs = first.joints_rad.iter().zip(&from.joints_rad).enumerate();
+    for (joint, (begins_at, is_at)) in pairs {
+        // NaN must be refused.
+        let fits = (begins_at - is_at).abs() < BEGIN_RAD;
+        if !fits {
+            return Err(ArmError::Refused(format!(
+                "the arm reports joint {} at {:.1} degrees, and its tool where that joint would be at {:.1}: the \
+                 readings do not fit, or `model` names another arm",
+                joint + 1,
+                is_at.to_degrees(),
+                begins_at.to_degrees()
+            )));
+        }
     }
-    let points = &motion.joints_rad;
-    let step_s = deviation.position_m / motion.speed_m_s / (points.len().max(2) - 1) as f64;
-    let mut at_s = 0.0;
-    let mut before = &from.joints_rad;
-    let mut waypoints = Vec::with_capacity(points.len());
-    for joints_rad in points {
-        // Joint speed limits take precedence over the tool's speed.
-        let turns = joints_rad.iter().zip(before).zip(guard.chain().joints());
-        let slowest_s = turns
-            .map(|((a, b), joint)| (a - b).abs() / joint.max_speed_rad_s)
-            .fold(0.0, f64::max);
-        at_s += step_s.max(slowest_s).max(1e-3);
-        before = joints_rad;
-        waypoints.push(Waypoint {
-            joints_rad: joints_rad.clone(),
-            at_s,
-        });
-    }
-    let checked = guard.trajectory(waypoints).map_err(ArmError::Refused)?;
-    Ok(Goal::Trajectory(checked))
+    Ok(Goal::Trajectory(motion.trajectory()))
 }
 
 /// Returns a trajectory that holds the joints where they are. It has two points because kinova-ros's controller needs
 /// two.
 pub(super) fn hold_position(state: &ArmState) -> Goal {
     Goal::Trajectory(Checked::hold(state, &[POLL_S, 2.0 * POLL_S]))
-}
-
-/// Returns the planned duration of a goal, seconds; `None` for goals without timing.
-pub(super) fn duration_s(goal: &Goal) -> Option<f64> {
-    match goal {
-        Goal::Trajectory(points) => points.get().last().map(|last| last.at_s),
-        Goal::Pose(_) | Goal::Fingers(_) => None,
-    }
 }

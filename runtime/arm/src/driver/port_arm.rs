@@ -10,10 +10,10 @@
 //! An arm that takes goals after a stop ([`AfterStop::Accepts`]) needs no probe: its stop is verified when it was
 //! acknowledged, its trajectory has ended, and the tool is at rest.
 
-use super::command::{CommandMode, duration_s, hold_position};
+use super::command::{CommandMode, hold_position};
 use super::fingers::move_fingers;
 use super::goal::{Goal, Outcome, execute};
-use super::state::{is_at_rest, state, state_with_joints, wait_until_at_rest};
+use super::state::{is_at_rest, state, state_with_joints, wait_until_at_rest, watched_wait};
 use super::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
 use crate::guard::{Checked, Guard};
 use crate::port::{AfterStop, Ending, GoalId, GoalState, Port};
@@ -262,10 +262,16 @@ impl<P: Port> Arm for PortArm<P> {
         let from = self.check_motion_allowed(watch)?;
         let motion = self.guard.motion(&from, to, speed_m_s);
         let motion = motion.map_err(ArmError::Refused)?;
-        let goal = self.mode.goal(&self.guard, &from, &motion)?;
-        let travel_s = Deviation::between(&from.tool, to).position_m / speed_m_s;
-        let limit_s = 2.0 * duration_s(&goal).unwrap_or(travel_s) + self.tolerance.settle_s;
+        let goal = self.mode.goal(&from, &motion)?;
+        let takes_s = motion.get().takes_s(&from.tool);
+        let limit_s = 2.0 * takes_s + self.tolerance.settle_s;
+        let begun_s = self.port.now_s();
         let outcome = self.execute(&goal, limit_s, watch)?;
+        if let (Goal::Trajectory(_), Outcome::Ended(Ending::Succeeded)) = (&goal, outcome) {
+            // A controller may report a goal as reached before its time, while the arm begins to move.
+            let left_s = begun_s + takes_s - self.port.now_s();
+            watched_wait(&mut self.port, left_s, &self.tolerance, watch)?;
+        }
         let now = wait_until_at_rest(&mut self.port, &self.tolerance, watch)?;
         let deviation = Deviation::between(&now.tool, to);
         if self.is_reached(deviation) {

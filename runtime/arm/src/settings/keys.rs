@@ -271,11 +271,28 @@ pub(super) const KEYS: &[Key] = &[
     ),
     key(
         "motion.speed_m_s",
-        Number(above(0.0, 0.5)),
+        Number(from(0.005, 0.5)),
         "m/s",
         Is("0.10"),
-        "speed of the tool, at most `workspace.max_speed_m_s`. The vendor's node uses its \
-         own: with `kinova` this only limits how long a motion may take",
+        "speed of the tool, at most `workspace.max_speed_m_s`; where a joint would exceed its own \
+         speed, the tool is slower. A tool slower than 5 mm/s looks like one at rest. The vendor's \
+         node uses its own speed: with `kinova` this only limits how long a motion may take",
+    ),
+    key(
+        "motion.acceleration_deg_s2",
+        Number(from(10.0, 1000.0)),
+        "deg/s²",
+        Is("60.0"),
+        "the largest acceleration of a joint. The vendor of the Jaco states none; where none is \
+         stated, planners commonly take 1 rad/s². The vendor's node uses its own",
+    ),
+    key(
+        "motion.jerk_deg_s3",
+        Number(from(100.0, 100_000.0)),
+        "deg/s³",
+        Is("600.0"),
+        "the largest jerk of a joint: with the default, full acceleration builds up in a tenth of \
+         a second, so that arm and cloth do not swing",
     ),
     key(
         "motion.hand_turn_deg",

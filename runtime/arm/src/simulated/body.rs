@@ -1,6 +1,7 @@
 //! Joints and fingers of a simulated arm, and the table under its hand.
 
 use super::Simulation;
+use crate::guard::STEP_M;
 use crate::kinematics::chain::{Chain, JOINTS};
 use crate::port::Waypoint;
 use crate::settings::FingerSettings;
@@ -15,8 +16,11 @@ const FINGER_S: f64 = 1.0;
 /// Cloth keeps the fingers open by this share of their travel.
 const CLOTH_SHARE: f64 = 0.08;
 
-/// The longest step between two points of a motion, metres.
-const STEP_M: f64 = 0.02;
+/// Distance before its goal at which a motion with the fault `FallsShort` ends, metres.
+const SHORT_M: f64 = 0.007;
+
+/// A shorter way is no motion, metres.
+const LEAST_M: f64 = 1e-4;
 
 /// A table with cloth on it, under a hand.
 pub trait SimulatedTable {
@@ -35,6 +39,7 @@ pub trait SimulatedTable {
 
 /// A joint motion in progress.
 struct Motion {
+    /// At least two; the first is where the joints were at its start.
     points: Vec<Waypoint>,
     for_s: f64,
     /// Whether it waits during a stop and then resumes, as a trajectory in its controller does.
@@ -46,6 +51,8 @@ pub(super) struct Body {
     simulation: Simulation,
     joints_rad: Vec<f64>,
     motion: Option<Motion>,
+    /// The end of the last Cartesian goal: where the joints come to rest, and where they were commanded to.
+    arrival: Option<(Vec<f64>, Vec<f64>)>,
     fingers: Vec<f64>,
     finger_goal: Option<f64>,
     table: Option<Rc<RefCell<dyn SimulatedTable>>>,
@@ -64,6 +71,7 @@ impl Body {
         Body {
             joints_rad: simulation.joints_rad.clone(),
             motion: None,
+            arrival: None,
             fingers: vec![open; count],
             finger_goal: None,
             table,
@@ -88,51 +96,74 @@ impl Body {
     }
 
     pub(super) fn tool(&self) -> Isometry3<f64> {
-        let tool = self.simulation.chain.base_from_tool(&self.joints_rad);
+        self.tool_at(&self.joints_rad)
+    }
+
+    fn tool_at(&self, joints_rad: &[f64]) -> Isometry3<f64> {
+        let tool = self.chain().base_from_tool(joints_rad);
         tool.expect("a body's joints are its chain's")
     }
 
     /// Starts a straight motion to a pose, within the repeatability; fails if there is no joint path.
     ///
-    /// - `short_m`: distance before the pose at which it ends.
+    /// - `falls_short`: whether it ends before the pose.
     pub(super) fn move_straight(
         &mut self,
         to: &Isometry3<f64>,
-        short_m: f64,
+        falls_short: bool,
     ) -> Result<(), String> {
-        let from = self.tool();
-        let way = to.translation.vector - from.translation.vector;
-        let way_m = way.norm();
-        let mut aimed = *to;
-        if way_m > 1e-4 {
+        let is_motion = |from: &Isometry3<f64>| {
+            (to.translation.vector - from.translation.vector).norm() > LEAST_M
+        };
+        let is_new = is_motion(&self.tool());
+        let begin = match is_new && is_motion(&self.tool_at(self.commanded())) {
+            true => self.commanded().to_vec(),
+            // A probe goes nowhere; the same goal once more is a way from where the joints are.
+            false => self.joints_rad.clone(),
+        };
+        let from = self.tool_at(&begin);
+        let path = self.chain().straight(&from, to, &begin, STEP_M);
+        let path = path.map_err(|why| why.to_string())?;
+        let way_m = (to.translation.vector - from.translation.vector).norm();
+        let limits = &self.simulation.joint_limits;
+        let mut points = limits.time(&path, way_m, self.simulation.speed_m_s)?;
+        if let Some(commanded) = points.last().map(|last| last.joints_rad.clone())
+            && is_new
+        {
             let most_m = self.simulation.repeatability_m;
             let off =
                 Vector3::from_fn(|_, _| (2.0 * self.chance.fraction() - 1.0) * most_m * 0.577);
-            let short = way * (short_m / way_m).min(1.0);
-            aimed.translation = Translation3::from(to.translation.vector + off - short);
+            let mut reached = *to;
+            reached.translation = Translation3::from(to.translation.vector + off);
+            let reached = self.chain().solve(&reached, &commanded);
+            let reached = reached.map_err(|why| why.to_string())?;
+            // Where the joints are differs from where they are commanded to be, and that changes evenly.
+            let steps = (points.len() - 1).max(1) as f64;
+            for (step, point) in points.iter_mut().enumerate() {
+                let share = step as f64 / steps;
+                for (joint, angle) in point.joints_rad.iter_mut().enumerate() {
+                    let before = self.joints_rad[joint] - begin[joint];
+                    let after = reached[joint] - commanded[joint];
+                    *angle += before + share * (after - before);
+                }
+            }
+            self.arrival = Some((reached, commanded));
         }
-        let points = self
-            .chain()
-            .straight(&from, &aimed, &self.joints_rad, STEP_M)
-            .map_err(|why| why.to_string())?;
-        let step_s = way_m / self.simulation.speed_m_s / points.len().max(1) as f64;
-        let timed = points
-            .into_iter()
-            .enumerate()
-            .map(|(index, joints_rad)| Waypoint {
-                joints_rad,
-                at_s: step_s.max(1e-3) * (index + 1) as f64,
-            });
-        self.motion = Some(Motion {
-            points: timed.collect(),
-            for_s: 0.0,
-            outlives_stop: false,
-        });
-        Ok(())
+        self.follow(&points, falls_short)
+    }
+
+    /// Returns the angles to which the joints were commanded: of the goal that they have reached, else where they are.
+    fn commanded(&self) -> &[f64] {
+        match &self.arrival {
+            Some((reached, commanded)) if *reached == self.joints_rad => commanded,
+            _ => &self.joints_rad,
+        }
     }
 
     /// Starts a motion through points; fails if they do not fit the arm.
-    pub(super) fn follow(&mut self, points: &[Waypoint]) -> Result<(), String> {
+    ///
+    /// - `falls_short`: whether it ends before the last one.
+    pub(super) fn follow(&mut self, points: &[Waypoint], falls_short: bool) -> Result<(), String> {
         let fit = points.iter().all(|point| {
             point.joints_rad.len() == JOINTS
                 && point.at_s.is_finite()
@@ -141,27 +172,54 @@ impl Body {
         if points.is_empty() || !fit {
             return Err("a trajectory's points are not this arm's".to_owned());
         }
+        // As a controller does, begin where the joints are.
+        let mut way = vec![Waypoint::at_rest(self.joints_rad.clone(), 0.0)];
+        way.extend(points.iter().filter(|point| point.at_s > 0.0).cloned());
+        if falls_short {
+            self.shorten(&mut way);
+        }
         self.motion = Some(Motion {
-            points: points.to_vec(),
+            points: way,
             for_s: 0.0,
             outlives_stop: false,
         });
         Ok(())
     }
 
+    /// Ends a way where the tool is still [`SHORT_M`] before its end, or where it begins.
+    fn shorten(&self, way: &mut Vec<Waypoint>) {
+        let place = |point: &Waypoint| {
+            let tool = self.chain().base_from_tool(&point.joints_rad);
+            tool.map_or(Vector3::zeros(), |tool| tool.translation.vector)
+        };
+        let Some(end) = way.last().map(place) else {
+            return;
+        };
+        let left_m: Vec<f64> = way
+            .iter()
+            .map(|point| (place(point) - end).norm())
+            .collect();
+        let last = left_m.iter().rposition(|left_m| *left_m >= SHORT_M);
+        let (kept, share) = match last {
+            Some(at) => (at, (left_m[at] - SHORT_M) / (left_m[at] - left_m[at + 1])),
+            None => (0, 0.0),
+        };
+        if let [before, after, ..] = &way[kept..] {
+            let angles = before.joints_rad.iter().zip(&after.joints_rad);
+            let angles = angles.map(|(before, after)| before + share * (after - before));
+            let rest = Waypoint::at_rest(angles.collect(), after.at_s);
+            way.truncate(kept + 1);
+            way.push(rest);
+        }
+    }
+
     /// Starts a motion through points that a stop only suspends; fails if they do not fit the arm.
     ///
-    /// - `short_share`: the share of the last step that is left out.
-    pub(super) fn stream(&mut self, points: &[Waypoint], short_share: f64) -> Result<(), String> {
-        self.follow(points)?;
-        let Some(motion) = &mut self.motion else {
-            return Ok(());
-        };
-        motion.outlives_stop = true;
-        if let [.., before, last] = motion.points.as_mut_slice() {
-            for (angle, before) in last.joints_rad.iter_mut().zip(&before.joints_rad) {
-                *angle -= short_share * (*angle - before);
-            }
+    /// - `falls_short`: whether it ends before the last one.
+    pub(super) fn stream(&mut self, points: &[Waypoint], falls_short: bool) -> Result<(), String> {
+        self.follow(points, falls_short)?;
+        if let Some(motion) = &mut self.motion {
+            motion.outlives_stop = true;
         }
         Ok(())
     }
@@ -233,23 +291,17 @@ impl Body {
         let Some(motion) = &mut self.motion else {
             return;
         };
-        let before_s = motion.for_s;
         motion.for_s += seconds;
-        let now_s = motion.for_s;
-        // Use the last point whose time has come; this skips points closer together than a clock step.
-        let ahead = motion
-            .points
-            .iter()
-            .find(|point| point.at_s > now_s)
-            .or(motion.points.last());
-        let Some(next) = ahead.filter(|point| point.at_s > before_s) else {
-            self.motion = None;
+        let pairs = motion.points.windows(2);
+        let mut ahead = pairs.filter(|pair| pair[1].at_s > motion.for_s);
+        if let Some(pair) = ahead.next() {
+            self.joints_rad = pair[0].towards(&pair[1], motion.for_s);
             return;
-        };
-        // Interpolate towards the next point by the share of the remaining time.
-        let share = ((now_s - before_s) / (next.at_s - before_s)).min(1.0);
-        for (angle, goal) in self.joints_rad.iter_mut().zip(&next.joints_rad) {
-            *angle += share * (goal - *angle);
+        }
+        if let Some(motion) = self.motion.take()
+            && let Some(last) = motion.points.last()
+        {
+            self.joints_rad.clone_from(&last.joints_rad);
         }
     }
 

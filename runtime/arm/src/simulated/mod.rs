@@ -4,8 +4,8 @@
 //! reports that arrive late or never, and cloth under the hand. As with kinova-ros, readings come ten times a second; a
 //! goal counts as reached within 10 mm and 2 degrees; a goal that is cancelled, preempted or stalls makes the node stop
 //! the arm and *start it again*; and a stopped arm aborts every goal, except a trajectory, which waits until the arm is
-//! enabled and is aborted after twice its duration. There are no dynamics: a motion has constant speed and ends at
-//! once.
+//! enabled and is aborted after twice its duration. There are no dynamics: joints are where their motion says, which
+//! takes the time that plans state, and a stop ends it at once.
 
 mod body;
 mod faults;
@@ -22,6 +22,7 @@ use super::port::{
     AfterStop, GoalId, GoalState, Port, PortError, Reading, Readings, Stamps, Waypoint,
 };
 use super::settings::{FingerSettings, Settings};
+use super::timing::JointLimits;
 use body::Body;
 use faults::Faults;
 use nalgebra::{Isometry3, Point3};
@@ -61,6 +62,8 @@ pub struct SimulatedArm {
 pub struct Simulation {
     /// Its joints.
     pub chain: Chain,
+    /// How fast they turn in Cartesian goals.
+    pub joint_limits: JointLimits,
     /// The meaning of its finger positions.
     pub fingers: FingerSettings,
     /// Initial joint angles, radians.
@@ -85,6 +88,7 @@ impl Simulation {
             .check(&Point3::new(x, y, z), &[0.0])
             .map_err(|why| format!("the arm cannot rest at `rest_m`: {why}"))?;
         Ok(Simulation {
+            joint_limits: JointLimits::of(settings, &chain),
             chain,
             fingers: settings.fingers,
             joints_rad,

@@ -26,12 +26,6 @@ const STALL_M: f64 = 0.000_5;
 const STALL_S: f64 = 1.0;
 const FINGER_STALL_S: f64 = 0.5;
 
-/// Distance before its goal at which a motion with the fault `FallsShort` ends, metres.
-const SHORT_M: f64 = 0.007;
-
-/// The same as a share of the last step of a trajectory: steps are 10 mm.
-const SHORT_SHARE: f64 = 0.7;
-
 /// A trajectory is aborted after twice its duration plus this, seconds.
 const TRAJECTORY_S: f64 = 3.0;
 
@@ -164,13 +158,13 @@ impl Node {
             (_, Goal::Trajectory(points)) => {
                 let falls_short = faults.is_active(FaultKind::FallsShortAlways, now_s)
                     || is_motion && faults.take(FaultKind::FallsShort, now_s);
-                body.stream(points, if falls_short { SHORT_SHARE } else { 0.0 })
+                body.stream(points, falls_short)
             }
             (true, _) => Err(String::new()),
             (false, Goal::Pose(pose)) => {
                 let falls_short = faults.is_active(FaultKind::FallsShortAlways, now_s)
                     || is_motion && faults.take(FaultKind::FallsShort, now_s);
-                body.move_straight(pose, if falls_short { SHORT_M } else { 0.0 })
+                body.move_straight(pose, falls_short)
             }
             (false, Goal::Fingers(positions)) => match positions.first() {
                 Some(position) if position.is_finite() => {

@@ -142,16 +142,12 @@ fn judged_plan(settings: &Settings, height: [f64; 3], points: [Point3<f64>; 2]) 
             let motion = guard.motion(&at, &to, speed_m_s).unwrap();
             let start = at.tool.translation.vector;
             let way = to.translation.vector - start;
-            let joints_rad = &motion.get().joints_rad;
-            for pair in joints_rad.windows(2) {
-                // Between two points of a trajectory the joints turn evenly.
+            let waypoints = &motion.get().waypoints;
+            for pair in waypoints.windows(2) {
                 for part in 0..4 {
                     let part = f64::from(part) / 4.0;
-                    let between: Vec<f64> = pair[0]
-                        .iter()
-                        .zip(&pair[1])
-                        .map(|(a, b)| a + part * (b - a))
-                        .collect();
+                    let at_s = pair[0].at_s + part * (pair[1].at_s - pair[0].at_s);
+                    let between = pair[0].towards(&pair[1], at_s);
                     let tool = judge(settings, &ground, &between);
                     let tool =
                         tool.unwrap_or_else(|why| panic!("{:?}: {why}\n{}", segment.name, told()));
@@ -160,13 +156,14 @@ fn judged_plan(settings: &Settings, height: [f64; 3], points: [Point3<f64>; 2]) 
                     assert!(off_m < 0.001, "{off_m} m beside the line\n{}", told());
                 }
             }
-            let last = judge(settings, &ground, joints_rad.last().unwrap()).unwrap();
+            let joints_rad = &waypoints.last().unwrap().joints_rad;
+            let last = judge(settings, &ground, joints_rad).unwrap();
             assert!(
                 (last - to.translation.vector).norm() < EXACT_M,
                 "{}",
                 told()
             );
-            at.joints_rad.clone_from(joints_rad.last().unwrap());
+            at.joints_rad.clone_from(joints_rad);
             at.tool = to;
         }
         at
@@ -239,7 +236,7 @@ fn place(chance: &mut Chance, usual: [f64; 3], odd: f64) -> String {
 }
 
 /// The text of settings; with `odd` at 0 most of them can be used.
-fn settings_text(chance: &mut Chance, odd: f64) -> String {
+pub(super) fn settings_text(chance: &mut Chance, odd: f64) -> String {
     let (model, count) = one(chance, &[("j2n6s200", 2), ("j2n6s300", 3), ("j2s6s200", 2)]);
     let table_m = between(chance, -0.05, 0.15);
     let below_m = between(chance, 0.0031, 0.0099);
@@ -294,7 +291,7 @@ fn settings_text(chance: &mut Chance, odd: f64) -> String {
 }
 
 /// A point over the table that a hand may be sent to, sometimes below it or out of reach.
-fn target(chance: &mut Chance, height: [f64; 3]) -> Point3<f64> {
+pub(super) fn target(chance: &mut Chance, height: [f64; 3]) -> Point3<f64> {
     let radius_m = between(chance, 0.25, 0.7);
     let (sin, cos) = between(chance, -1.2, 1.2).sin_cos();
     let [x, y] = [radius_m * cos, radius_m * sin];

@@ -4,7 +4,6 @@ use super::*;
 use crate::driver::{ArmError, Opening};
 use crate::kinematics::reach::{Reach, Turn};
 use crate::kinematics::tool_down::tool_down;
-use crate::port::Waypoint;
 use crate::settings::KeepOut;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 
@@ -94,7 +93,7 @@ fn links_are_kept_away_too() {
     guard_of(&settings).motion(&from, &to, 0.1).unwrap();
     // Where the elbow is half way, far above the hand.
     let middle = guard_of(&settings).motion(&from, &to, 0.1).unwrap();
-    let middle = &middle.get().joints_rad[middle.get().joints_rad.len() / 2];
+    let middle = &middle.get().waypoints[middle.get().waypoints.len() / 2].joints_rad;
     let elbow = chain.frames(middle).unwrap()[2].translation.vector;
     settings.workspace.keep_out = vec![KeepOut {
         name: "shelf".to_owned(),
@@ -163,12 +162,12 @@ fn a_pose_that_is_none_is_refused() {
     for speed_m_s in [0.0, -0.1, 0.21, f64::NAN, f64::INFINITY] {
         assert!(check(&here, &down([0.4, 0.2, 0.2]), speed_m_s).is_err());
     }
-    let point = |joints_rad| Waypoint {
-        joints_rad,
-        at_s: 0.1,
-    };
     for joints_rad in [vec![f64::NAN; 6], vec![0.0; 5], vec![f64::INFINITY; 6]] {
-        assert!(guard.trajectory(vec![point(joints_rad)]).is_err());
+        let from = ArmState {
+            joints_rad,
+            ..at(here)
+        };
+        assert!(guard.motion(&from, &down([0.4, 0.2, 0.2]), 0.1).is_err());
     }
 }
 

@@ -10,6 +10,7 @@ mod judged;
 mod limited;
 mod pauses;
 mod simulations;
+mod timed;
 mod trajectories;
 
 use super::driver::{Arm, ArmState, Halt, PortArm};
@@ -224,12 +225,15 @@ impl Bench {
     }
 }
 
-/// An arm whose joint readings stop at a given time, and which records when a goal was cancelled; or one without the
-/// vendor's servers.
+/// An arm whose joint readings stop at a given time or are off by an angle, and which records when it moved and when a
+/// goal was cancelled; or one without the vendor's servers.
 struct Tapped {
     arm: SimulatedArm,
     deaf_s: f64,
+    off_rad: f64,
     cancelled_s: Option<f64>,
+    /// When the tool first and last moved, by steps of the simulated clock.
+    moved_s: Option<[f64; 2]>,
     after_stop: AfterStop,
     last: Option<GoalId>,
 }
@@ -239,7 +243,9 @@ impl Tapped {
         Tapped {
             arm,
             deaf_s,
+            off_rad: 0.0,
             cancelled_s: None,
+            moved_s: None,
             after_stop: AfterStop::Refuses,
             last: None,
         }
@@ -259,7 +265,14 @@ impl Port for Tapped {
         self.arm.now_s()
     }
     fn wait(&mut self, seconds: f64) {
-        self.arm.wait(seconds);
+        for _ in 0..((seconds / 0.01).round() as usize).max(1) {
+            let (before, at_s) = (self.arm.tool(), self.arm.now_s());
+            self.arm.wait(0.01);
+            if self.arm.tool() != before {
+                let now_s = self.arm.now_s();
+                self.moved_s = Some([self.moved_s.map_or(at_s, |[first_s, _]| first_s), now_s]);
+            }
+        }
     }
     fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
         let sent = self.arm.send_trajectory(points);
@@ -310,6 +323,9 @@ impl Port for Tapped {
         let mut readings = self.arm.state();
         let deaf_s = self.deaf_s;
         readings.joints_rad = readings.joints_rad.filter(|heard| heard.at_s <= deaf_s);
+        if let Some(heard) = &mut readings.joints_rad {
+            heard.value[0] += self.off_rad;
+        }
         readings
     }
 }

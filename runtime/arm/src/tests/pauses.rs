@@ -50,11 +50,17 @@ fn a_paused_arm_is_at_rest_and_goes_on_afterwards() {
 #[test]
 #[ignore = "long"]
 fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
-    let settings = settings();
+    let mut settings = settings();
     let mut lifted = 0;
     let looks = (8..28).step_by(5);
     let both = |look: u32| By::BOTH.map(|by| (by, look));
-    for (by, let_go_at_look) in looks.flat_map(both) {
+    // A tool that still speeds up goes farther than its last speed tells.
+    let accelerations = [60.0, 15.0];
+    let cases = accelerations
+        .iter()
+        .flat_map(|most| looks.clone().flat_map(both).map(move |it| (most, it)));
+    for (acceleration_deg_s2, (by, let_go_at_look)) in cases {
+        settings.motion.acceleration_deg_s2 = *acceleration_deg_s2;
         // Around the check at which the key is released: the driver checks every 0.05 s.
         for hundredth in 0..70 {
             let pressed_s = f64::from(let_go_at_look) * 0.05 - 0.4 + f64::from(hundredth) * 0.01;
@@ -76,7 +82,8 @@ fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
             if cancelled_s.is_some_and(|cancelled_s| pressed_s > cancelled_s - 0.015) {
                 continue;
             }
-            let told = format!("{by:?}, {let_go_at_look}, {pressed_s}: {halted:?}");
+            let told =
+                format!("{acceleration_deg_s2}, {by:?}, {let_go_at_look}, {pressed_s}: {halted:?}");
             let is_pressed = arm.port().arm.moved_after_stop_m().is_some();
             lifted += usize::from(is_pressed && !arm.port().arm.is_stopped());
             if halted != Err(ArmError::Stopped) {

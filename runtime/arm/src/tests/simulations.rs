@@ -10,10 +10,7 @@ fn a_trajectory_goes_on_where_an_arm_is_let_go() {
     let mut port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
     let mut turned = Simulation::of(&settings).unwrap().joints_rad;
     turned[0] += 0.2;
-    let at = |at_s, joints_rad: &[f64]| Waypoint {
-        joints_rad: joints_rad.to_vec(),
-        at_s,
-    };
+    let at = |at_s, joints_rad: &[f64]| Waypoint::at_rest(joints_rad.to_vec(), at_s);
     let id = port
         .send_trajectory(&[at(1.0, &turned), at(1.1, &turned)])
         .unwrap();

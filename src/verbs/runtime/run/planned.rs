@@ -72,13 +72,14 @@ fn table(plan: &Plan, settings: &Settings) -> String {
         });
     }
     lines.push(format!(
-        "in all {:.3} m in {:.1} s at {} m/s, without the fingers",
+        "in all {:.3} m in {:.1} s at up to {} m/s, without the fingers",
         plan.way_m(),
         plan.takes_s(),
         settings.motion.speed_m_s
     ));
     if settings.driver == DriverKind::Kinova {
-        lines.push("the node of this arm finds joint angles and a speed of its own".to_owned());
+        let estimated = "the node of this arm finds joint angles and a speed of its own: the times are estimates";
+        lines.push(estimated.to_owned());
     }
     lines.extend(plan.refusal());
     lines.join("\n")
