@@ -5,9 +5,9 @@
 //! damping of Sugihara ("Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method", 2011): it grows
 //! with the remaining error, so no step has to be undone. Equal input gives equal angles. Collisions are not checked.
 
-use super::chain::{BadAngles, Chain, JOINTS, METRES_PER_RAD, nearest_turn};
+use super::chain::{Angles, BadAngles, Chain, Jacobian, MAX_JOINTS, METRES_PER_RAD, nearest_turn};
 use super::starts;
-use nalgebra::{Isometry3, Matrix6, Vector6};
+use nalgebra::{Isometry3, Matrix6, SVector, Vector6};
 
 /// How far the tool may be from the requested pose, metres.
 pub const POSITION_TOLERANCE_M: f64 = 1e-4;
@@ -72,10 +72,13 @@ pub enum Obstacle {
 
 /// Where an attempt ended.
 pub(super) struct Attempt {
-    pub(super) angles: [f64; JOINTS],
+    pub(super) angles: Angles,
     distance_m: f64,
     angle_rad: f64,
 }
+
+/// A change of the joint angles, radians.
+type Step = SVector<f64, MAX_JOINTS>;
 
 impl Attempt {
     pub(super) fn reached(&self) -> bool {
@@ -113,24 +116,24 @@ impl Chain {
             });
         }
         let best = self.best_attempt(base_from_tool, &near);
-        Ok(self.judged(base_from_tool, &near, &best)?.to_vec())
+        Ok(self.of_joints(&self.judged(base_from_tool, &near, &best)?))
     }
 
     /// Returns joint angles for a pose close to the tool's pose at the given angles, in one attempt.
     pub(super) fn next(
         &self,
         base_from_tool: &Isometry3<f64>,
-        near: &[f64; JOINTS],
-    ) -> Result<[f64; JOINTS], NoSolution> {
+        near: &Angles,
+    ) -> Result<Angles, NoSolution> {
         self.judged(base_from_tool, near, &self.approach(base_from_tool, near))
     }
 
     fn judged(
         &self,
         base_from_tool: &Isometry3<f64>,
-        near: &[f64; JOINTS],
+        near: &Angles,
         best: &Attempt,
-    ) -> Result<[f64; JOINTS], NoSolution> {
+    ) -> Result<Angles, NoSolution> {
         if best.reached() {
             return Ok(self.turns_nearest(&best.angles, near));
         }
@@ -141,10 +144,10 @@ impl Chain {
         })
     }
 
-    fn best_attempt(&self, base_from_tool: &Isometry3<f64>, near: &[f64; JOINTS]) -> Attempt {
+    fn best_attempt(&self, base_from_tool: &Isometry3<f64>, near: &Angles) -> Attempt {
         // The last joint alone rotates the hand; if the steps did it, a large rotation would lead to another posture.
         let mut turned = *near;
-        turned[JOINTS - 1] += self.last_joint_between(&self.tool_at(near), base_from_tool);
+        turned[self.last()] += self.last_joint_between(&self.tool_at(near), base_from_tool);
         let mut best = self.approach(base_from_tool, &turned);
         if best.reached() {
             return best;
@@ -168,7 +171,7 @@ impl Chain {
     pub(super) fn approach(
         &self,
         base_from_tool: &Isometry3<f64>,
-        start: &[f64; JOINTS],
+        start: &Angles,
     ) -> Attempt {
         let mut angles = self.within_limits(start);
         for _ in 0..MAX_STEPS {
@@ -203,10 +206,10 @@ impl Chain {
     /// Solves for a damped step; leaves out joints that would be pushed past a limit they are at.
     fn step(
         &self,
-        angles: &[f64; JOINTS],
-        jacobian: &Matrix6<f64>,
+        angles: &Angles,
+        jacobian: &Jacobian,
         error: &Vector6<f64>,
-    ) -> Vector6<f64> {
+    ) -> Step {
         let mut weighted = *jacobian;
         weighted
             .fixed_rows_mut::<3>(0)
@@ -231,7 +234,7 @@ impl Chain {
     }
 
     /// Returns the angles clamped to the joint limits; extra full turns are removed first.
-    fn within_limits(&self, angles: &[f64; JOINTS]) -> [f64; JOINTS] {
+    fn within_limits(&self, angles: &Angles) -> Angles {
         let mut within = *angles;
         for (angle, joint) in within.iter_mut().zip(self.joints()) {
             if let Some([least, most]) = joint.limits_rad {
@@ -245,9 +248,9 @@ impl Chain {
     /// Returns the same posture with each unlimited joint on the turn closest to `near`.
     pub(super) fn turns_nearest(
         &self,
-        angles: &[f64; JOINTS],
-        near: &[f64; JOINTS],
-    ) -> [f64; JOINTS] {
+        angles: &Angles,
+        near: &Angles,
+    ) -> Angles {
         let mut nearest = *angles;
         for ((angle, near), joint) in nearest.iter_mut().zip(near).zip(self.joints()) {
             if joint.limits_rad.is_none() {
@@ -259,8 +262,8 @@ impl Chain {
 
     /// Returns the greatest distance between the last joint and the shoulder, metres: all links in one line.
     fn stretched_m(&self) -> f64 {
-        let links = self.links_at(&[0.0; JOINTS]);
-        let ways = links[1..]
+        let links = self.links_at(&Angles::default());
+        let ways = links[1..self.joints().len()]
             .windows(2)
             .map(|pair| (pair[1].translation.vector - pair[0].translation.vector).norm());
         (links[1].translation.vector - self.shoulder().coords).norm() + ways.sum::<f64>()
@@ -271,7 +274,7 @@ impl Chain {
             let limits = self.joints()[*index].limits_rad;
             limits.is_some_and(|limits| limits.contains(&best.angles[*index]))
         };
-        if let Some(index) = (0..JOINTS).find(at_limit) {
+        if let Some(index) = (0..self.joints().len()).find(at_limit) {
             return Obstacle::Limit(index + 1);
         }
         if best.distance_m <= POSITION_TOLERANCE_M {
@@ -305,12 +308,11 @@ fn error(base_from_tool: &Isometry3<f64>, tool: &Isometry3<f64>) -> Vector6<f64>
     Vector6::new(moved.x, moved.y, moved.z, turned.x, turned.y, turned.z)
 }
 
-fn damped(jacobian: &Matrix6<f64>, error: &Vector6<f64>) -> Vector6<f64> {
+/// Returns the shortest damped step, `Jᵀ (J Jᵀ + λ)⁻¹ e`. The six equations stay six with a seventh joint.
+fn damped(jacobian: &Jacobian, error: &Vector6<f64>) -> Step {
     let damping = 0.5 * error.norm_squared() + LEAST_DAMPING;
-    let normal = jacobian.tr_mul(jacobian) + Matrix6::identity() * damping;
-    let gradient = jacobian.tr_mul(error);
+    let normal = jacobian * jacobian.transpose() + Matrix6::identity() * damping;
     // A sum of squares plus a positive diagonal is positive definite.
-    normal
-        .cholesky()
-        .map_or_else(Vector6::zeros, |factors| factors.solve(&gradient))
+    let solved = normal.cholesky().map(|factors| factors.solve(error));
+    solved.map_or_else(Step::zeros, |solved| jacobian.tr_mul(&solved))
 }

@@ -10,7 +10,7 @@
 //! At the height of the base, the tool comes to within 0.18 m of the first axis and 0.70 m away from it (`j2n6s200`,
 //! `j2n6s300`), or 0.16 m and 0.72 m (`j2s6s200`).
 
-use super::chain::{Chain, JOINTS, nearest_turn};
+use super::chain::{Angles, Chain, Jacobian, nearest_turn};
 use super::tool_down::{ToolDown, tool_down};
 use nalgebra::{Isometry3, Point3, Translation3};
 use std::collections::BTreeMap;
@@ -148,8 +148,8 @@ impl Reach {
 
     /// Returns joint angles at a point from which the hand can rise straight to each height.
     ///
-    /// Of several postures, one with the elbow up, and of those the one farthest from a singularity (determinant of the
-    /// Jacobian, Yoshikawa 1985).
+    /// Of several postures, one with the elbow up, and of those the one farthest from a singularity (Yoshikawa's
+    /// measure, 1985).
     ///
     /// - `point`: the tool's target, base frame, metres.
     /// - `heights_above_m`: above the point, metres, none negative.
@@ -230,7 +230,7 @@ impl Reach {
     }
 
     /// Returns the postures with the tool at a distance and a height whose elbow is above the tool.
-    fn postures(&self, radius_m: f64, height_m: f64) -> Vec<[f64; JOINTS]> {
+    fn postures(&self, radius_m: f64, height_m: f64) -> Vec<Angles> {
         if radius_m < HAND_OFF_BASE_M {
             return Vec::new();
         }
@@ -241,27 +241,27 @@ impl Reach {
         postures
     }
 
-    fn best_first(&self, radius_m: f64, height_m: f64) -> Vec<[f64; JOINTS]> {
+    fn best_first(&self, radius_m: f64, height_m: f64) -> Vec<Angles> {
         let mut postures = self.postures(radius_m, height_m);
-        let elbow_m = |posture: &[f64; JOINTS]| self.chain.links_at(posture)[2].translation.z;
+        let elbow_m = |posture: &Angles| self.chain.links_at(posture)[2].translation.z;
         let highest_m = postures
             .iter()
             .map(elbow_m)
             .fold(f64::NEG_INFINITY, f64::max);
-        let dexterity = |posture: &[f64; JOINTS]| {
+        let dexterity = |posture: &Angles| {
             let up = if elbow_m(posture) > highest_m - ELBOW_UP_M {
                 1.0
             } else {
                 0.0
             };
-            up + self.chain.motion_at(posture).1.determinant().abs()
+            up + dexterity_of(self.chain.motion_at(posture).1)
         };
         postures.sort_by(|one, other| dexterity(other).total_cmp(&dexterity(one)));
         postures
     }
 
     /// Returns the angles at the point where the hand can rise from there to `top_m`.
-    fn rises(&self, posture: &[f64; JOINTS], point: &Point3<f64>, top_m: f64) -> Option<Vec<f64>> {
+    fn rises(&self, posture: &Angles, point: &Point3<f64>, top_m: f64) -> Option<Vec<f64>> {
         let mut angles = *posture;
         let azimuth = point.y.atan2(point.x);
         angles[0] += azimuth * self.chain.first_turns();
@@ -276,7 +276,8 @@ impl Reach {
             }
         }
         let top = Translation3::new(0.0, 0.0, top_m) * target;
-        let way = self.chain.straight(&target, &top, &angles, STEP_M).ok()?;
+        let near = self.chain.of_joints(&angles);
+        let way = self.chain.straight(&target, &top, &near, STEP_M).ok()?;
         let over_table = |joints: &Vec<f64>| {
             let links = self.chain.frames(joints);
             links.is_ok_and(|links| links[2].translation.z >= point.z + ELBOW_OVER_POINT_M)
@@ -314,4 +315,10 @@ impl Reach {
         };
         refused(0.0, self.range(height_m), why)
     }
+}
+
+/// Returns how far the tool is from a singularity: the determinant of the Jacobian, generalised to more joints.
+fn dexterity_of(jacobian: Jacobian) -> f64 {
+    let square = (jacobian * jacobian.transpose()).determinant();
+    square.max(0.0).sqrt()
 }

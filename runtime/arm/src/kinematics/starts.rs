@@ -4,7 +4,7 @@
 //! them evenly over the joint angles, so the list is the same each time. The first and the last joint turn about known
 //! axes and are chosen for the pose.
 
-use super::chain::{Chain, JOINTS, METRES_PER_RAD, about_z, nearest_turn};
+use super::chain::{Angles, Chain, METRES_PER_RAD, about_z, nearest_turn};
 use nalgebra::Isometry3;
 use std::f64::consts::TAU;
 
@@ -21,16 +21,16 @@ const STRIDES: [f64; 4] = [
 ];
 
 /// Returns initial postures, most promising first.
-pub(super) fn towards(chain: &Chain, base_from_tool: &Isometry3<f64>) -> Vec<[f64; JOINTS]> {
-    let mut starts: Vec<(f64, [f64; JOINTS])> = (0..SPREAD)
+pub(super) fn towards(chain: &Chain, base_from_tool: &Isometry3<f64>) -> Vec<Angles> {
+    let mut starts: Vec<(f64, Angles)> = (0..SPREAD)
         .map(|index| facing(chain, base_from_tool, spread(chain, index)))
         .collect();
     starts.sort_by(|one, other| one.0.total_cmp(&other.0));
     starts.into_iter().map(|(_, start)| start).collect()
 }
 
-fn spread(chain: &Chain, index: usize) -> [f64; JOINTS] {
-    let mut angles = [0.0; JOINTS];
+fn spread(chain: &Chain, index: usize) -> Angles {
+    let mut angles = Angles::default();
     for (joint, stride) in (1..=4).zip(STRIDES) {
         let part = (0.5 + stride * index as f64).fract();
         let [least, most] = chain.joints()[joint].limits_rad.unwrap_or([0.0, TAU]);
@@ -44,14 +44,14 @@ fn spread(chain: &Chain, index: usize) -> [f64; JOINTS] {
 fn facing(
     chain: &Chain,
     base_from_tool: &Isometry3<f64>,
-    mut angles: [f64; JOINTS],
-) -> (f64, [f64; JOINTS]) {
+    mut angles: Angles,
+) -> (f64, Angles) {
     let tool = chain.tool_at(&angles);
     let azimuth = |pose: &Isometry3<f64>| pose.translation.y.atan2(pose.translation.x);
     let turn = nearest_turn(azimuth(base_from_tool) - azimuth(&tool), 0.0);
     angles[0] = turn * chain.first_turns();
     let turned = about_z(turn) * tool;
-    angles[JOINTS - 1] = chain.last_joint_between(&turned, base_from_tool);
+    angles[chain.last()] = chain.last_joint_between(&turned, base_from_tool);
     let left_rad = chain
         .tool_at(&angles)
         .rotation

@@ -1,7 +1,7 @@
 //! Joints and fingers of a simulated arm, and the table under its hand.
 
 use super::Simulation;
-use crate::kinematics::chain::{Chain, JOINTS};
+use crate::kinematics::chain::Chain;
 use crate::port::Waypoint;
 use crate::settings::FingerSettings;
 use fab_base::chance::Chance;
@@ -133,8 +133,9 @@ impl Body {
 
     /// Starts a motion through points; fails if they do not fit the arm.
     pub(super) fn follow(&mut self, points: &[Waypoint]) -> Result<(), String> {
+        let joints = self.joints_rad.len();
         let fit = points.iter().all(|point| {
-            point.joints_rad.len() == JOINTS
+            point.joints_rad.len() == joints
                 && point.at_s.is_finite()
                 && point.joints_rad.iter().all(|angle| angle.is_finite())
         });
