@@ -175,7 +175,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let make_look = |program: &Program| setting::arm::look(program, &arguments.arm);
     let world_command = match &arguments.world {
         WorldChoice::Program(command) => Some(command),
-        WorldChoice::Sim | WorldChoice::Jaco => None,
+        WorldChoice::Sim | WorldChoice::Arm => None,
     };
     for command in deciding
         .values()

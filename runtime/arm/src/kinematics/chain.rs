@@ -25,6 +25,9 @@ pub(super) type Jacobian = SMatrix<f64, 6, MAX_JOINTS>;
 /// of far larger numbers is meaningless.
 const MAX_ANGLE_RAD: f64 = 6300.0;
 
+/// The horizontal part of a unit vector that counts as vertical: URDF files round pi.
+const UPRIGHT: f64 = 1e-3;
+
 /// The length weighted like a radian, metres: about half the arm's reach.
 pub(super) const METRES_PER_RAD: f64 = 0.3;
 
@@ -40,10 +43,14 @@ pub struct Joint {
 }
 
 /// An arm from its base to its tool.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chain {
     model: String,
+    /// The joints' names; none for a built-in model, whose node has names of its own.
+    names: Vec<String>,
     joints: Vec<Joint>,
+    /// A posture with the hand down, to which others should be near; none for a built-in model.
+    home: Option<Angles>,
     last_from_tool: Isometry3<f64>,
     pub(super) shapes: Vec<Capsule>,
 }
@@ -82,12 +89,44 @@ impl Chain {
             joints,
             last_from_tool,
             shapes,
+            ..Chain::default()
+        }
+    }
+
+    /// Makes the chain of an arm that a file describes.
+    ///
+    /// - `home_rad`: one angle for each joint; missing ones are 0.
+    pub(crate) fn described(
+        model: &str,
+        names: Vec<String>,
+        joints: Vec<Joint>,
+        last_from_tool: Isometry3<f64>,
+        shapes: Vec<Capsule>,
+        home_rad: &[f64],
+    ) -> Chain {
+        let mut home = Angles::default();
+        for (angle, home_rad) in home.iter_mut().zip(home_rad).take(joints.len()) {
+            *angle = *home_rad;
+        }
+        Chain {
+            names,
+            home: Some(home),
+            ..Chain::new(model, joints, last_from_tool, shapes)
         }
     }
 
     /// Returns the model's name.
     pub fn model(&self) -> &str {
         &self.model
+    }
+
+    /// Returns the joints' names, from the base to the hand; none for a built-in model.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    pub(super) fn home(&self) -> Option<&Angles> {
+        self.home.as_ref()
     }
 
     /// Returns the joints, from the base to the hand.
@@ -141,7 +180,7 @@ impl Chain {
 
     /// Returns the index of the last joint.
     pub(super) fn last(&self) -> usize {
-        self.joints.len() - 1
+        self.joints.len().saturating_sub(1)
     }
 
     /// Returns the angles of the chain's joints.
@@ -213,10 +252,18 @@ impl Chain {
         axis.z.signum()
     }
 
-    /// Returns the point of the first joint's axis at the height of the second joint, base frame, metres.
+    /// Returns the point of the first joint's axis that is nearest to the second joint, base frame, metres.
     pub(super) fn shoulder(&self) -> Point3<f64> {
-        let second = self.links_at(&Angles::default())[1].translation.vector;
-        Point3::new(0.0, 0.0, second.z)
+        let [first, second, ..] = self.links_at(&Angles::default());
+        let axis = first.rotation * Vector3::z();
+        let away = second.translation.vector - first.translation.vector;
+        Point3::from(first.translation.vector + axis * away.dot(&axis))
+    }
+
+    /// Returns whether the first joint turns the arm about a vertical.
+    pub(crate) fn is_upright(&self) -> bool {
+        let axis = self.joints[0].parent_from_joint_at_zero.rotation * Vector3::z();
+        axis.xy().norm() < UPRIGHT
     }
 }
 

@@ -54,11 +54,18 @@ pub enum NoSolution {
 }
 
 /// What keeps the arm from a pose, judged by the best attempt.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Obstacle {
-    /// The pose is beyond the arm's reach.
-    #[error("it is too far from the base")]
-    TooFar,
+    /// The pose is beyond the arm's reach: its distance from the shoulder, and how far the arm reaches from there, metres.
+    #[error(
+        "it is too far from the base: `{away_m:.3}` m from the shoulder, and the arm reaches at most `{reach_m:.3}` m"
+    )]
+    TooFar {
+        /// The pose's distance.
+        away_m: f64,
+        /// The largest one.
+        reach_m: f64,
+    },
     /// It is closer to the base than the arm can reach.
     #[error("it is too close to the base")]
     TooNear,
@@ -105,18 +112,27 @@ impl Chain {
         if !is_pose(base_from_tool) {
             return Err(NoSolution::NotAPose);
         }
-        let wrist = base_from_tool * self.last_from_tool().inverse();
-        let beyond_m =
-            (wrist.translation.vector - self.shoulder().coords).norm() - self.stretched_m();
+        let beyond_m = self.beyond_m(base_from_tool);
         if beyond_m > POSITION_TOLERANCE_M {
             return Err(NoSolution::NotReached {
                 distance_m: beyond_m,
                 angle_rad: 0.0,
-                obstacle: Obstacle::TooFar,
+                obstacle: self.too_far(base_from_tool),
             });
         }
         let best = self.best_attempt(base_from_tool, &near);
         Ok(self.of_joints(&self.judged(base_from_tool, &near, &best)?))
+    }
+
+    /// Returns by how much a pose is farther than the stretched arm reaches, metres.
+    fn beyond_m(&self, base_from_tool: &Isometry3<f64>) -> f64 {
+        let wrist = base_from_tool * self.last_from_tool().inverse();
+        (wrist.translation.vector - self.shoulder().coords).norm() - self.stretched_m()
+    }
+
+    /// Returns whether a pose is farther than the stretched arm reaches.
+    pub(super) fn is_beyond(&self, base_from_tool: &Isometry3<f64>) -> bool {
+        self.beyond_m(base_from_tool) > POSITION_TOLERANCE_M
     }
 
     /// Returns joint angles for a pose close to the tool's pose at the given angles, in one attempt.
@@ -168,11 +184,7 @@ impl Chain {
     }
 
     /// Steps from `start` towards a pose until it is reached or the step limit is.
-    pub(super) fn approach(
-        &self,
-        base_from_tool: &Isometry3<f64>,
-        start: &Angles,
-    ) -> Attempt {
+    pub(super) fn approach(&self, base_from_tool: &Isometry3<f64>, start: &Angles) -> Attempt {
         let mut angles = self.within_limits(start);
         for _ in 0..MAX_STEPS {
             let (tool, jacobian) = self.motion_at(&angles);
@@ -204,12 +216,7 @@ impl Chain {
     }
 
     /// Solves for a damped step; leaves out joints that would be pushed past a limit they are at.
-    fn step(
-        &self,
-        angles: &Angles,
-        jacobian: &Jacobian,
-        error: &Vector6<f64>,
-    ) -> Step {
+    fn step(&self, angles: &Angles, jacobian: &Jacobian, error: &Vector6<f64>) -> Step {
         let mut weighted = *jacobian;
         weighted
             .fixed_rows_mut::<3>(0)
@@ -237,7 +244,9 @@ impl Chain {
     fn within_limits(&self, angles: &Angles) -> Angles {
         let mut within = *angles;
         for (angle, joint) in within.iter_mut().zip(self.joints()) {
-            if let Some([least, most]) = joint.limits_rad {
+            if let Some([least, most]) = joint.limits_rad
+                && !(least..=most).contains(angle)
+            {
                 let middle = (least + most) / 2.0;
                 *angle = nearest_turn(*angle, middle).clamp(least, most);
             }
@@ -245,16 +254,14 @@ impl Chain {
         within
     }
 
-    /// Returns the same posture with each unlimited joint on the turn closest to `near`.
-    pub(super) fn turns_nearest(
-        &self,
-        angles: &Angles,
-        near: &Angles,
-    ) -> Angles {
+    /// Returns the same posture with each joint on the turn closest to `near` that its limits allow.
+    pub(super) fn turns_nearest(&self, angles: &Angles, near: &Angles) -> Angles {
         let mut nearest = *angles;
         for ((angle, near), joint) in nearest.iter_mut().zip(near).zip(self.joints()) {
-            if joint.limits_rad.is_none() {
-                *angle = nearest_turn(*angle, *near);
+            let turned = nearest_turn(*angle, *near);
+            let is_allowed = |[least, most]: [f64; 2]| (least..=most).contains(&turned);
+            if joint.limits_rad.is_none_or(is_allowed) {
+                *angle = turned;
             }
         }
         nearest
@@ -267,6 +274,13 @@ impl Chain {
             .windows(2)
             .map(|pair| (pair[1].translation.vector - pair[0].translation.vector).norm());
         (links[1].translation.vector - self.shoulder().coords).norm() + ways.sum::<f64>()
+    }
+
+    fn too_far(&self, base_from_tool: &Isometry3<f64>) -> Obstacle {
+        Obstacle::TooFar {
+            away_m: (base_from_tool.translation.vector - self.shoulder().coords).norm(),
+            reach_m: self.stretched_m() + self.last_from_tool().translation.vector.norm(),
+        }
     }
 
     fn obstacle(&self, base_from_tool: &Isometry3<f64>, best: &Attempt) -> Obstacle {
@@ -283,7 +297,7 @@ impl Chain {
         let from_shoulder_m =
             |pose: &Isometry3<f64>| (pose.translation.vector - self.shoulder().coords).norm();
         if from_shoulder_m(base_from_tool) > from_shoulder_m(&self.tool_at(&best.angles)) {
-            Obstacle::TooFar
+            self.too_far(base_from_tool)
         } else {
             Obstacle::TooNear
         }

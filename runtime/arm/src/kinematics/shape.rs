@@ -61,7 +61,10 @@ impl Chain {
     /// Settings state the table by the tool's position at which the fingertips touch it. So its surface lies this much
     /// below that position.
     pub fn fingertips_beyond_tool_m(&self) -> f64 {
-        let hand = self.shapes.iter().filter(|shape| shape.link == self.joints().len());
+        let hand = self
+            .shapes
+            .iter()
+            .filter(|shape| shape.link == self.joints().len());
         let reach = hand.map(|shape| shape.from.z.max(shape.to.z) + shape.radius_m);
         reach.fold(0.0, f64::max)
     }

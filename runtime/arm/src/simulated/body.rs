@@ -87,6 +87,12 @@ impl Body {
         &self.fingers
     }
 
+    /// Returns how far the fingers go from open to closed, in their own units.
+    pub(super) fn finger_way(&self) -> f64 {
+        let FingerSettings { open, closed, .. } = self.simulation.fingers;
+        (closed - open).abs()
+    }
+
     pub(super) fn tool(&self) -> Isometry3<f64> {
         let tool = self.simulation.chain.base_from_tool(&self.joints_rad);
         tool.expect("a body's joints are its chain's")

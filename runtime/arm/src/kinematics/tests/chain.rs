@@ -71,7 +71,13 @@ fn what_are_no_angles_is_refused() {
         count.to_string(),
         "`5` joint angles were given to an arm with `6` joints"
     );
-    assert_eq!(chain.frames(&[]), Err(BadAngles::Count { found: 0, joints: 6 }));
+    assert_eq!(
+        chain.frames(&[]),
+        Err(BadAngles::Count {
+            found: 0,
+            joints: 6
+        })
+    );
     for bad in [f64::NAN, f64::INFINITY, -1e300] {
         let mut angles = HOME_RAD;
         angles[2] = bad;

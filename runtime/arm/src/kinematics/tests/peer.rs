@@ -10,7 +10,7 @@ use serde::Deserialize;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
-const SAMPLES: usize = 300;
+const SAMPLES: usize = 1000;
 
 #[derive(Deserialize)]
 struct MujocoOutput {
