@@ -53,7 +53,7 @@ pub struct RunArguments {
     pub model: ModelArguments,
     #[command(flatten)]
     pub spend: SpendArguments,
-    /// Where actions are executed: `sim`, `jaco`, or `exec:"CMD ARG..."`, a program of yours.
+    /// Where actions are executed: `sim`, `arm`, or `exec:"CMD ARG..."`, a program of yours.
     #[arg(long, value_name = "WORLD", default_value = "sim")]
     pub world: WorldChoice,
     #[command(flatten)]
