@@ -114,7 +114,7 @@ fn faults_of_a_description_are_told_with_those_of_the_settings() {
     );
     let text = text.replace("lift_m = 0.05", "lift_m = 0.001");
     std::fs::write(folder.path().join("robot.toml"), text).unwrap();
-    let output = finish(fabc(folder.path()).args(["robot", "check"]));
+    let output = finish(fabc(folder.path()).args(["robot", "check", "--robot", "robot.toml"]));
     assert_eq!(output.code, 2);
     for part in [
         "the `[[arm.joint]]` of `seven` allows",
