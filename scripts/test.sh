@@ -38,7 +38,12 @@ if [ "${1:-}" = --one ]; then
     exit 0
 fi
 
-[ $# -gt 0 ] || set -- --workspace --exclude fab-arm-ros --locked --lib --bins --tests
+if [ $# -eq 0 ]; then
+    set -- --workspace --exclude fab-arm-ros --locked --lib --bins --tests
+    # Many fast tests wait for a process or a connection; others run meanwhile.
+    RUST_TEST_THREADS=${RUST_TEST_THREADS:-$((2 * $(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)))}
+    export RUST_TEST_THREADS
+fi
 work=$(mktemp -d) || exit
 trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT

@@ -594,7 +594,7 @@ mod folder {
 
     impl Drop for Return {
         fn drop(&mut self) {
-            // The earlier folder may have been deleted, and nobody is left to be told.
+            // The earlier folder may have been deleted; then there is nobody to report it to.
             let _ = std::env::set_current_dir(&self.folder);
             HAS_TURN.set(self.had_turn);
         }

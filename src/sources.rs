@@ -95,7 +95,7 @@ impl Loader for Looking {
     }
 }
 
-/// Returns what a path in a folder leads to, after reading it as what it is wanted for.
+/// Reads the file at a path in a folder as the kind of file that is wanted; says what it found.
 fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Listed {
     let read = || -> Result<Listed, String> {
         let bytes = read_at_most(MAX_LOOKED_AT, &inside(folder, path)?)?;
@@ -111,12 +111,12 @@ fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Listed {
     read().unwrap_or_else(Listed::Nothing)
 }
 
-/// Returns the width and height of a PNG file; the error says why it is none, or is damaged.
+/// Returns the width and height of a PNG file; the error says why it is not one, or how it is damaged.
 ///
-/// Every chunk is read, because a file that was cut has a right head. The pixels are not unpacked.
+/// Every chunk is read, because a truncated file has a valid header. The pixels are not unpacked.
 fn png_size(bytes: &[u8]) -> Result<[u32; 2], String> {
     let rest = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n");
-    let mut rest = rest.ok_or("it is no PNG picture")?;
+    let mut rest = rest.ok_or("it is not a PNG picture")?;
     let mut size = None;
     let mut has_pixels = false;
     let number = |bytes: &[u8]| bytes.first_chunk().map(|it| u32::from_be_bytes(*it));
@@ -157,7 +157,7 @@ fn are_positions(bytes: &[u8]) -> Result<(), String> {
     let (shape, numbers) = npy::decode_floats(bytes)?;
     match shape.as_slice() {
         [_, 3] if numbers.iter().all(|number| number.is_finite()) => Ok(()),
-        [_, 3] => Err("a coordinate in it is no number".to_owned()),
+        [_, 3] => Err("a coordinate in it is not a number".to_owned()),
         _ => Err(format!("it has the shape {shape:?}, not (particles, 3)")),
     }
 }
@@ -566,7 +566,7 @@ mod tests {
                 "nan.npy",
                 Wanted::Positions,
                 &floats(&[4, 3], f32::NAN),
-                Some("a coordinate in it is no number"),
+                Some("a coordinate in it is not a number"),
             ),
             (
                 "right.jsonl",

@@ -34,6 +34,8 @@ pub(crate) struct Texts {
     faults: Vec<Option<Reported>>,
     /// For each file, whether its braces or quotes do not match.
     torn: Vec<bool>,
+    /// For each file, the proof that a file that it uses cannot be read, if so.
+    unread: Vec<Option<Reported>>,
 }
 
 /// The views of one file.
@@ -164,8 +166,12 @@ impl<'a> Loaded<'a> {
         seen.any(|seen| self.texts.torn[seen.index()])
     }
 
-    /// Returns the proof of a syntax error that may hide the declaration of a name from `file`.
+    /// Returns the proof of an error that may hide the declaration of a name from `file`: in the syntax, or in a `use`.
     pub fn hidden(&self, file: FileId, name: &str) -> Option<Reported> {
+        let unread = |seen: &LoadedFile<'_>| self.texts.unread[seen.id.index()];
+        if let Some(reported) = self.visible_from(file).find_map(unread) {
+            return Some(reported);
+        }
         let mut seen = self.visible_from(file);
         let hides = seen.find(|seen| seen.has_lost_name || seen.unparsed_words.contains(name))?;
         self.fault(hides.id)
@@ -270,6 +276,7 @@ impl Reading<'_> {
                 .filter(|_| !parsed.faults.is_empty()),
         );
         self.texts.torn.push(parsed.is_torn);
+        self.texts.unread.push(None);
         self.texts.trees.push(parsed.tree);
         self.texts.portable_names.push(portable_name);
         self.texts.reach.push(BTreeSet::from([file]));
@@ -303,8 +310,11 @@ impl Reading<'_> {
             .collect();
         for (span, path) in paths {
             // A file that cannot be read was reported; go on with the others.
-            if let Ok(target) = self.reach(file, span, path) {
-                self.texts.reach[file.index()].insert(target);
+            match self.reach(file, span, path) {
+                Ok(target) => {
+                    self.texts.reach[file.index()].insert(target);
+                }
+                Err(reported) => self.texts.unread[file.index()] = Some(reported),
             }
         }
         self.open.pop();
@@ -375,9 +385,14 @@ impl Reading<'_> {
             }
             Err(error) => {
                 let diagnostic = Diagnostic::new(Code::UnreadableUse, span, error.message);
-                Err(self.report.error(diagnostic.help(format!(
-                    "paths are relative to the file that contains them: this one is `{name}`"
-                ))))
+                let has_ending = written.ends_with(".fab");
+                let help = match !has_ending && self.loader.load(&format!("{name}.fab")).is_ok() {
+                    true => format!("did you mean `{written}.fab`?"),
+                    false => format!(
+                        "paths are relative to the file that contains them: this one is `{name}`"
+                    ),
+                };
+                Err(self.report.error(diagnostic.help(help)))
             }
         }
     }

@@ -45,7 +45,7 @@ pub enum Listed {
         /// Its height, pixels.
         height: u32,
     },
-    /// A file that is no picture.
+    /// A file that is not a picture.
     Other,
 }
 

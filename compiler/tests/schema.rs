@@ -300,9 +300,12 @@ fn schema_and_reader_admit_the_same_actions() {
 #[test]
 fn an_action_from_any_form_of_answer_is_one_that_the_schema_can_state() {
     let folder = common::workspace().join("tests/fixtures/replies");
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
     let mut n_read = 0;
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let text = std::fs::read_to_string(entry.unwrap().path()).unwrap();
+    for file in &files {
+        let text = std::fs::read_to_string(file).unwrap();
         let (head, answer) = text.split_once("---\n").unwrap();
         let Some(name) = head.lines().next().unwrap().strip_prefix("action in ") else {
             continue;

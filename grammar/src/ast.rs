@@ -1047,6 +1047,13 @@ impl<'t> Text<'t> {
                     }
                 }
             }
+            // Quotes of the wrong kind enclose the text all the same.
+            Kind::CurlyString | Kind::SingleString => {
+                let mut inside = self.node.text().chars();
+                inside.next();
+                inside.next_back();
+                pieces.literal(inside.as_str());
+            }
             _ => pieces.literal(self.node.text()),
         }
         pieces.list

@@ -15,7 +15,7 @@ fn main() {
         return;
     }
     let answer = Command::new("sh").args([SCRIPT, "--for-bindings"]).output();
-    // A system without `sh` is none that the script knows.
+    // The script knows no system without `sh`.
     if let Ok(answer) = answer
         && !answer.status.success()
     {

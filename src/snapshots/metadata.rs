@@ -87,8 +87,9 @@ impl TryFrom<String> for Origin {
     type Error = String;
 
     fn try_from(text: String) -> Result<Origin, String> {
-        parsed(&text)
-            .ok_or_else(|| format!("`{text}` is no origin; one is `FROM-TO COMPONENT FILE:LINE`"))
+        parsed(&text).ok_or_else(|| {
+            format!("`{text}` is not an origin; one is `FROM-TO COMPONENT FILE:LINE`")
+        })
     }
 }
 

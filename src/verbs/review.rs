@@ -114,7 +114,7 @@ pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     }
     if !io.is_interactive() {
         return Err(Failure::usage(format!(
-            "{} snapshots are pending, and this is no terminal; use --json, --accept, --reject or --accept-all",
+            "{} snapshots are pending, and this is not a terminal; use --json, --accept, --reject or --accept-all",
             found.pending.len()
         )));
     }

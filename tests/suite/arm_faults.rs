@@ -141,7 +141,7 @@ struct Ended {
     took_s: f64,
 }
 
-/// The task with a cloth of few particles, which only needs to be seen and carried, in small pictures.
+/// The task with few particles and small pictures: the cloth only needs to be seen and carried.
 fn program() -> Program {
     let mut program = task("real/double_triangle");
     program.camera.image_px = SIDE_PX;

@@ -106,8 +106,8 @@ fn a_damaged_manifest() {
         json!([step])
     };
     for (field, value, words) in [
-        ("task", json!("a\u{1b}[2J"), &["is no name"][..]),
-        ("task", json!(""), &["is no name"]),
+        ("task", json!("a\u{1b}[2J"), &["is not a name"][..]),
+        ("task", json!(""), &["is not a name"]),
         ("id", json!(-1), &["-1"]),
         ("dimx", json!(0), &["`0`", "`2` to `200`"]),
         ("dimx", json!(4_000_000_000u32), &["`2` to `200`"]),

@@ -335,7 +335,7 @@ fn wrong_input_is_said_with_its_place() {
         (
             &["--pairs", "bad.csv"],
             2,
-            "the points in `bad.csv` cannot be used: line 2: `oops` is no number",
+            "the points in `bad.csv` cannot be used: line 2: `oops` is not a number",
         ),
         (
             &["--pairs", "none.csv"],

@@ -32,6 +32,7 @@ mod finding_opencv;
 mod free_pick;
 mod job_options;
 mod journal;
+mod json_fields;
 mod likely_costs;
 mod model_conformance;
 mod models;

@@ -159,7 +159,7 @@ fn proxy(folder: &Path, behind: &str) -> (Running, String) {
     (running, format!("http://127.0.0.1:{port}"))
 }
 
-/// What a run through the proxy is to come to.
+/// A run through the proxy, and its expected result.
 struct Case<'a> {
     model: &'a str,
     key: Option<&'a str>,

@@ -230,9 +230,29 @@ fn a_probe_stops_at_its_cap_and_at_a_server_that_takes_nothing() {
     let (address, _runtime) = serve(peculiar);
     let (code, _, told) = probe(folder.path(), &address, &["--max-calls", "4"]);
     assert_eq!(code, 3, "{told}");
-    assert!(told.contains("the cap of 4 calls is reached"), "{told}");
+    assert!(
+        told.contains(
+            "the cap of 4 calls is reached; a probe begins anew: allow more with `--max-calls`"
+        ),
+        "{told}"
+    );
+    assert!(!told.contains("continues from here"), "{told}");
     let (address, _runtime) = serve(|_| refusal("no"));
     let (code, text, told) = probe(folder.path(), &address, &[]);
     assert_eq!(code, 2, "{text}{told}");
     assert!(told.contains("HTTP 400 Bad Request: no"), "{told}");
+}
+
+#[test]
+fn a_probe_that_its_cap_ends_says_why_the_last_call_gave_no_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let (address, _runtime) = serve(|_| json!({ "choices": 7 }).to_string().into_response());
+    let (code, _, told) = probe(folder.path(), &address, &["--max-calls", "1"]);
+    assert_eq!(code, 3, "{told}");
+    assert!(told.contains("with retries at most 1 call\n"), "{told}");
+    assert!(
+        told.contains("the cap of 1 call is reached")
+            && told.contains("the last call gave no answer: HTTP 200 OK, but"),
+        "{told}"
+    );
 }

@@ -160,7 +160,7 @@ fn the_stand_in_refuses_actions_that_it_does_not_know() {
 #[test]
 fn stand_ins_that_choose_answer_what_a_shipped_task_asks() {
     let folder = tempfile::tempdir().unwrap();
-    let file = support::project("tasks/double_straight.fab");
+    let file = support::project("tasks/sash.fab");
     let run = |model: &str| {
         let mut run = support::fabc(folder.path());
         support::finish(run.args(["run", &file, "--json", "--model", model]))
@@ -174,7 +174,7 @@ fn stand_ins_that_choose_answer_what_a_shipped_task_asks() {
     for words in [
         "not readable: Your answer states no pick point.",
         "the answer: I would pull it a little to the side.",
-        "refused by `offered`: The pick point (70, 27) is not one of the offered points.",
+        "refused by `offered`: The pick point (111, 111) is not one of the offered points.",
     ] {
         assert!(said.stderr.contains(words), "{}", said.stderr);
     }

@@ -195,9 +195,9 @@ pub fn guards_and_values(
     Ok(Value::Object(context))
 }
 
-/// Fills an emitted prompt with the settings for which it is written.
+/// Renders an emitted prompt with the settings of the template engine that it is written for.
 ///
-/// - `values`: an object of strings and of objects like that, as [`guards_and_values`] returns it.
+/// - `values`: an object of strings and of such objects, as [`guards_and_values`] returns it.
 ///
 /// Fails with the reason if a value is missing or the text is not a template.
 pub fn fill(template: &str, values: &Value) -> Result<String, String> {

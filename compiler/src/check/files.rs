@@ -31,7 +31,7 @@ pub(crate) fn named(
     Ok(FileRef { path })
 }
 
-/// Reports a file that is missing or is no picture; warns of a picture of another size than the camera's.
+/// Reports a file that is missing or is not a picture; warns of a picture of another size than the camera's.
 fn is_there(
     path: &str,
     text: Text<'_>,
@@ -47,7 +47,7 @@ fn is_there(
         Listed::Unknown => Ok(()),
         Listed::Nothing(why) => Err(context.error(missing(why))),
         Listed::Other if matches!(wanted, Wanted::CameraPicture | Wanted::Picture) => {
-            Err(context.error(missing("it is no PNG picture".to_owned())))
+            Err(context.error(missing("it is not a PNG picture".to_owned())))
         }
         Listed::Picture { width, height } if wanted == Wanted::CameraPicture => {
             let side = match &context.camera {

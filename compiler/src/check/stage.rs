@@ -584,7 +584,7 @@ impl<'a> Builder<'_, 'a> {
             all = Err(context
                 .error(others.fold(diagnostic, |it, (_, span)| it.also(*span, "nor this one"))));
         }
-        // A variant may remove the text that names a layer; that is no mistake.
+        // A variant may remove the text that names a layer; that is not a mistake.
         let merged = self.merged;
         if merged.stages.is_empty() || merged.variant.is_some() || self.may_say_more() {
             return all;

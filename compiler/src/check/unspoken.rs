@@ -1,4 +1,4 @@
-//! Warns of what a model must know and no prompt says, and of what a model says and nobody uses.
+//! Warns if no prompt states what a model must know, and if nothing uses an answer.
 //!
 //! In: a program without errors. Texts, examples and layers count as prompts; a plain picture does not, because a
 //! model cannot read points or a format from it.

@@ -124,7 +124,7 @@ codes! {
     "Paths are relative, with `/` between folders, without `{{ … }}`, and not empty. They stay in the folder of the first file and in those below. This way a task works on every machine, and reads no other files."
 
     "F0006" ControlCharacter Error
-    "a file has a character that nobody sees"
+    "a file has an invisible character"
     "Control characters such as NUL and escape, and characters that turn the direction of writing, change what a terminal or an editor shows. A reader would see another text than the model. Only line ends and tabs are accepted."
 
     "F0007" FileMissing Error

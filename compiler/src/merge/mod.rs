@@ -532,7 +532,11 @@ impl<'a> Merged<'a> {
         self.verify = Some(verify);
         self.checks = Indexed::default();
         self.removed_checks = left_out;
-        for check in verify.checks() {
+        // A misplaced check stays, so that nothing that refers to it is reported as well.
+        let misplaced = body
+            .checks()
+            .filter(|it| !restated.contains(it.name().text()));
+        for check in verify.checks().chain(misplaced) {
             self.checks.put(check.name().text(), check);
         }
     }

@@ -215,6 +215,7 @@ pub(super) fn recognise(
         }
         "actions" if before.ends_with("read") => usual().meant(span, "action"),
         "“" | "”" | "'" | "‘" | "’" => usual().help("write straight double quotes `\"`"),
+        "]" if last_open(before).is_some() => usual().help("write `)`").likely(span, ")"),
         "[" | "]" => {
             usual().help("lists have no brackets; write the parts with commas between them")
         }

@@ -141,7 +141,7 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
             diagnostic.also(bracket, "this `(` is open")
         }
         None if expected.is_empty() && follows_value(found, span, text) => diagnostic
-            .help("a sign such as `<` or a word such as `and` is missing before it, or it is one too many"),
+            .help("a sign such as `<` or a word such as `and` is missing before it, or it has to be removed"),
         None if expected.is_empty() && begins_statement(span, text) => {
             diagnostic.help("remove it: a statement begins with a word")
         }

@@ -9,6 +9,7 @@ use fab_program::{
     ActionField, Choices, Cloth, ClothStart, Direction, Exhausted, LengthChoice, LengthUnit,
     Program, Verify,
 };
+use std::sync::LazyLock;
 
 /// The cloth's longer side, metres.
 pub const EDGE_M: f64 = 0.625;
@@ -81,7 +82,9 @@ pub fn lengths(unit: LengthUnit, values: &[f64]) -> Choices {
 
 /// Returns a program with these fields.
 pub fn program(actions: Vec<ActionField>) -> Program {
-    let program = super::common::program("task.fab", super::common::TASK);
+    static COMPILED: LazyLock<Program> =
+        LazyLock::new(|| super::common::program("task.fab", super::common::TASK));
+    let program = COMPILED.clone();
     Program {
         task: "test".to_owned(),
         sources: Vec::new(),

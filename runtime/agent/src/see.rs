@@ -56,9 +56,7 @@ pub enum SeeError {
         alternative: &'static str,
     },
     /// A layer shows where the last action picked, which is unknown.
-    #[error(
-        "the layer `{layer}` shows where the last action picked, which was not given with its place"
-    )]
+    #[error("the layer `{layer}` shows where the last action picked, but only its place was given")]
     NeedsPick {
         /// The layer.
         layer: String,

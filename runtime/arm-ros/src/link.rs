@@ -164,7 +164,7 @@ pub(super) fn unique_number() -> String {
     format!("{}_{}_{call}", std::process::id(), since_epoch.as_millis())
 }
 
-/// Converts seconds to a wait, whatever their value.
+/// Converts seconds to a duration; accepts any number, and limits it to 0 to [`LONGEST_S`].
 pub(super) fn bounded_wait(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds.min(LONGEST_S)).unwrap_or_default()
 }

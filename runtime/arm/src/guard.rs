@@ -481,8 +481,7 @@ impl Guard {
     /// The settings state the table by the tool's place when the fingertips touch it, so the hand's shapes end where
     /// that is. Links are held to the tool's place itself, which is higher.
     fn above_table_m(&self, shape: &PlacedCapsule) -> f64 {
-        // The first link of an arm that stands upright cannot come down; the table ends before it.
-        if shape.link == 0 && self.chain.is_upright() {
+        if shape.link == 0 && self.chain.is_first_link_level() {
             return f64::INFINITY;
         }
         let ends = shape.ends.map(|end| self.surface.distance_m(&end));

@@ -87,7 +87,7 @@ pub enum AfterStop {
 
 /// A connection to the node that moves an arm.
 ///
-/// Sending only queues a message; whether a goal was accepted, and how it ended, is told by `goal`. Only `stop` and
+/// Sending only queues a message; `goal` reports whether a goal was accepted, and how it ended. Only `stop` and
 /// `start` wait for an answer.
 pub trait Port {
     /// Returns the time of a monotonic clock, seconds.

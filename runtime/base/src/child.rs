@@ -258,7 +258,7 @@ impl Child {
         let mut line =
             serde_json::to_vec(question).expect("a question has string keys and paths of UTF-8");
         line.push(b'\n');
-        // If nobody reads any more, the wait for the answer finds out why.
+        // If the program no longer reads, the wait for the answer finds out why.
         if let Some(stdin) = &self.stdin {
             let _ = stdin.send(line);
         }

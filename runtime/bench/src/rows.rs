@@ -80,7 +80,7 @@ pub struct Row {
     pub spread: Option<f64>,
     /// Its 95 % confidence interval.
     pub ci95: Option<[f64; 2]>,
-    /// Whether it is somebody else's figure.
+    /// Whether the figure is quoted from others.
     pub quoted: bool,
     /// Source of a quoted figure.
     pub source: Option<String>,

@@ -116,7 +116,7 @@ pub struct Gap {
     pub over: String,
 }
 
-/// A figure that somebody else reports.
+/// A figure that others report.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Quote {

@@ -349,7 +349,7 @@ fn crumpling_depends_on_the_seed_alone(make: &MakeWorld<'_>) -> Result<Conforman
     let interrupted = world.crumple(&start(), 7, &interrupt);
     demand(
         matches!(interrupted, Err(WorldError::Interrupted)),
-        "it crumples on when it is interrupted",
+        "it goes on crumpling after an interrupt",
     )?;
     let mut broken = start();
     broken.positions[3][2] = f32::NAN;

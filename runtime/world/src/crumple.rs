@@ -153,7 +153,7 @@ mod tests {
             assert_eq!(is_start(&drawn(share), &flat), expected, "{covered:?}");
         }
         assert!(!is_start(&[], &flat));
-        // Of a cloth that is half missing, half as much is as open: here 0.86 of its own area, 0.43 of the grid's.
+        // If half of the cloth is missing, its own area counts: it covers 0.86 of that, but 0.43 of the grid's.
         let half = Outline::new(&(("#".repeat(20) + &".".repeat(20) + "\n").repeat(40)));
         let halved = Start {
             outline: Some(half),

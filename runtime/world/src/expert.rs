@@ -1,7 +1,7 @@
-//! Executes declared folds by the cloth's own particles, and keeps what they come to.
+//! Executes declared folds by the cloth's own particles, and caches the resulting states.
 //!
-//! In: a program's fold sequences, a start, a world. Out: end states to score against. An expert
-//! reads particle positions that no camera shows (protocol, section 6), so it is never a player.
+//! In: a program's fold sequences, a start, a world. Out: end states to score against. These folds
+//! read particle positions that no camera shows (protocol, section 6), so they only score rollouts.
 
 use crate::start::{Grid, RESTING_HEIGHT_M, Start};
 use crate::{Motion, World, WorldError, WorldPoint};

@@ -112,7 +112,7 @@ fn files_that_are_no_snapshots_say_why() {
         ),
         (
             "---\ninfo: {task: half, origin: [6-3 frame]}\n---\n",
-            "`info`: `6-3 frame` is no origin; one is `FROM-TO COMPONENT FILE:LINE`",
+            "`info`: `6-3 frame` is not an origin; one is `FROM-TO COMPONENT FILE:LINE`",
         ),
         (
             "---\nsnapshot_kind: binary\nextension: ../x\n---\n",

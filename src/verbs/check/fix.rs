@@ -214,7 +214,7 @@ pub fn counted(count: usize, what: &str) -> String {
 
 /// Returns whether nobody, or not this user, may write a file.
 ///
-/// A file is replaced by renaming, which would succeed all the same.
+/// A file is replaced by renaming, which would succeed anyway.
 fn is_read_only(path: &Path) -> bool {
     let is_marked = fs::metadata(path).is_ok_and(|it| it.permissions().readonly());
     let is_refused = |kind| {

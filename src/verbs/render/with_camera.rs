@@ -43,7 +43,12 @@ pub struct CameraArguments {
     #[command(flatten)]
     pub shown: TargetModelArguments,
     /// What a model answered, in the order of the questions; shows what follows, such as the message of a refusal.
-    #[arg(long = "reply", value_name = "TEXT", conflicts_with = "scene")]
+    #[arg(
+        long = "reply",
+        value_name = "TEXT",
+        conflicts_with = "scene",
+        allow_hyphen_values = true
+    )]
     pub replies: Vec<String>,
 }
 
@@ -255,7 +260,7 @@ impl DisplayedScene {
         match left.len() {
             0 => Ok(rehearsed),
             beyond => Err(Failure::usage(format!(
-                "the last {beyond} of the answers given by `--reply` are to no question: no more are asked"
+                "the last {beyond} of the answers given by `--reply` belong to no question: no more are asked"
             ))),
         }
     }

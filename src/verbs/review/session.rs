@@ -78,7 +78,7 @@ pub fn run(
         found,
         ..
     } = &mut session;
-    // A snapshot that a later edit settled was not skipped after all.
+    // A snapshot that a later edit settled no longer counts as skipped.
     count
         .skipped
         .retain(|member| !open_decisions.is_settled(*member));

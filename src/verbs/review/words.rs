@@ -6,7 +6,7 @@ use super::edits::Cause;
 use super::find::Pending;
 use serde_json::{Map, Value};
 
-/// Describes what changed in a scene: each keypoint's points, each mask's pixel count, and what it was seen of.
+/// Describes what changed in a scene: each keypoint's points, each mask's pixel count, and the cloth and camera.
 pub fn scene_causes(pending: &Pending) -> Vec<Cause> {
     let parse = |text: &str| serde_json::from_str::<Map<String, Value>>(text).ok();
     let maps = pending

@@ -61,11 +61,30 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     };
     let budget = Budget::new(caps, Spent::default());
     let mut calls = Capped::by(&budget);
-    let failed = |error: ModelError| match error {
+    examine(arguments, examined, most, &mut calls, io).map_err(|error| match error {
         ModelError::Interrupted => Failure::interrupted(),
-        ModelError::NotSent(CallRefused::Budget(why)) => Failure::capped(why),
+        ModelError::NotSent(CallRefused::Budget(cap)) => {
+            let failure = calls.last_failure().map_or(String::new(), |why| {
+                format!("\nthe last call gave no answer: {why}")
+            });
+            let help = match cap.raise {
+                Some(option) => format!("; a probe begins anew: allow more with `{option}`"),
+                None => String::new(),
+            };
+            Failure::capped(format!("{}{help}{failure}", cap.why))
+        }
         error => Failure::environment(error),
-    };
+    })
+}
+
+/// Asks `most` questions at most.
+fn examine(
+    arguments: &ProbeArguments,
+    examined: Examined,
+    most: u64,
+    calls: &mut Capped<'_>,
+    io: &Io,
+) -> Result<Exit, ModelError> {
     match examined {
         Examined::Embedded(model) => {
             io.talk(&format!(
@@ -77,9 +96,8 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
                 model.as_ref(),
                 arguments.seed,
                 arguments.reach.reasoning,
-                &mut calls,
-            )
-            .map_err(failed)?;
+                calls,
+            )?;
             say(&found, None, None, arguments.json, io);
             Ok(exit(&found))
         }
@@ -91,14 +109,17 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
                     "how this model says where something is is not known: it is asked in pixels",
                 );
             }
+            let calls_at_most = match arguments.max_calls.unwrap_or(2 * most) {
+                1 => "1 call".to_owned(),
+                count => format!("{count} calls"),
+            };
             io.talk(&format!(
                 "asking {} at most {most} questions: {} about pictures of dots, the others about what its interface \
-                 takes; with retries at most {} calls",
+                 takes; with retries at most {calls_at_most}",
                 profile.title(),
                 SIDES_PX.len(),
-                caps.calls.unwrap_or_default()
             ));
-            let mut able = abilities(varied.as_ref(), &mut calls).map_err(failed)?;
+            let mut able = abilities(varied.as_ref(), calls)?;
             let known = Facts {
                 max_tokens_field: able
                     .facts
@@ -107,21 +128,14 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
                 ..profile.facts.clone()
             };
             let sees = able.facts.vision != Some(false);
-            let dots = match sees
-                .then(|| varied.under(&known))
-                .transpose()
-                .map_err(failed)?
-            {
+            let dots = match sees.then(|| varied.under(&known)).transpose()? {
                 None => None,
-                Some(model) => Some(
-                    probe(
-                        model.as_ref(),
-                        arguments.seed,
-                        arguments.reach.reasoning,
-                        &mut calls,
-                    )
-                    .map_err(failed)?,
-                ),
+                Some(model) => Some(probe(
+                    model.as_ref(),
+                    arguments.seed,
+                    arguments.reach.reasoning,
+                    calls,
+                )?),
             };
             able.reasons = able
                 .reasons

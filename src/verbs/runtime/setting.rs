@@ -167,7 +167,7 @@ pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
         .filter(|dims: &[u32; 2]| dims.iter().all(|dim| *dim >= 2))
         .ok_or_else(|| {
             Failure::usage(format!(
-                "`--dims {text}` is no grid; write two counts of at least 2, such as `55x44`"
+                "`--dims {text}` is not a grid; write two counts of at least 2, such as `55x44`"
             ))
         })
 }

@@ -25,16 +25,26 @@ fn every_page_of_the_book_is_in_its_summary_once() {
         .filter(is_chapter)
         .map(|page| page.path.clone())
         .collect();
-    assert_eq!(
-        listed, chapters,
-        "docs/SUMMARY.md lists other pages than there are"
+    let differ = |of: &[String], other: &[String]| -> Vec<String> {
+        let is_new = |page: &&String| !other.contains(page);
+        of.iter().filter(is_new).cloned().collect()
+    };
+    let (missing, unknown) = (differ(&chapters, &listed), differ(&listed, &chapters));
+    assert!(
+        listed == chapters,
+        "docs/SUMMARY.md lacks {missing:?}, and lists {unknown:?}, which do not exist; each page is listed once"
     );
 }
 
 #[test]
 fn decisions_are_listed_under_their_own_titles() {
     let pages = pages(root());
-    let list = fs::read_to_string(root().join("docs/decisions/README.md")).unwrap();
+    let lists = ["decisions/README.md", "SUMMARY.md"].map(|list| {
+        (
+            list,
+            fs::read_to_string(root().join("docs").join(list)).unwrap(),
+        )
+    });
     let mut n_records = 0;
     for page in &pages {
         let Some(file) = page.path.strip_prefix("docs/decisions/") else {
@@ -46,11 +56,15 @@ fn decisions_are_listed_under_their_own_titles() {
         n_records += 1;
         let text = fs::read_to_string(root().join(&page.path)).unwrap();
         let title = text.lines().next().unwrap().trim_start_matches("# ");
-        let entry = format!("[{title}]({file})");
-        assert!(
-            list.contains(&entry),
-            "docs/decisions/README.md lacks {entry}"
-        );
+        for (list, text) in &lists {
+            let beside = if *list == "SUMMARY.md" {
+                "decisions/"
+            } else {
+                ""
+            };
+            let entry = format!("[{title}]({beside}{file})");
+            assert!(text.contains(&entry), "docs/{list} lacks {entry}");
+        }
     }
     assert!(n_records > 60, "only {n_records} records were found");
 }

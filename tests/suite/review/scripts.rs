@@ -325,7 +325,7 @@ fn without_a_terminal_it_says_what_to_use() {
     assert_eq!(said.code, 64);
     assert!(
         said.stderr
-            .contains("this is no terminal; use --json, --accept"),
+            .contains("this is not a terminal; use --json, --accept"),
         "{}",
         said.stderr
     );

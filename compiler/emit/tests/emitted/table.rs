@@ -246,7 +246,7 @@ fn proposal(program: &Program, scene: &Scene, chance: &mut Chance) -> Proposal {
     }
 }
 
-/// Changes a value as little as it can be.
+/// Changes a value by the smallest step that its type allows.
 fn spoil(value: &mut Value) {
     match value {
         Value::Point(point) => point.u += 1,

@@ -127,7 +127,7 @@ impl fmt::Display for PointingError {
             PointingError::LiteralExamples { stage, wanted } => write!(
                 f,
                 "the examples of stage `{stage}` state points in pixels, as the task has them, and this model writes \
-                 a point {wanted}; use `demos`, which are told in every frame, or a model that answers in pixels"
+                 a point {wanted}; use `demos`, which are written in every frame, or a model that answers in pixels"
             ),
         }
     }

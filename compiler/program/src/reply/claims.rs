@@ -5,7 +5,7 @@
 
 use super::aside::{self, Aside, Cleared};
 use super::data;
-use super::lexer::{self, Token};
+use super::lexer::{self, Kind, Token};
 use super::remarks;
 use super::sentences::{Claim, Claimed, Reader};
 use std::ops::Range;
@@ -73,6 +73,10 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     claims.extend(reader.sentences(&text, None));
     claims.sort_by_key(|claim| claim.span.start);
     let tokens = lexer::tokens(&text);
+    if let Some(end) = cut_off(&tokens) {
+        let last = claims.iter_mut().filter(|claim| claim.span.end == end);
+        last.for_each(|claim| claim.claimed = Claimed::Bad("its number may be cut off".to_owned()));
+    }
     let turns = turns(&tokens);
     let last = claims.iter().map(|claim| claim.span.start).max();
     let at = reply.len();
@@ -97,6 +101,13 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         turns,
         cleared,
     }
+}
+
+/// Returns where a text ends, if it ends with a number inside of braces that are never closed.
+fn cut_off(tokens: &[Token<'_>]) -> Option<usize> {
+    let last = tokens.last().filter(|last| last.kind == Kind::Number)?;
+    let count = |sign: char| tokens.iter().filter(|token| token.is_sign(sign)).count();
+    (count('{') > count('}')).then(|| last.end())
 }
 
 /// Returns where a text takes something back.

@@ -266,9 +266,16 @@ pub(super) fn tagged_points(
         };
         let label =
             get(&["alt", "label", "name", "id", "type"]).and_then(|label| named(reader, label));
+        // Models that write such tags with decimals count in percent.
+        let counts_other = reader.notation.is_native()
+            && [get(&["x", "x1"]), get(&["y", "y1"])]
+                .iter()
+                .flatten()
+                .any(|number| number.contains('.'));
+        if label.is_none() && counts_other {
+            spans.push(start..start + length + 1);
+        }
         if let (Some(field), Some(x), Some(y)) = (label, get(&["x", "x1"]), get(&["y", "y1"])) {
-            // Models that write such tags with decimals count in percent.
-            let counts_other = reader.notation.is_native() && (x.contains('.') || y.contains('.'));
             let claimed = match counts_other {
                 true => Claimed::Bad("its tag counts in percent of the picture".to_owned()),
                 false => reader.whole(field, &format!("(x: {x}, y: {y})"), None, Clarity::Assigned),

@@ -455,7 +455,7 @@ fn word_length(text: &str) -> usize {
     text.len()
 }
 
-/// Returns whether a character takes no place: joiners, marks of direction, a byte order mark.
+/// Returns whether a character has no width: joiners, marks of direction, a byte order mark.
 fn is_invisible(letter: char) -> bool {
     matches!(letter, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}' | '\u{ad}')
         || letter.is_control()

@@ -19,7 +19,7 @@ pub(super) enum Form {
     VerbTo,
     /// By a verb after `be`: `should be grasped at`.
     Passive,
-    /// By a verb for both points, `pull the corner at`, where there is no field `place`.
+    /// By a word for both points, `pull the corner at`, `my choice is`, where there is no field `place`.
     VerbAt,
     /// The same after `be`: `should be pulled`.
     PassiveAt,
@@ -38,7 +38,7 @@ pub(super) struct Mention {
 }
 
 /// Words for the fields `pick` and `place`.
-const VERBS: [(&str, &[&str], Form); 7] = [
+const VERBS: [(&str, &[&str], Form); 8] = [
     (
         "pick",
         &[
@@ -68,6 +68,7 @@ const VERBS: [(&str, &[&str], Form); 7] = [
         ],
         Form::VerbTo,
     ),
+    ("pick", &["choice"], Form::VerbAt),
     (
         "pick",
         &["picked", "grasped", "grabbed", "gripped", "pinched"],
@@ -209,6 +210,14 @@ fn is_qualifier(tokens: &[Token<'_>], end: usize) -> bool {
 }
 
 fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Mention> {
+    // `for the first fold`
+    let is_noun = at > 0
+        && tokens[at - 1].is_any(&[
+            "the", "a", "this", "that", "each", "every", "first", "second", "third", "next", "last",
+        ]);
+    if is_noun {
+        return None;
+    }
     let is_passive = at > 0 && tokens[at - 1].is_any(&["be"]);
     let has = |wanted: &str| {
         fields

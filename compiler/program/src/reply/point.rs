@@ -100,6 +100,10 @@ fn placed(cursor: &mut Cursor<'_, '_>, notation: &Notation, brackets: Brackets) 
     while let Some(bracket) = cursor.eat_signs(&['(', '[', '{', '<'])
         && open.len() < MAX_BRACKETS
     {
+        // `Pick Point < (10, 20)` compares.
+        if bracket == '<' && !cursor.is_joined() {
+            return PointFound::Bad("`<` before its numbers is not understood".to_owned());
+        }
         open.push(bracket);
         // `{"point": `, `<point `
         let behind = *cursor;

@@ -67,7 +67,7 @@ pub(super) enum Parsed {
 }
 
 /// Units in other languages, and their names here.
-const FOREIGN: [(&str, &str); 11] = [
+const FOREIGN: [(&str, &str); 16] = [
     ("度", "deg"),
     ("도", "deg"),
     ("graus", "deg"),
@@ -75,6 +75,11 @@ const FOREIGN: [(&str, &str); 11] = [
     ("degrés", "deg"),
     ("degré", "deg"),
     ("gradi", "deg"),
+    ("grad", "deg"),
+    ("graden", "deg"),
+    ("grader", "deg"),
+    ("stopni", "deg"),
+    ("derece", "deg"),
     ("градусов", "deg"),
     ("毫米", "mm"),
     ("millimètres", "mm"),
@@ -204,6 +209,18 @@ pub(super) fn begins(cursor: Cursor<'_, '_>) -> bool {
         Kind::Sign(sign) => FRACTIONS.iter().any(|(fraction, _)| *fraction == sign),
         Kind::Word => token.is_any(&["pi", "π", "frac"]),
     })
+}
+
+/// Returns whether a number in degrees is next.
+pub(super) fn degrees(tokens: &[Token<'_>]) -> bool {
+    let mut cursor = Cursor::new(tokens);
+    cursor
+        .peek()
+        .is_some_and(|token| token.kind == Kind::Number)
+        && matches!(
+            read(&mut cursor),
+            Parsed::Quantity(Quantity { unit: Some(AnswerUnit::Of(unit)), .. }) if *unit == DEG
+        )
 }
 
 /// Reads `half the edge`, `three-quarters of an edge length`, `the full edge`.
@@ -606,6 +623,22 @@ pub(super) fn unit(cursor: &mut Cursor<'_, '_>) -> Option<AnswerUnit> {
     }
 }
 
+/// Reads `side` after `the cloth's`, and `side of the cloth`; other sides are none of its edges.
+fn side_of_cloth(cursor: &mut Cursor<'_, '_>, start: Cursor<'_, '_>) -> bool {
+    let names_cloth = start.tokens[start.at..cursor.at]
+        .iter()
+        .any(|token| token.is_any(&["cloth", "cloth's", "cloth’s", "fabric's"]));
+    let mut ahead = *cursor;
+    let is_side = ahead.eat_any(&["side", "sides"]);
+    let mut behind = ahead;
+    behind.eat_any(&["length", "lengths"]);
+    let is_there = is_side && (names_cloth || behind.eat_words("of the cloth"));
+    if is_there {
+        *cursor = ahead;
+    }
+    is_there
+}
+
 /// Reads `edge`, `of the cloth's edge length`, `* edge`, `x edge`; otherwise the cursor does not move.
 fn of_edge(cursor: &mut Cursor<'_, '_>) -> bool {
     let start = *cursor;
@@ -630,7 +663,7 @@ fn of_edge(cursor: &mut Cursor<'_, '_>) -> bool {
         cursor.at > 0 && cursor.tokens[cursor.at - 1].is_sign('(') && cursor.at > start.at;
     if cursor.eat_any(&["longer", "long", "longest"]) {
         cursor.eat_any(&["edge", "side"]);
-    } else if !cursor.eat_any(&["edge", "edges"]) {
+    } else if !(cursor.eat_any(&["edge", "edges"]) || side_of_cloth(cursor, start)) {
         *cursor = start;
         return false;
     }

@@ -1,7 +1,7 @@
 //! Reads what sentences state about each field.
 //!
-//! In: a text without its asides, objects and tables. Out: claims: a value, or why what stands there is none. A
-//! sentence that negates, doubts or asks claims nothing.
+//! In: a text without its asides, objects and tables. Out: claims, each with a value, or with the reason why the words
+//! are not one. A sentence that negates, doubts or asks claims nothing.
 
 use super::choice::Expected;
 use super::cursor::Cursor;
@@ -11,6 +11,7 @@ use super::point::{self, Brackets, PointFound};
 use super::quantity::{self, AnswerUnit};
 use super::value::{self, Clarity, Context, Found};
 use super::wordlist::words;
+use super::words;
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::pointing::Notation;
 use std::ops::Range;
@@ -36,9 +37,9 @@ pub(super) enum Claimed {
     Axis(char, f64),
     /// The answer judges that this value is unfit: `0.75 edge is too far`.
     Unfit(Value),
-    /// Words that hold no value at their start, why they are none, and how each value that they name is meant.
+    /// Words that do not begin with a value, the reason, and how each value that they name is meant.
     Prose(String, Vec<Named>),
-    /// Something that is no value, and why not.
+    /// Something that is not a value, and why not.
     Bad(String),
     Nothing,
 }
@@ -117,6 +118,11 @@ const TELLING: &[&str] = words!(
     "lost slipped slips tears tore creases creased leaves left failed fails damages crushes drops dropped"
 );
 
+/// Verbs before a direction in which something already lies.
+const LYING: &[&str] = words!(
+    "points pointing faces facing lies lying extends extending sticks sticking stretches stretching"
+);
+
 /// The most words between a verb and `from`.
 const MAX_CARRIED: usize = 8;
 
@@ -139,6 +145,7 @@ impl Reader<'_> {
         let found = (0..mentions.len()).filter_map(|index| sentences.claim(index));
         found
             .chain(sentences.motions())
+            .chain(sentences.pulls())
             .chain(sentences.judgements())
             .chain(sentences.carries())
             .map(|claim| Claim {
@@ -281,7 +288,9 @@ impl<'a> Sentences<'a> {
         } else {
             Clarity::Assigned
         };
-        if self.is_denied(mention.at, clarity, is_alone || sign == Sign::Assigns) {
+        if self.is_denied(mention.at, clarity, is_alone || sign == Sign::Assigns)
+            || (clarity == Clarity::Spoken && self.describes(mention))
+        {
             return None;
         }
         if mention.form == Form::VerbTo && sign != Sign::None {
@@ -352,7 +361,12 @@ impl<'a> Sentences<'a> {
         {
             return None;
         }
-        if self.asks(cursor.at, clarity) {
+        // `Moving (182, 41) would fold the wrong corner.`
+        let is_supposed = mention.form != Form::Name
+            && cursor
+                .peek()
+                .is_some_and(|next| next.is_any(value::CONDITIONAL));
+        if is_supposed || self.asks(cursor.at, clarity) {
             return None;
         }
         let last = cursor.at.max(start + 1).min(limit) - 1;
@@ -364,9 +378,9 @@ impl<'a> Sentences<'a> {
         })
     }
 
-    /// Returns whether a tag's attribute names the field: `<parameter name="pick">`.
+    /// Returns whether a tag's attribute names the field: `<parameter name="pick">`, `<parameter=pick>`.
     fn is_attribute(&self, mention: Mention) -> bool {
-        let [.., open, _, key, equals] = &self.tokens[..mention.at] else {
+        let [.., first, open, key, equals] = &self.tokens[..mention.at] else {
             return false;
         };
         let mut behind = Cursor {
@@ -377,7 +391,9 @@ impl<'a> Sentences<'a> {
         behind.eat_signs(&['"', '\'']);
         let closes = behind.eat_sign('>');
         let keys = ["name", "key", "id", "field", "param"];
-        open.is_sign('<') && key.is_any(&keys) && equals.is_sign('=') && closes
+        let names = first.is_sign('<') && key.is_any(&keys);
+        let is_parameter = open.is_sign('<') && key.is_any(&["parameter", "param", "argument"]);
+        (names || is_parameter) && equals.is_sign('=') && closes
     }
 
     /// Returns whether a line is the row `pick,65,77` of a table without lines between its columns.
@@ -669,6 +685,17 @@ impl<'a> Sentences<'a> {
         false
     }
 
+    /// Returns whether a direction describes how something lies: `the flap points in the direction 225 deg`.
+    fn describes(&self, mention: Mention) -> bool {
+        let before = &self.tokens[mention.at.saturating_sub(4)..mention.at];
+        self.is_direction(mention)
+            && before.iter().any(|token| token.is_any(LYING))
+            && before.iter().any(|token| token.is("in"))
+            && !before
+                .iter()
+                .any(|token| token.is_sign(',') || token.gap >= Gap::Line)
+    }
+
     /// Returns whether the sentence at a token ends with a question mark; what is assigned ends with its line.
     fn asks(&self, at: usize, clarity: Clarity) -> bool {
         for (index, token) in self.tokens.iter().enumerate().skip(at).take(60) {
@@ -786,8 +813,9 @@ impl<'a> Sentences<'a> {
                     tokens: inside,
                     at: begin,
                 };
-                let joined =
-                    inside[begin - 1].is_any(&["by", "it", "cloth", "corner"]) || begin == at + 1;
+                let joined = inside[begin - 1]
+                    .is_any(&["by", "it", "cloth", "corner", "for", "over"])
+                    || begin == at + 1;
                 let (value, note) = value::bare(&mut cursor, &context).filter(|_| joined)?;
                 let is_part = inside[begin..cursor.at]
                     .iter()
@@ -817,6 +845,82 @@ impl<'a> Sentences<'a> {
             });
         }
         claims
+    }
+
+    /// Returns the angles at which something is moved, without a field's name: `pull it down (270 deg)`.
+    fn pulls(&self) -> Vec<Claim> {
+        let mut angles = (0..self.reader.fields.len()).filter(|field| {
+            let choices = &self.reader.fields[*field].choices;
+            matches!(choices, Choices::Directions { .. })
+        });
+        let (Some(field), None) = (angles.next(), angles.next()) else {
+            return Vec::new();
+        };
+        let context = self.reader.context(field, self.text, None, Clarity::Spoken);
+        let found = (0..self.tokens.len()).filter_map(|at| {
+            let is_noun =
+                at > 0 && self.tokens[at - 1].is_any(&["the", "a", "this", "each", "that", "one"]);
+            if is_noun || !self.tokens[at].is_any(&["move", "drag", "pull", "pulling", "dragging"])
+            {
+                return None;
+            }
+            let last = self.tokens.len().min(at + MAX_MOTION);
+            let end = (at + 1..last).find(|index| {
+                self.tokens[*index].gap >= Gap::Item || value::ends_sentence(self.tokens, *index)
+            });
+            let begin = (at + 1..end.unwrap_or(last))
+                .find(|begin| quantity::degrees(&self.tokens[*begin..]))?;
+            let first = self.mentions.partition_point(|mention| mention.at < at);
+            let names_field = self.mentions[first..]
+                .iter()
+                .take_while(|mention| mention.at < begin)
+                .any(|mention| mention.form == Form::Name);
+            let mut cursor = Cursor {
+                tokens: &self.tokens[..self.tokens.len().min(begin + MAX_CLAUSE)],
+                at: begin,
+            };
+            let is_denied = self.is_denied(at, Clarity::Spoken, false)
+                || self.is_denied(begin, Clarity::Spoken, false);
+            if names_field || is_denied || self.asks(begin, Clarity::Spoken) {
+                return None;
+            }
+            let claimed = match value::read(&mut cursor, &context) {
+                Found::Value(value, _) if !self.agrees_with_side(begin, &value) => {
+                    Claimed::Bad("its words and its angle differ".to_owned())
+                }
+                Found::Value(value, note) => Claimed::Value(value, note),
+                _ => return None,
+            };
+            Some(Claim {
+                field,
+                span: self.tokens[at].at..self.tokens[cursor.at - 1].end(),
+                claimed,
+            })
+        });
+        found.collect()
+    }
+
+    /// Returns whether a direction in words just before an angle, `down (270 deg)`, is the same one.
+    fn agrees_with_side(&self, angle: usize, value: &Value) -> bool {
+        let Value::Direction { deg } = value else {
+            return true;
+        };
+        (angle.saturating_sub(6)..angle).all(|at| {
+            let mut cursor = Cursor {
+                tokens: &self.tokens[..angle],
+                at,
+            };
+            let Some(side) = words::side(&mut cursor) else {
+                return true;
+            };
+            let is_beside = cursor.rest().iter().all(|token| {
+                matches!(token.kind, Kind::Sign('(' | ',' | '-' | '–' | '='))
+                    || token.is_any(&["at", "by", "in", "that", "is", "i.e.", "so", "exactly"])
+            });
+            // `up and to the left`: the last word alone is only a part of it.
+            let is_part = at > 0 && self.tokens[at - 1].is_any(&["and", "the", "to", "-"]);
+            !is_beside || is_part || side == *deg
+        })
     }
 
     fn is_direction(&self, mention: Mention) -> bool {
@@ -1091,6 +1195,9 @@ fn sign(cursor: &mut Cursor<'_, '_>) -> Sign {
         "should be",
         "will be",
         "would be",
+        "has to be",
+        "must be",
+        "needs to be",
         "equals",
         "is set to",
         "set to",

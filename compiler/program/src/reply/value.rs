@@ -14,7 +14,7 @@ use super::words::{self, Offered};
 use crate::data::actions::{Choices, Value};
 use crate::pointing::Notation;
 use crate::space;
-use crate::units::{Dimension, UNITS};
+use crate::units::{Dimension, LengthUnit, UNITS};
 
 /// What was found where a value is expected.
 pub(super) enum Found {
@@ -22,7 +22,7 @@ pub(super) enum Found {
     Value(Value, Option<String>),
     /// Something that is not a value, and why not.
     Bad(String),
-    /// Words that do not begin with a value, and why they are none.
+    /// Words that do not begin with a value, and the reason why they are not one.
     Prose(String),
     /// The value is called wrong.
     Rejected,
@@ -81,7 +81,7 @@ const SUBORDINATING: &[&str] = words!(
 const RELATING: &[&str] = words!(
     "near nearby beside between opposite beyond past around toward towards away above below under beneath next adjacent
     not no never than or and half halfway but considered previous previously last old earlier would could might may if
-    wrong then except outside over mirror mirrored inside before after was were left-over avoid along"
+    wrong then except outside over mirror mirrored midway partway third thirds quarter quarters fraction percent inside before after was were left-over avoid along"
 );
 
 /// Words that must not stand directly before a point, because they make it another one.
@@ -323,7 +323,7 @@ fn skip_description(cursor: &mut Cursor<'_, '_>, clarity: Clarity) -> bool {
     while let Some(token) = cursor.peek() {
         let is_joint = matches!(token.kind, Kind::Sign('-' | ',' | ':' | '=' | '→' | '–'));
         let is_paragraph = cursor.at > 0 && token.gap >= Gap::Item;
-        // Any word describes the point that follows, unless it makes it another one or begins another thought.
+        // A word only describes the point that follows, unless it changes which point is meant or begins a new thought.
         let most = if clarity == Clarity::Assigned {
             MAX_DESCRIPTION
         } else {
@@ -367,6 +367,10 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
         ),
         _ => false,
     };
+    if let Some(chosen) = after_echo(start, context) {
+        *cursor = chosen;
+        return at_value(cursor, context);
+    }
     if is_echo(start, context) || (is_placeholder(start) && !begins_word(&start)) {
         return Found::Nothing;
     }
@@ -521,16 +525,27 @@ fn line(cursor: Cursor<'_, '_>, context: &Context<'_>) -> String {
 }
 
 /// Returns whether the text repeats all choices as the format lists them.
-fn is_echo(cursor: Cursor<'_, '_>, context: &Context<'_>) -> bool {
+fn is_echo(mut cursor: Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    eat_echo(&mut cursor, context)
+}
+
+/// Moves past all choices as the format lists them.
+fn eat_echo(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> bool {
     let values = space::declared(context.expected.field);
-    let mut cursor = cursor;
     values.len() > 1
         && values.iter().enumerate().all(|(index, value)| {
             let text = space::text(context.expected.field, value);
             let links =
                 index == 0 || cursor.eat_signs(&['|', ',', '/']).is_some() || cursor.eat_word("or");
-            links && words::eat(&mut cursor, &lexer::tokens(&text))
+            links && words::eat(cursor, &lexer::tokens(&text))
         })
+}
+
+/// Returns where the choice stands after the list of all choices: `0 deg | 45 deg | 90 deg → 45 deg`.
+fn after_echo<'a, 't>(mut cursor: Cursor<'a, 't>, context: &Context<'_>) -> Option<Cursor<'a, 't>> {
+    let leads = eat_echo(&mut cursor, context) && cursor.eat_signs(&['→', '=', ':']).is_some();
+    let is_same_line = cursor.peek().is_some_and(|next| next.gap < Gap::Line);
+    (leads && is_same_line).then_some(cursor)
 }
 
 /// Returns whether something stands in place of a value: `…`, `<angle>`, `N/A`, `null`.
@@ -757,11 +772,13 @@ fn of_other_kind(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> bool {
     leads && is_other
 }
 
-/// Skips another word to the end of its remark, if it says what that would do: `a firm grip could tear it`.
+/// Words that prefer what a remark speaks of.
+const PREFERRING: &[&str] = words!(
+    "better best preferable preferred ideal safer correct right should must fine work works good"
+);
+
+/// Skips another value to the end of its remark, if it says what that would do: `a firm grip could tear it`.
 fn dismissed(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) -> bool {
-    if !matches!(context.expected.field.choices, Choices::Words { .. }) {
-        return false;
-    }
     let start = *cursor;
     cursor.skip(&["a", "an", "the"], &[]);
     let other = bare(cursor, context);
@@ -773,11 +790,12 @@ fn dismissed(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) 
         || cursor.eat_words("is unnecessary");
     let is_other = other.is_some_and(|(other, _)| other != *value);
     let rest = cursor.rest();
-    let is_plain = !rest
-        .iter()
-        .any(|token| token.is_any(ALTERING) || token.is("better"))
-        && (0..rest.len()).all(|at| bare(&mut Cursor { tokens: rest, at }, context).is_none());
-    if !(is_other && is_conditional && is_plain) {
+    let is_plain = || {
+        let changes = |token: &Token<'_>| token.is_any(ALTERING) || token.is_any(PREFERRING);
+        !rest.iter().any(changes)
+            && (0..rest.len()).all(|at| bare(&mut Cursor { tokens: rest, at }, context).is_none())
+    };
+    if !(is_other && is_conditional && is_plain()) {
         *cursor = start;
         return false;
     }
@@ -1021,6 +1039,7 @@ fn restated(
         if in_pixels(cursor, context) {
             return Ok(true);
         }
+        is_rounded |= is_in_other_unit(*cursor, context);
         single(cursor, &context.expected, &assigned)
     };
     match found {
@@ -1046,6 +1065,20 @@ fn restated(
             }
             Ok(false)
         }
+    }
+}
+
+/// Returns whether a length in another unit than the choices is next; it may be rounded: `0.25 edge (64 mm)`.
+fn is_in_other_unit(mut cursor: Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    let Choices::Lengths { unit: own, .. } = &context.expected.field.choices else {
+        return false;
+    };
+    match quantity::read(&mut cursor) {
+        Parsed::Quantity(Quantity {
+            unit: Some(AnswerUnit::Of(unit)),
+            ..
+        }) => LengthUnit::of(unit).is_some_and(|unit| unit != *own),
+        _ => false,
     }
 }
 
@@ -1148,8 +1181,8 @@ const REFRAMING: &[&str] = words!(
     cropped crop"
 );
 
-/// Returns whether something is told of a word before the cursor, so that it is a reason: `a firm grip` before `could
-/// leave marks`.
+/// Returns whether a sentence says something about an offered word, so that it is a reason and no choice: `a firm grip`
+/// before `could leave marks`.
 fn tells_of_word(mut behind: Cursor<'_, '_>, context: &Context<'_>) -> bool {
     let start = behind.at;
     own_words(&mut behind, context);
@@ -1235,7 +1268,12 @@ fn explanation(
     if is_point && rest.iter().any(|token| token.is_any(REFRAMING)) {
         return failed();
     }
-    if alters || first.is_any(TURNING) || states_other(cursor, context, value) {
+    // `0.75 edge in total, over two pulls`
+    let sums = first.is("in")
+        && rest
+            .get(1)
+            .is_some_and(|next| next.is_any(&["total", "all", "sum"]));
+    if alters || sums || first.is_any(TURNING) || states_other(cursor, context, value) {
         return failed();
     }
     // `90 deg is not possible`

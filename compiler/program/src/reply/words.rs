@@ -51,7 +51,10 @@ const SIDES: [(&str, f64); 42] = [
 ];
 
 /// Arrows that are directions.
-const ARROWS: [(char, f64); 8] = [
+const ARROWS: [(char, f64); 11] = [
+    ('⬆', 90.0),
+    ('⬇', 270.0),
+    ('⬅', 180.0),
     ('↑', 90.0),
     ('↓', 270.0),
     ('←', 180.0),
@@ -107,11 +110,18 @@ pub(super) fn side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {
         }
         None => *cursor = behind,
     }
+    // `right of the center` is a place; `the top of the picture` is a direction.
+    let of_picture = (1..=2).any(|at| {
+        cursor.ahead(at).is_some_and(|next| {
+            next.is_any(&["image", "picture", "photo", "frame", "view", "table"])
+        })
+    });
+    let is_place = !of_picture && cursor.peek().is_some_and(|next| next.is("of"));
     // `a right angle`, `the right corner`
     let is_diagonal = deg % 90.0 != 0.0;
     if cursor
         .peek()
-        .is_some_and(|next| next.is("angle") || (next.is("corner") && !is_diagonal))
+        .is_some_and(|next| next.is("angle") || is_place || (next.is("corner") && !is_diagonal))
     {
         *cursor = start;
         return None;

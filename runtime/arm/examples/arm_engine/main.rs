@@ -79,7 +79,7 @@ fn main() -> io::Result<()> {
         {}
     });
     let (answers, to_write) = mpsc::channel();
-    // A hanging node reads no answers, and the arm must keep moving all the same.
+    // A hanging node reads no answers, but the arm must keep moving.
     std::thread::spawn(move || {
         let mut stdout = io::stdout().lock();
         to_write

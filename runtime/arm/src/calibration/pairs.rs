@@ -115,7 +115,7 @@ fn number(field: &str) -> Result<f64, String> {
     let shown: String = field.chars().take(20).collect();
     match field.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(format!("`{shown}` is no number")),
+        _ => Err(format!("`{shown}` is not a number")),
     }
 }
 

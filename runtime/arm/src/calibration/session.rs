@@ -122,7 +122,7 @@ impl<'a> Session<'a> {
         };
         match off_mm() {
             Some(off_mm) => {
-                format!("{off_mm:.1} mm from where the {n} before it put it (`undo` takes it back)")
+                format!("{off_mm:.1} mm from where the {n} before it put it (`undo` removes it)")
             }
             None => {
                 format!("added; the {n} points before it do not yet determine where it should be")

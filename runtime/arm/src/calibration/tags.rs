@@ -50,7 +50,7 @@ impl FromStr for TagName {
         let number = text.strip_prefix("tag").and_then(|id| id.parse().ok());
         number.map(TagName).ok_or_else(|| {
             let shown: String = text.chars().take(40).collect();
-            format!("`{shown}` is no tag; write such as `tag7`")
+            format!("`{shown}` is not a tag; write one such as `tag7`")
         })
     }
 }

@@ -260,8 +260,15 @@ impl Chain {
         Point3::from(first.translation.vector + axis * away.dot(&axis))
     }
 
+    /// Returns whether the first link's height is not to be checked. It cannot come down if the arm stands upright, and the
+    /// table's plane, which has no edge, would pass through a capsule around the foot of most described arms. The built-in
+    /// models' capsules are tight there.
+    pub(crate) fn is_first_link_level(&self) -> bool {
+        self.home.is_some() && self.is_upright()
+    }
+
     /// Returns whether the first joint turns the arm about a vertical.
-    pub(crate) fn is_upright(&self) -> bool {
+    pub(super) fn is_upright(&self) -> bool {
         let axis = self.joints[0].parent_from_joint_at_zero.rotation * Vector3::z();
         axis.xy().norm() < UPRIGHT
     }

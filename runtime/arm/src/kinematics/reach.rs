@@ -114,7 +114,7 @@ impl fmt::Display for OutOfReach {
         if self.why == WhyUnreachable::NotAPlace {
             return write!(
                 out,
-                "the point or a height over it is no place within {MAX_M} m of the arm's base"
+                "the point or a height above it is not within {MAX_M} m of the arm's base"
             );
         }
         write!(out, "{:.2} m from the arm's base; ", self.radius_m)?;

@@ -104,7 +104,7 @@ const PLACE: Accepts = Numbers(3, from(-3.0, 3.0));
 const ANGLE: Range = from(-360.0, 360.0);
 /// Heights above a point of the table.
 const HEIGHT: Accepts = Number(from(0.0, 0.5));
-/// The most faults that are told at once.
+/// The most faults that one message lists.
 const MAX_FAULTS: usize = 20;
 /// The longest unknown key for which a similar one is sought.
 const MAX_KEY: usize = 40;

@@ -320,7 +320,7 @@ fn a_goal_whose_status_is_lost_is_not_begun_again() {
     }
 }
 
-/// An arm that comes to rest where a fault has brought it: its motions are told as short.
+/// An arm that comes to rest where a fault has brought it: its motions are reported as short.
 struct Carried {
     at: Isometry3<f64>,
     n_motions: u32,

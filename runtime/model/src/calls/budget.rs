@@ -5,7 +5,7 @@
 //! not fit, it waits until calls under way have ended, because most of them cost less than was reserved. Once a model
 //! cost more than was reserved, its reservations grow by the worst ratio seen.
 
-use super::{Billing, CallEnd, CallRefused, Usage, Usd};
+use super::{Billing, CallEnd, CallRefused, CapReached, Usage, Usd};
 use fab_base::interrupt::Interrupt;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -237,7 +237,7 @@ enum Admission {
     /// It fits only if calls under way cost less than is reserved for them.
     Wait,
     /// A cap is reached.
-    Refused(String),
+    Refused(CapReached),
 }
 
 impl State {
@@ -256,17 +256,21 @@ impl State {
             .filter(|cap| self.spent.calls + under_way >= *cap)
         {
             let noun = if cap == 1 { "call" } else { "calls" };
-            return Admission::Refused(format!(
-                "the cap of {cap} {noun} is reached; a higher `--max-calls` continues from here"
-            ));
+            return Admission::Refused(CapReached {
+                why: format!("the cap of {cap} {noun} is reached"),
+                raise: Some("--max-calls"),
+            });
         }
         let at_most = estimated.map(|estimated| self.overruns.scale(model, estimated));
         if let Some(cap) = caps.cost {
             let Some(at_most) = at_most else {
-                return Admission::Refused(format!(
-                    "the cost cap of {cap} cannot be enforced, because the price of this model is unknown; use \
-                     `--max-calls` instead"
-                ));
+                return Admission::Refused(CapReached {
+                    why: format!(
+                        "the cost cap of {cap} cannot be enforced, because the price of this model is unknown; use \
+                         `--max-calls` instead"
+                    ),
+                    raise: None,
+                });
             };
             let taken = self.spent.at_most();
             if taken + self.reserved() + at_most > cap {
@@ -298,12 +302,15 @@ impl State {
     }
 }
 
-fn no_room(cap: Usd, taken: Usd, at_most: Usd, estimated: Option<Usd>) -> String {
+fn no_room(cap: Usd, taken: Usd, at_most: Usd, estimated: Option<Usd>) -> CapReached {
     if taken > cap {
-        return format!(
-            "the cap of {cap} is passed by {}: a call cost more than was to be expected",
-            taken.less(cap)
-        );
+        return CapReached {
+            why: format!(
+                "the cap of {cap} is passed by {}: a call cost more than was to be expected",
+                taken.less(cap)
+            ),
+            raise: None,
+        };
     }
     let learned = match estimated {
         Some(estimated) if estimated < at_most => format!(
@@ -312,11 +319,13 @@ fn no_room(cap: Usd, taken: Usd, at_most: Usd, estimated: Option<Usd>) -> String
         ),
         _ => String::new(),
     };
-    format!(
-        "the next call may cost {at_most}{learned}, and of the cap of {cap} {} is left; a higher `--max-cost` continues \
-         from here",
-        cap.less(taken)
-    )
+    CapReached {
+        why: format!(
+            "the next call may cost {at_most}{learned}, and of the cap of {cap} {} is left",
+            cap.less(taken)
+        ),
+        raise: Some("--max-cost"),
+    }
 }
 
 /// Permission for one call. If it is dropped, the call counts as unanswered and possibly billed.

@@ -9,12 +9,22 @@ pub struct Capped<'b> {
     budget: &'b Budget,
     /// The call in progress.
     open: Option<Reservation<'b>>,
+    last_failure: Option<String>,
 }
 
 impl<'b> Capped<'b> {
     /// Counts calls towards `budget`.
     pub fn by(budget: &'b Budget) -> Capped<'b> {
-        Capped { budget, open: None }
+        Capped {
+            budget,
+            open: None,
+            last_failure: None,
+        }
+    }
+
+    /// Returns why the last call gave no answer; `None` if it gave one.
+    pub fn last_failure(&self) -> Option<&str> {
+        self.last_failure.as_deref()
     }
 }
 
@@ -28,6 +38,10 @@ impl Calls for Capped<'_> {
         if let Some(open) = self.open.take() {
             open.settle(end);
         }
+        self.last_failure = match end {
+            CallEnd::Answered(_) => None,
+            CallEnd::Failed { why, .. } => Some((*why).to_owned()),
+        };
         Ok(())
     }
 }

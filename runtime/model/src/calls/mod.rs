@@ -93,7 +93,7 @@ impl CallEnd<'_> {
 pub enum CallRefused {
     /// A cap on calls or cost is reached.
     #[error("{0}")]
-    Budget(String),
+    Budget(CapReached),
     /// The user interrupted the wait for calls under way.
     #[error("interrupted")]
     Interrupted,
@@ -113,6 +113,15 @@ pub enum CallRefused {
     Lost,
 }
 
+/// A cap that lets no further call through.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CapReached {
+    /// Which cap, and how far it is used.
+    pub why: String,
+    /// The option that raises it, if that would help.
+    pub raise: Option<&'static str>,
+}
+
 /// Accepts all calls and stores nothing: for questions outside any run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unrecorded;
@@ -124,6 +133,15 @@ impl Calls for Unrecorded {
 
     fn end(&mut self, _: &CallEnd<'_>) -> Result<(), CallRefused> {
         Ok(())
+    }
+}
+
+impl fmt::Display for CapReached {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.raise {
+            Some(option) => write!(f, "{}; a higher `{option}` continues from here", self.why),
+            None => f.write_str(&self.why),
+        }
     }
 }
 

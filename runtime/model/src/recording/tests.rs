@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use crate::calls::{CallRefused, Calls, Unrecorded, Usage, Usd};
+use crate::calls::{CallRefused, Calls, CapReached, Unrecorded, Usage, Usd};
 use crate::{Message, Model, ModelError, ModelKind, ModelRole, Part, Png, Request, Speaker};
 use serde_json::json;
 use std::time::Duration;
@@ -181,7 +181,11 @@ fn nothing_is_recorded_twice_and_what_was_never_sent_not_at_all() {
     keep(
         &recorder,
         "capped",
-        Err(CallRefused::Budget("no".to_owned()).into()),
+        Err(CallRefused::Budget(CapReached {
+            why: "no".to_owned(),
+            raise: None,
+        })
+        .into()),
     );
     keep(&recorder, "stopped", Err(ModelError::Interrupted));
     assert_eq!(std::fs::read(&path).unwrap(), before);

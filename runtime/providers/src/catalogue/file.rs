@@ -404,7 +404,7 @@ fn check_reasoning(facts: &ReasoningFacts) -> Result<(), String> {
     };
     match facts.tokens_field.as_ref().filter(|name| !is_budget(name)) {
         Some(name) => Err(format!(
-            "`tokens_field = {name:?}` is no name such as `thinking_token_budget`"
+            "`tokens_field = {name:?}` is not a name such as `thinking_token_budget`"
         )),
         None => Ok(()),
     }

@@ -20,7 +20,7 @@ fn the_embedded_facts_are_read_and_every_entry_has_a_source() {
     for provider in catalogue.providers() {
         assert!(!provider.sources.is_empty(), "{}", provider.name);
     }
-    let gathered = [date("2026-11-20"), date("2026-11-24")];
+    let gathered = ["2026-11-20", "2026-11-24", "2026-11-25"].map(date);
     for profile in catalogue.profiles() {
         assert!(
             profile
@@ -176,6 +176,23 @@ fn dated_and_older_ids_are_found_by_alias_and_no_further() {
         ("openai:gpt-4.1-mini", "2027-01-14", Some("gpt-6-luna")),
         ("openrouter:openai/gpt-4o", "2027-01-14", Some("gpt-6-luna")),
         ("anthropic:claude-sonnet-4-5", "2026-11-30", None),
+        (
+            "anthropic:claude-opus-4-20250514",
+            "2026-06-15",
+            Some("claude-opus-4-8"),
+        ),
+        (
+            "openrouter:anthropic/claude-sonnet-4-20250514",
+            "2026-06-15",
+            Some("claude-sonnet-4-6"),
+        ),
+        (
+            "anthropic:claude-3-haiku-20240307",
+            "2026-04-20",
+            Some("claude-haiku-4-5-20251001"),
+        ),
+        ("anthropic:claude-opus-4-1-20250805", "2026-08-05", None),
+        ("anthropic:claude-2.1", "2025-07-21", None),
     ] {
         let model = model.replace("openrouter:", "compatible:openrouter/");
         let facts = find(&model).facts;

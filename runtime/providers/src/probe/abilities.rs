@@ -59,8 +59,8 @@ enum Outcome {
     Answered(String),
     /// The interface refused it, with these words.
     Refused(String),
-    /// It failed in another way, which says nothing about the part in doubt.
-    Failed(String),
+    /// It failed in another way, which says nothing about the part in doubt: the fault, and its words.
+    Failed(Fault, String),
 }
 
 struct Prober<'a> {
@@ -109,7 +109,16 @@ impl Prober<'_> {
             match self.ask(&say_yes(), |_| {})? {
                 Outcome::Refused(why) => last = why,
                 Outcome::Answered(_) => return Ok(true),
-                Outcome::Failed(why) => {
+                // Further questions would fare alike, and may be billed.
+                Outcome::Failed(fault @ (Fault::ServerFailed | Fault::InvalidReply), why) => {
+                    let model = self.subject.under(self.subject.known())?;
+                    return Err(ModelError::Failed {
+                        model: model.name().to_owned(),
+                        fault,
+                        why,
+                    });
+                }
+                Outcome::Failed(_, why) => {
                     self.note(format!("a first question failed: {why}"));
                     return Ok(true);
                 }
@@ -136,14 +145,14 @@ impl Prober<'_> {
                 self.note(format!("it takes {name} {value}"));
                 return Ok(());
             }
-            Outcome::Failed(why) => {
+            Outcome::Failed(_, why) => {
                 self.note(format!("whether it takes {name} is open: {why}"));
                 return Ok(());
             }
             Outcome::Refused(_) => match self.ask(&stated(1.0), |_| {})? {
                 Outcome::Answered(_) => Accepted::Only(vec![1.0]),
                 Outcome::Refused(_) => Accepted::Refused,
-                Outcome::Failed(why) => {
+                Outcome::Failed(_, why) => {
                     self.note(format!(
                         "it refuses {name} {value}; whether it takes 1 is open: {why}"
                     ));
@@ -177,7 +186,7 @@ impl Prober<'_> {
                 colour.is_some_and(|colour| ["green", "brown"].contains(&colour))
             }
             Outcome::Refused(_) => false,
-            Outcome::Failed(why) => {
+            Outcome::Failed(_, why) => {
                 self.note(format!("whether it follows a schema is open: {why}"));
                 return Ok(());
             }
@@ -202,7 +211,7 @@ impl Prober<'_> {
                 _ => self
                     .note("it did not name the colours of two pictures in one message".to_owned()),
             },
-            Outcome::Failed(why) => {
+            Outcome::Failed(_, why) => {
                 self.note(format!(
                     "whether it takes two pictures in one message is open: {why}"
                 ));
@@ -211,7 +220,7 @@ impl Prober<'_> {
                 match self.ask(&asked(vec![text(), red]), |facts| facts.vision = None)? {
                     Outcome::Answered(_) => self.found.facts.several_pictures = Some(false),
                     Outcome::Refused(_) => self.found.facts.vision = Some(false),
-                    Outcome::Failed(why) => {
+                    Outcome::Failed(_, why) => {
                         self.note(format!("whether it takes pictures is open: {why}"));
                     }
                 }
@@ -246,7 +255,7 @@ impl Prober<'_> {
                 | Fault::InvalidReply
                 | Fault::Refused
                 | Fault::ContentFiltered
-                | Fault::ServerFailed => Ok(Outcome::Failed(why)),
+                | Fault::ServerFailed => Ok(Outcome::Failed(fault, why)),
                 _ => Err(ModelError::Failed {
                     model: model.name().to_owned(),
                     fault,

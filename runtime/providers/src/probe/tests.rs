@@ -679,3 +679,83 @@ fn a_probe_asks_no_more_than_it_says() {
         );
     }
 }
+
+/// Gives no answer, for one reason.
+struct Failing {
+    known: Facts,
+    fault: Fault,
+    asked: Arc<AtomicU64>,
+}
+
+impl Subject for Failing {
+    fn known(&self) -> &Facts {
+        &self.known
+    }
+
+    fn wire(&self) -> Wire {
+        Wire::OpenaiChat
+    }
+
+    fn under(&self, _: &Facts) -> Result<Arc<dyn Model>, ModelError> {
+        Ok(Arc::new(FailingModel {
+            fault: self.fault,
+            asked: Arc::clone(&self.asked),
+        }))
+    }
+}
+
+struct FailingModel {
+    fault: Fault,
+    asked: Arc<AtomicU64>,
+}
+
+impl Model for FailingModel {
+    fn name(&self) -> &str {
+        "failing"
+    }
+
+    fn nature(&self) -> ModelKind {
+        ModelKind::Model
+    }
+
+    fn ask(&self, _: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
+        self.asked.fetch_add(1, Ordering::SeqCst);
+        Err(ModelError::Failed {
+            model: "failing".to_owned(),
+            fault: self.fault,
+            why: "it broke".to_owned(),
+        })
+    }
+}
+
+#[test]
+fn a_server_that_fails_at_the_first_question_is_asked_no_further() {
+    for (fault, questions) in [
+        (Fault::ServerFailed, 1),
+        (Fault::InvalidReply, 1),
+        (Fault::Unreachable, 1),
+        // Models may decline a question, or think too long about it, and answer others.
+        (Fault::Refused, 5),
+        (Fault::Truncated, 5),
+    ] {
+        let subject = Failing {
+            known: Facts::default(),
+            fault,
+            asked: Arc::default(),
+        };
+        let found = abilities(&subject, &mut Unrecorded);
+        assert_eq!(subject.asked.load(Ordering::SeqCst), questions, "{fault}");
+        match (found, questions) {
+            (
+                Err(ModelError::Failed {
+                    fault: told, why, ..
+                }),
+                1,
+            ) => {
+                assert_eq!((told, why.as_str()), (fault, "it broke"));
+            }
+            (Ok(found), 5) => assert!(found.notes[0].contains("it broke")),
+            (found, _) => panic!("{fault}: {found:?}"),
+        }
+    }
+}

@@ -116,6 +116,11 @@ const CAUSES: &[Cause] = &[
         help: "check the port in the base URL `{base_url}`, and whether it has to begin with `https://`",
     },
     Cause {
+        applies: |e| is(e, Obstacle::BadHttp),
+        cause: "the server at `{authority}`, or a proxy before it, sent a header or a length that is not valid",
+        help: "look into its log; ask without the proxy, or with another version of the server",
+    },
+    Cause {
         applies: |e| is(e, Obstacle::Cut),
         cause: "the server, or a proxy before it, closed the connection; a server that runs out of memory does so",
         help: "look into the log of the server at `{authority}`",
@@ -126,6 +131,11 @@ const CAUSES: &[Cause] = &[
         help: "open `{base_url}` in a browser, and check the base URL",
     },
     // What a proxy, a gateway or another port answers.
+    Cause {
+        applies: |e| e.status() == Some(407) && e.sent.proxy.is_none(),
+        cause: "what listens at `{authority}` is a proxy to other servers, and not a server of models",
+        help: "check the port in the base URL `{base_url}`",
+    },
     Cause {
         applies: |e| e.status() == Some(407),
         cause: "the proxy named by `{proxy}` wants a user name and a password",
@@ -142,12 +152,17 @@ const CAUSES: &[Cause] = &[
         help: "write `https://` in the base URL",
     },
     Cause {
+        applies: leads_back,
+        cause: "the server redirects to `{location}`, which is the address that was asked, apart from a `/` at its end or its query",
+        help: "turn off this redirect in the server or the gateway; fabc follows none, because it would send the key along",
+    },
+    Cause {
         applies: |e| in_range(e, 300, 399) && location(e).is_some(),
         cause: "the server redirects to `{location}`, and a key is not sent after a redirect",
         help: "give the final address: `--base-url {location_base}`, if you trust it",
     },
     Cause {
-        applies: |e| in_range(e, 300, 399),
+        applies: |e| in_range(e, 300, 399) && e.status() != Some(304),
         cause: "the base URL `{base_url}` leads elsewhere, and a key is not sent after a redirect",
         help: "give the final address with `--base-url URL`",
     },
@@ -345,14 +360,14 @@ const CAUSES: &[Cause] = &[
         cause: "the server itself failed",
         help: "the log of the server at `{authority}` says why",
     },
-    // A reply of status 200 that is no answer.
+    // A reply of status 200 that is not an answer.
     Cause {
         applies: is_stream,
         cause: "the server streams its answer, though no stream was asked for",
         help: "turn forced streaming off in the server or the gateway",
     },
     Cause {
-        applies: |e| starts(e, &[b"\x1f\x8b", b"\x28\xb5\x2f\xfd"]),
+        applies: |e| starts(e, &[b"\x1f\x8b", b"\x28\xb5\x2f\xfd"]) || is_coded(e),
         cause: "the reply is compressed, which was not asked for",
         help: "turn compression off in the server or the gateway, or let it heed `Accept-Encoding`",
     },
@@ -377,8 +392,13 @@ const CAUSES: &[Cause] = &[
         help: "use the server's OpenAI-compatible interface: `--base-url {usual}`",
     },
     Cause {
+        applies: |e| is_success(e) && matches!(e.body(), Some(Body::BrokenJson(_))),
+        cause: "the server, or a gateway before it, writes invalid JSON, such as a `NaN`, half of a character, or text after the end; it can be read up to `{place}`",
+        help: "look into the log of the server at `{authority}`; another version of it may write correctly",
+    },
+    Cause {
         applies: |e| is_success(e) && matches!(e.body(), Some(Body::Other)),
-        cause: "what answers at `{authority}` is not an interface of models, or a proxy answers in its place",
+        cause: "what answers at `{authority}` does not serve models, or a proxy answers in its place",
         help: "open `{base_url}` in a browser, and check the base URL{such_as_usual}",
     },
     Cause {
@@ -478,7 +498,27 @@ fn is_stream(exchange: &Exchange<'_>) -> bool {
     let is_json = matches!(exchange.body(), Some(Body::Json(_)));
     is_success(exchange)
         && !is_json
-        && (is_kind(exchange, "text/event-stream") || starts(exchange, &[b"data:", b"event:"]))
+        && (is_kind(exchange, "text/event-stream")
+            // The last begins a comment, which keeps a connection open.
+            || starts(exchange, &[b"data:", b"event:", b": "]))
+}
+
+/// Returns whether the body is compressed by what its header says.
+fn is_coded(exchange: &Exchange<'_>) -> bool {
+    let is_json = matches!(exchange.body(), Some(Body::Json(_) | Body::Empty));
+    let received = exchange.received();
+    received.is_some_and(|came| came.incoming.coding.is_some()) && !is_json
+}
+
+/// Returns whether a redirect leads to the address that was asked, but for a slash at its end or the query.
+fn leads_back(exchange: &Exchange<'_>) -> bool {
+    let bare = |url: &Url| {
+        let mut url = url.clone();
+        url.set_query(None);
+        url.to_string().trim_end_matches('/').to_owned()
+    };
+    in_range(exchange, 300, 399)
+        && location(exchange).is_some_and(|location| bare(&location) == bare(&exchange.sent.url))
 }
 
 /// Returns whether the server says that it has no such model.
@@ -607,6 +647,10 @@ fn value(field: &str, exchange: &Exchange<'_>) -> String {
                 format!("{} and {more} more", quoted(&names[..MAX_LISTED], ", "))
             }
             names => quoted(names, ", "),
+        },
+        "place" => match exchange.body() {
+            Some(Body::BrokenJson(before)) => before.clone(),
+            _ => String::new(),
         },
         "location" => {
             location(exchange).map_or(String::new(), |url| shown(url.as_str(), MAX_LOCATION))

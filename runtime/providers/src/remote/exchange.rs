@@ -1,7 +1,7 @@
-//! A call that failed: what was sent, and what came.
+//! A call that failed: what was sent, and what came back.
 //!
-//! In: the fixed part of a model's calls, and a reply or the reason why there is none. Out: the parts by which `causes`
-//! tells why, and of which `message` is made.
+//! In: the fixed part of a model's calls, and a reply or the reason why there is none. Out: the parts from which `causes`
+//! finds the reason and `message` makes its text.
 
 use super::BaseUrl;
 use super::served::Served;
@@ -9,10 +9,14 @@ use super::settings::Parameter;
 use super::transport::{Incoming, NoReply, Obstacle};
 use super::wire::error::ErrorBody;
 use crate::catalogue::Wire;
+use fab_base::shown::shown;
 use fab_model::calls::Fault;
 use reqwest::Url;
 use serde_json::Value;
 use std::time::Duration;
+
+/// How much is shown before the place of a fault, bytes.
+const MAX_PLACE: usize = 40;
 
 /// What all calls of a model have in common.
 pub(super) struct Sent {
@@ -51,7 +55,7 @@ pub(super) enum Came {
     Nothing(NoReply),
 }
 
-/// A reply that is no answer.
+/// A reply that is not an answer.
 pub(super) struct Received {
     pub incoming: Incoming,
     pub error: ErrorBody,
@@ -66,8 +70,10 @@ pub(super) enum Body {
     Json(Value),
     /// JSON that ends too early.
     CutJson,
-    /// A JSON value with more behind it.
+    /// A JSON object with another one behind it.
     SeveralJson,
+    /// It begins as JSON does, and breaks its rules: what stands before that place.
+    BrokenJson(String),
     Other,
 }
 
@@ -90,15 +96,33 @@ impl Body {
         match serde_json::from_slice(bytes) {
             Ok(value) => Body::Json(value),
             Err(error) if error.is_eof() => Body::CutJson,
-            Err(_) => {
+            Err(broken) => {
                 let mut values = serde_json::Deserializer::from_slice(bytes).into_iter::<Value>();
-                match values.next() {
-                    Some(Ok(Value::Object(_))) => Body::SeveralJson,
+                let is_object = |value: &Value| value.is_object();
+                match (values.next(), values.next()) {
+                    (Some(Ok(one)), Some(Ok(two))) if is_object(&one) && is_object(&two) => {
+                        Body::SeveralJson
+                    }
+                    (Some(Ok(one)), Some(Err(error))) if is_object(&one) && error.is_eof() => {
+                        Body::SeveralJson
+                    }
+                    _ if matches!(bytes.trim_ascii_start().first(), Some(b'{' | b'[')) => {
+                        Body::BrokenJson(before(bytes, broken.line(), broken.column()))
+                    }
                     _ => Body::Other,
                 }
             }
         }
     }
+}
+
+/// Returns the end of what was read when a fault was found; line and column count from 1.
+fn before(bytes: &[u8], line: usize, column: usize) -> String {
+    let mut lines = bytes.split(|byte| *byte == b'\n');
+    let read = lines.nth(line.saturating_sub(1)).unwrap_or_default();
+    let read = &read[..column.min(read.len())];
+    let end = &read[read.len().saturating_sub(MAX_PLACE)..];
+    shown(&String::from_utf8_lossy(end), MAX_PLACE)
 }
 
 impl Exchange<'_> {
@@ -156,6 +180,11 @@ mod tests {
             ("{}", "json"),
             ("{\"a\": [1", "cut"),
             ("{\"a\": 1}\n{\"a\": 2}\n", "several"),
+            ("{\"a\": 1}\n{\"a\": 2}\n{\"a", "several"),
+            ("{\"a\": 1}\n{\"a", "several"),
+            ("{\"a\": 1}garbage", "broken"),
+            ("{\"a\": NaN}", "broken"),
+            (" [1, 2,, 3]", "broken"),
             ("<html>", "other"),
             ("12 monkeys", "other"),
         ] {
@@ -164,6 +193,7 @@ mod tests {
                 Body::Json(_) => "json",
                 Body::CutJson => "cut",
                 Body::SeveralJson => "several",
+                Body::BrokenJson(_) => "broken",
                 Body::Other => "other",
             };
             assert_eq!(found, expected, "{body}");

@@ -20,7 +20,7 @@ struct State {
     width: usize,
     under_way: usize,
     successes: usize,
-    /// How often it was narrowed: calls already in flight at that moment are no new evidence of load.
+    /// How often it was narrowed: an overload of calls that were already in flight then does not narrow it again.
     narrowed: u64,
 }
 

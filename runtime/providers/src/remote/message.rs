@@ -14,6 +14,9 @@ use reqwest::StatusCode;
 /// How much of a body is shown, characters.
 const MAX_EXCERPT: usize = 200;
 
+/// The longest content coding that is shown, characters.
+const MAX_CODING: usize = 20;
+
 /// A failure in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Message {
@@ -60,9 +63,10 @@ impl Exchange<'_> {
         };
         let repeats = |text: &str| reason.is_some_and(|reason| reason.eq_ignore_ascii_case(text));
         match problem {
-            Some(problem) if *problem == error.message => {
-                format!("{status} with an error in it: {problem}")
-            }
+            Some(problem) if *problem == error.words() => match error.message.is_empty() {
+                true => format!("{status} with {problem}"),
+                false => format!("{status} with an error in it: {problem}"),
+            },
             Some(problem) if self.fault == Fault::Refused => {
                 format!("{status}, but the model declined: {problem}")
             }
@@ -75,10 +79,13 @@ impl Exchange<'_> {
 
 /// Returns content type, length and beginning of a reply.
 fn described(incoming: &Incoming) -> String {
-    let kind = match &incoming.content_type {
+    let mut kind = match &incoming.content_type {
         Some(kind) => shown(kind, MAX_EXCERPT),
         None => "no content type".to_owned(),
     };
+    if let Some(coding) = &incoming.coding {
+        kind.push_str(&format!(" in `{}`", shown(coding, MAX_CODING)));
+    }
     match incoming.body.len() {
         0 => format!("{kind}, no body"),
         1 => format!("{kind}, 1 byte: `{}`", excerpt(&incoming.body)),
@@ -115,6 +122,7 @@ fn words(obstacle: Obstacle) -> &'static str {
         Obstacle::Unconnected => "no connection could be made",
         Obstacle::Timeout => "no complete reply came in time",
         Obstacle::NoHttp => "the reply is not HTTP",
+        Obstacle::BadHttp => "the reply breaks the rules of HTTP",
         Obstacle::Cut => "the connection ended before the reply was complete",
         Obstacle::TooLong => "the reply is longer than the limit",
     }

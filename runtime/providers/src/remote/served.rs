@@ -1,7 +1,7 @@
 //! Asks a server which models it serves.
 //!
 //! In: a server's address, wire format and key. Out: the ids in the reply to `GET /models`, which every wire format has; or
-//! why there are none. It is no question to a model, and not billed: one short reply, within a few seconds.
+//! why there are none. It asks no model and is not billed: one short reply, within a few seconds.
 
 use super::transport::{Incoming, Obstacle, Proxy, Transport, TransportError};
 use super::wire::error::ErrorBody;
@@ -106,6 +106,7 @@ mod tests {
         read(&Incoming {
             status,
             content_type: None,
+            coding: None,
             location: None,
             wait: None,
             body: body.as_bytes().to_vec(),

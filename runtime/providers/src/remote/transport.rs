@@ -9,7 +9,9 @@ use super::hints;
 use super::redact::Redactor;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Fault};
-use reqwest::header::{CONTENT_TYPE, HeaderMap, LOCATION};
+use reqwest::header::{
+    ACCEPT_ENCODING, CONTENT_ENCODING, CONTENT_TYPE, HeaderMap, HeaderValue, LOCATION,
+};
 use reqwest::{Client, RequestBuilder, Url};
 use rustls::CertificateError;
 use std::error::Error;
@@ -51,11 +53,13 @@ pub(super) struct Transport {
 pub(super) struct Incoming {
     pub status: u16,
     pub content_type: Option<String>,
+    /// How the body is compressed.
+    pub coding: Option<String>,
     /// Where a redirect leads.
     pub location: Option<String>,
     /// The wait that the headers ask for.
     pub wait: Option<Duration>,
-    /// The body, without any key and without a byte order mark.
+    /// The body, without any key and without byte order marks.
     pub body: Vec<u8>,
 }
 
@@ -84,7 +88,7 @@ pub(super) enum Obstacle {
     Unrouted,
     /// The connection was not accepted in time.
     ConnectTimeout,
-    /// The certificate is signed by nobody that this machine trusts.
+    /// This machine trusts no signer of the certificate.
     UntrustedCertificate,
     /// The certificate is not valid now.
     ExpiredCertificate,
@@ -100,6 +104,8 @@ pub(super) enum Obstacle {
     Timeout,
     /// What came is not HTTP.
     NoHttp,
+    /// What came begins as HTTP does, and breaks its rules.
+    BadHttp,
     /// The connection ended before the reply did.
     Cut,
     /// The reply is longer than the limit.
@@ -112,14 +118,15 @@ impl Obstacle {
         match self {
             Obstacle::Timeout => (Fault::TimedOut, Billing::Possibly),
             Obstacle::NoHttp | Obstacle::Cut => (Fault::ConnectionCut, Billing::Possibly),
-            Obstacle::TooLong => (Fault::InvalidReply, Billing::Possibly),
+            Obstacle::TooLong | Obstacle::BadHttp => (Fault::InvalidReply, Billing::Possibly),
             _ => (Fault::Unreachable, Billing::No),
         }
     }
 
     fn of(error: &reqwest::Error) -> Obstacle {
-        let causes = std::iter::successors(error.source(), |&cause| cause.source());
-        let io: Vec<&io::Error> = causes.filter_map(|cause| cause.downcast_ref()).collect();
+        let causes = || std::iter::successors(error.source(), |&cause| cause.source());
+        let io: Vec<&io::Error> = causes().filter_map(|cause| cause.downcast_ref()).collect();
+        let mut http = causes().filter_map(|cause| cause.downcast_ref::<hyper::Error>());
         let kind = |kind| io.iter().any(|error| error.kind() == kind);
         let tls = io
             .iter()
@@ -142,6 +149,12 @@ impl Obstacle {
             Obstacle::Unconnected
         } else if chain(error).contains("invalid HTTP") {
             Obstacle::NoHttp
+        } else if http.any(hyper::Error::is_parse)
+            || kind(io::ErrorKind::InvalidInput)
+            || kind(io::ErrorKind::InvalidData)
+        {
+            // The latter two are those of a body in chunks.
+            Obstacle::BadHttp
         } else {
             Obstacle::Cut
         }
@@ -227,6 +240,11 @@ impl Transport {
             .redirect(reqwest::redirect::Policy::none())
             .retry(reqwest::retry::never())
             .referer(false)
+            .default_headers(HeaderMap::from_iter([(
+                ACCEPT_ENCODING,
+                // Without this header a server may compress as it likes.
+                HeaderValue::from_static("identity"),
+            )]))
             .user_agent(concat!("fabc/", env!("CARGO_PKG_VERSION")));
         let builder = match proxy {
             Proxy::OfTheSystem => builder,
@@ -299,6 +317,7 @@ impl Transport {
             Some(self.redactor.text(value))
         };
         let content_type = header(CONTENT_TYPE);
+        let coding = header(CONTENT_ENCODING).filter(|it| !it.eq_ignore_ascii_case("identity"));
         let location = header(LOCATION);
         let mut body = Vec::new();
         while let Some(chunk) = response.chunk().await.map_err(|error| self.failed(error))? {
@@ -310,10 +329,14 @@ impl Transport {
                 });
             }
         }
-        let body = body.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&body);
+        let mut body = body.as_slice();
+        while let Some(rest) = body.strip_prefix(BYTE_ORDER_MARK) {
+            body = rest;
+        }
         Ok(Incoming {
             status,
             content_type,
+            coding,
             location,
             wait,
             body: self.redactor.body(body),

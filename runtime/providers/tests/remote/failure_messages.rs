@@ -148,6 +148,10 @@ fn replies() -> Vec<Case> {
         case("302_to_a_login_page", "302 Found", "html", "")
             .header("location: /login?next=%2Fv1"),
         case("301_without_a_place", "301 Moved Permanently", "", ""),
+        case("308_to_itself", "308 Permanent Redirect", "", "")
+            .header("location: /v1/chat/completions/?from=gateway"),
+        case("304_to_a_question", "304 Not Modified", "", ""),
+        case("407_without_a_proxy", "407 Proxy Authentication Required", "", ""),
         case("200_login_page", "200 OK", "text/html; charset=utf-8", "<!DOCTYPE html>\n<html><head><title>Sign in</title></head><body>Welcome to the guest network</body></html>"),
         case("400_http_sent_to_https", "400 Bad Request", "html", "<html>\r\n<head><title>400 The plain HTTP request was sent to HTTPS port</title></head></html>"),
         case("200_another_service", "200 OK", "text/plain", "OK"),
@@ -176,10 +180,19 @@ fn replies() -> Vec<Case> {
         case("529_overloaded", "529 ", "json", r#"{"type":"error","error":{"type":"overloaded_error","message":"Overloaded"}}"#)
             .wire(Wire::Anthropic),
         case("200_with_an_error_in_it", "200 OK", "json", r#"{"error":{"message":"Upstream error from provider","code":502}}"#),
+        case("200_with_an_error_in_its_choice", "200 OK", "json", r#"{"choices":[{"index":0,"error":{"message":"Provider returned error","code":502},"finish_reason":"error"}]}"#),
+        case("200_with_an_error_without_words", "200 OK", "json", r#"{"error":{"code":500}}"#),
         // What is no answer.
         case("200_stream", "200 OK", "text/event-stream", "data: {\"choices\":[{\"delta\":{\"content\":\"fo\"}}]}\n\ndata: [DONE]\n\n"),
         case("200_stream_of_ollama", "200 OK", "application/x-ndjson", "{\"message\":{\"content\":\"fo\"},\"done\":false}\n{\"message\":{\"content\":\"ld\"},\"done\":true}\n"),
         case("200_compressed", "200 OK", "json", b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\x03\xabVJ\xce\xc8\xccKN-V\xb2\x8a\x8e\xad\x05\x00"),
+        case("200_compressed_by_its_header", "200 OK", "json", b"\x1b\x2f\x01\x00\xe4\x1f\x99\x15\xa9")
+            .header("content-encoding: br"),
+        case("200_comments_of_a_stream", "200 OK", "json", format!(": PROCESSING\n\n: PROCESSING\n\n{}", chat(&said("fold"), "stop"))),
+        case("200_nan", "200 OK", "json", chat(&said("fold"), "stop").replace("64", "NaN")),
+        case("200_bytes_that_are_no_letters", "200 OK", "json", chat(&said("fold"), "stop").as_bytes().iter().map(|byte| if *byte == b'f' { 0xff } else { *byte }).collect::<Vec<_>>()),
+        case("200_half_of_a_character", "200 OK", "json", chat(&said("fold \\ud83d it"), "stop")),
+        case("200_more_behind_the_json", "200 OK", "json", chat(&said("fold"), "stop") + "</body>"),
         case("200_utf_16", "200 OK", "json", utf16),
         case("200_empty", "200 OK", "json", ""),
         case("200_cut_json", "200 OK", "json", r#"{"object":"chat.completion","choices":[{"index":0,"message":{"role":"assistant","content":"fol"#),
@@ -187,6 +200,9 @@ fn replies() -> Vec<Case> {
         case("200_choices_of_another_form", "200 OK", "json", r#"{"choices":"none"}"#),
         case("200_no_text", "200 OK", "json", chat(&said(""), "stop")),
         case("200_truncated", "200 OK", "json", chat(&said("fold the left"), "length")),
+        case("200_thoughts_cut_off", "200 OK", "json", chat(&said("<think>The cloth lies flat, so"), "length")),
+        case("200_hidden_reasoning_cut_off", "200 OK", "json", chat(r#"{"role":"assistant","content":"","reasoning_content":"The cloth lies flat, so"}"#, "length")),
+        case("200_unknown_end", "200 OK", "json", chat(&said("fold"), "eos_token")),
         case("200_declined", "200 OK", "json", chat(r#"{"role":"assistant","content":null,"refusal":"I cannot help with that."}"#, "stop")),
         case("200_filtered", "200 OK", "json", chat(&said("fold"), "content_filter")),
         case("200_tool_call", "200 OK", "json", chat(r#"{"role":"assistant","content":null,"tool_calls":[{"id":"1"}]}"#, "tool_calls")),
@@ -260,6 +276,30 @@ fn connections() -> Vec<(&'static str, &'static str, Act)> {
                 "HTTP/1.1 200 OK\r\ncontent-length: 99\r\n\r\n{\"choices\"",
             );
         }),
+        ("bad_chunks", "http://localhost", |mut stream| {
+            read_request(&mut stream);
+            say(
+                &mut stream,
+                "HTTP/1.1 200 OK\r\ntransfer-encoding: chunked\r\n\r\nZZ\r\n{\"choices\"",
+            );
+        }),
+        ("two_lengths", "http://localhost", |mut stream| {
+            read_request(&mut stream);
+            say(
+                &mut stream,
+                "HTTP/1.1 200 OK\r\ncontent-length: 2\r\ncontent-length: 3\r\n\r\n{}",
+            );
+        }),
+        ("endless_header", "http://localhost", |mut stream| {
+            read_request(&mut stream);
+            say(
+                &mut stream,
+                &format!(
+                    "HTTP/1.1 200 OK\r\nx: {}\r\n\r\n{{}}",
+                    "x".repeat(1_000_000)
+                ),
+            );
+        }),
         ("silent", "http://localhost", |mut stream| {
             read_request(&mut stream);
             thread::sleep(Duration::from_millis(500));
@@ -281,7 +321,7 @@ fn greet(mut stream: TcpStream, certificate: &'static [u8]) {
     while session.is_handshaking() && session.complete_io(&mut stream).is_ok() {}
 }
 
-/// Runs `act` on every connection to a new port, which is returned.
+/// Listens on a new port and runs `act` on every connection; returns the port.
 fn listen(act: impl Fn(TcpStream) + Send + 'static) -> u16 {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();

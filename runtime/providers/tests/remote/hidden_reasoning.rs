@@ -110,7 +110,7 @@ fn an_answer_cut_off_by_hidden_reasoning_is_asked_for_once_more_with_twice_the_r
             why.contains(&format!("hidden reasoning took {spent} tokens")),
             "{why}"
         );
-        assert!(why.contains("beside 100 for the answer"), "{why}");
+        assert!(why.contains("100 were allowed for the answer"), "{why}");
     }
 }
 

@@ -3,7 +3,7 @@
 use axum::body::{Body, Bytes};
 use axum::http::{self, HeaderMap, Method, Uri};
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usage, Usd};
+use fab_model::calls::{Billing, Call, CallEnd, CallRefused, Calls, CapReached, Fault, Usage, Usd};
 use fab_model::{Message, ModelRole, Request, Speaker};
 use fab_providers::remote::{
     Answers, BaseUrl, Gate, Key, MessageSink, Pause, Pricing, Remote, Retry, Settings, Shared, Wire,
@@ -286,7 +286,10 @@ impl Notes {
 impl Calls for Notes {
     fn begin(&mut self, call: &Call<'_>) -> Result<(), CallRefused> {
         if self.ends().len() >= self.allowed {
-            return Err(CallRefused::Budget("no more calls".to_owned()));
+            return Err(CallRefused::Budget(CapReached {
+                why: "no more calls".to_owned(),
+                raise: None,
+            }));
         }
         self.told.push(Told::Begin {
             model: call.model.to_owned(),

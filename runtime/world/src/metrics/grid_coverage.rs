@@ -17,7 +17,7 @@ pub fn covered_area_m2(positions: &[[f32; 3]], spacing_m: f64) -> Option<f64> {
     if positions.is_empty() || !positions.iter().flatten().all(|value| value.is_finite()) {
         return None;
     }
-    // SoftGym's second axis runs towards the front, and it counts in 32 bits: only so are its numbers met exactly.
+    // SoftGym's second axis runs towards the front, and it counts in 32 bits: only this reproduces its numbers exactly.
     let along = |axis: usize| -> Vec<f32> {
         let sign = if axis == 0 { 1.0 } else { -1.0 };
         positions.iter().map(|point| sign * point[axis]).collect()

@@ -32,7 +32,7 @@ impl Outline {
         row.and_then(|row| row.get(index % dimx)) == Some(&b'#')
     }
 
-    /// Says why the rows are none of a grid: their number, or the first one of another length.
+    /// Fails if the rows do not fit the grid: names their number, or the first row of another length.
     pub(super) fn check(&self, grid: &Grid) -> Result<(), String> {
         let Grid { dimx, dimy, .. } = *grid;
         if self.0.len() as u64 != u64::from(dimy) {

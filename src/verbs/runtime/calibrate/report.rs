@@ -31,7 +31,7 @@ pub fn say_doubts(calibration: &Calibration, io: &Io) {
     for point in calibration.accuracy.outliers(calibration.terms.limit_mm) {
         let off_mm = calibration.accuracy.left_out_mm[point - 1];
         note(format!(
-            "point {point} is {off_mm:.1} mm from where the others put it, far more than they are; was it typed wrong?"
+            "point {point} is {off_mm:.1} mm from where the others put it, far more than any other; was it typed wrong?"
         ));
     }
     let [n_marks, needed] = calibration.marks(&SIGHT);

@@ -131,7 +131,7 @@ mod tests {
         assert_eq!(journal, format!("{begun}{line}"));
         let open = unfinished_note(&robot).unwrap();
         assert!(open.contains("the hand may hold cloth"), "{open}");
-        // Without a run there is nothing to record, and the arm is enabled all the same.
+        // Without a run there is nothing to record, but the arm is enabled.
         arm.stop().unwrap();
         enable(&mut arm, &folder.path().join("other.toml"), "again").unwrap();
         arm.move_fingers(Opening::Open, &mut watch).unwrap();

@@ -37,7 +37,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 /// How often stopping is attempted.
 const ATTEMPTS: u32 = 5;
 /// What it says once it has stopped the arm.
-const STOPPED: &str = "stopped: it was asked to, or there was no sign of life";
+const STOPPED: &str = "stopped: a stop was requested, or the heartbeats ended";
 /// The most lines that wait to be handled.
 const MAX_WAITING: usize = 64;
 /// The longest line that is read, bytes.

@@ -151,7 +151,7 @@ impl Providers {
             return Ok(());
         }
         Err(Failure::environment(format!(
-            "what `{}` costs is not known; `--allow-unknown-price` asks it all the same, and a `price` in a file of your own (`--models FILE`) makes it known",
+            "what `{}` costs is not known; `--allow-unknown-price` asks it anyway, and a `price` in a file of your own (`--models FILE`) makes it known",
             profile.title()
         )))
     }

@@ -111,7 +111,7 @@ fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     if !(1..=MAX_NAME).contains(&entry.task.len()) || !entry.task.chars().all(plain) {
         return Err(format!(
-            "`task` {:?} is no name; write 1 to {MAX_NAME} letters, digits, `_`, `-` or `.`",
+            "`task` {:?} is not a name; write 1 to {MAX_NAME} letters, digits, `_`, `-` or `.`",
             entry.task.chars().take(MAX_NAME).collect::<String>()
         ));
     }
@@ -128,7 +128,7 @@ fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
             particle: particle.ok_or_else(|| {
                 let number = step.pick_keypoint;
                 format!(
-                    "`pick_keypoint` {number} is none of 0 to {}",
+                    "`pick_keypoint` {number} is not from 0 to {}",
                     keypoints.len() - 1
                 )
             })?,

@@ -127,8 +127,11 @@ fn params(changes: &[String]) -> Result<Params, Failure> {
         let (name, text) = change
             .split_once('=')
             .ok_or_else(|| wrong("write NAME=VALUE, such as `substeps=8`".to_owned()))?;
-        let value: Value = serde_json::from_str(text)
-            .map_err(|_| wrong(format!("`{text}` is no number and no list of numbers")))?;
+        let value: Value = serde_json::from_str(text).map_err(|_| {
+            wrong(format!(
+                "`{text}` is neither a number nor a list of numbers"
+            ))
+        })?;
         values[name] = value;
         // Checked after each change, so that the message names the wrong one.
         serde_json::from_value::<Params>(values.clone())

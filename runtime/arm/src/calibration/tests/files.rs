@@ -109,7 +109,7 @@ fn what_was_changed_is_refused() {
             "not a date such as `2026-11-22`",
         ),
         ("method", "\"plane\"", "\"guess\"", "`method` does not fit"),
-        ("tag", "tag7", "seven", "`seven` is no tag"),
+        ("tag", "tag7", "seven", "`seven` is not a tag"),
         (
             "window",
             "window = [80,",

@@ -40,11 +40,11 @@ fn a_wrong_line_is_named() {
         ),
         (
             "1,2,0.3,0.4,0.5\n1,2,0.3,x,0.5\n",
-            "line 2: `x` is no number",
+            "line 2: `x` is not a number",
         ),
-        ("1,2,0.3,,0.5\n", "line 1: `` is no number"),
+        ("1,2,0.3,,0.5\n", "line 1: `` is not a number"),
         ("1,2,nan,3,4\n", "line 1: `nan` is not a column"),
-        ("1,2,3,inf,4\n", "line 1: `inf` is no number"),
+        ("1,2,3,inf,4\n", "line 1: `inf` is not a number"),
         ("u,v,x,y\n", "line 1: the column `z` is missing"),
         ("u,v,x,y,z,u\n", "line 1: the column `u` is there twice"),
         ("u,v,x_km,y,z\n", "line 1: `x_km` is not a column"),
@@ -53,7 +53,7 @@ fn a_wrong_line_is_named() {
     ] {
         let error = parse_pairs(text, &[]).map(|_| ()).unwrap_err().to_string();
         let is_named = error.starts_with(wanted)
-            || text.contains("nan") && error.contains("`nan` is no number");
+            || text.contains("nan") && error.contains("`nan` is not a number");
         assert!(is_named, "{error}");
     }
 }
@@ -90,7 +90,7 @@ fn a_slip_shows_while_typing() {
     };
     assert_eq!(
         said,
-        "point 7: 0.0 mm from where the 6 before it put it (`undo` takes it back)"
+        "point 7: 0.0 mm from where the 6 before it put it (`undo` removes it)"
     );
     let mut wrong = grid[7];
     wrong.base_m[0] += 0.05;
@@ -99,7 +99,7 @@ fn a_slip_shows_while_typing() {
     };
     assert_eq!(
         said,
-        "point 8: 50.0 mm from where the 7 before it put it (`undo` takes it back)"
+        "point 8: 50.0 mm from where the 7 before it put it (`undo` removes it)"
     );
     assert_eq!(
         session.line("undo"),
@@ -113,7 +113,7 @@ fn a_slip_shows_while_typing() {
             "point 8 is at the pixel 700.0, 2.0, outside of the picture",
         ),
         ("70,2,300,100,0", "positions are metres"),
-        ("help", "`help` is no number"),
+        ("help", "`help` is not a number"),
     ] {
         let said = session.line(line);
         assert!(
@@ -179,10 +179,10 @@ fn a_tag_stands_for_its_pixel() {
         ("tag8,0.3,0.1,0.02", "the picture shows `tag8` twice"),
         (
             "tag7:top,0.3,0.1,0.02",
-            "`tag7:top` is no tag; write such as `tag7`",
+            "`tag7:top` is not a tag; write one such as `tag7`",
         ),
-        ("tag,0.3,0.1,0.02", "`tag` is no tag"),
-        ("tag-1,0.3,0.1,0.02", "`tag-1` is no tag"),
+        ("tag,0.3,0.1,0.02", "`tag` is not a tag"),
+        ("tag-1,0.3,0.1,0.02", "`tag-1` is not a tag"),
         (
             "0.3,tag7,0.1,0.02",
             "stands in place of the columns `u` and `v`",

@@ -284,6 +284,7 @@ fn a_slip_below_the_limit_stands_out() {
 }
 
 #[test]
+#[ignore = "long"]
 fn slips_among_many_points_are_found_in_time() {
     let mut pairs = measured_grid(2, 12, 0.9);
     let slips = [5, 50, 140];

@@ -152,7 +152,7 @@ fn a_refusal_says_how_far_and_what_is_reached() {
     let nowhere = said(Point3::new(f64::NAN, 0.0, 0.0), &[]);
     assert_eq!(
         nowhere,
-        "the point or a height over it is no place within 10 m of the arm's base"
+        "the point or a height above it is not within 10 m of the arm's base"
     );
     let stuck = OutOfReach {
         radius_m: 0.4,

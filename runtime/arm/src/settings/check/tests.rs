@@ -270,7 +270,7 @@ fn what_is_missing_or_of_another_type_is_named() {
         let why = with(ROBOT, &[(key, value)]).unwrap_err();
         assert!(why.contains(expected), "{why}");
     }
-    // A file of nothing but faults is no wall of text.
+    // A file with thousands of faults gets a short message.
     let many: String = (0..5000).map(|at| format!("key_{at} = 1\n")).collect();
     let why = Settings::parse(&(many + ROBOT)).unwrap_err();
     assert_eq!(why.lines().count(), 21, "{why}");

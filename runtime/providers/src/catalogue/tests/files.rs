@@ -110,7 +110,7 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
         ),
         (
             &entry("reasoning = { tokens_field = \"max_tokens\" }"),
-            "line 3: `tokens_field = \"max_tokens\"` is no name such as `thinking_token_budget`",
+            "line 3: `tokens_field = \"max_tokens\"` is not a name such as `thinking_token_budget`",
         ),
         (
             &entry("top_p = { only = [nan] }"),

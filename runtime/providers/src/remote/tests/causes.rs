@@ -123,6 +123,7 @@ fn a_proxy_that_wants_a_login_is_named() {
     let incoming = Incoming {
         status: 407,
         content_type: Some("text/html".to_owned()),
+        coding: None,
         location: None,
         wait: None,
         body: b"<html>Proxy Authentication Required</html>".to_vec(),

@@ -3,7 +3,7 @@
 //! In: messages and the request's settings; a `message`. Out: a typed body; an answer or a failure.
 
 use super::content::{base64, framed, words};
-use super::error::ErrorBody;
+use super::error::{ErrorBody, repeated, stated};
 use super::{
     Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated, unknown_end,
 };
@@ -189,7 +189,8 @@ struct OutputDetails {
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
-    let reply: Reply = serde_json::from_slice(bytes).map_err(|error| Failure::invalid(&error))?;
+    let reply: Reply =
+        serde_json::from_slice(bytes).map_err(|error| Failure::invalid(bytes, &error))?;
     let usage = reply.usage.map(|tokens| {
         let cached = tokens.cache_read_input_tokens.unwrap_or(0);
         let written = tokens.cache_creation_input_tokens.unwrap_or(0);
@@ -204,7 +205,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
                 .and_then(|details| details.thinking_tokens),
         }
     });
-    if let Some(error) = reply.error {
+    if let Some(error) = stated(reply.error) {
         return Err(ErrorBody::of(&error).failure(usage));
     }
     let mut is_cut = false;
@@ -218,10 +219,14 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         Some("refusal") => {
             let why = reply.stop_details.and_then(|details| details.explanation);
             let why = why.unwrap_or_else(|| "the model declined to answer".to_owned());
-            return Err(Failure::new(Fault::Refused, why, usage));
+            return Err(Failure::new(Fault::Refused, repeated(&why), usage));
         }
         Some("tool_use") => return Err(tool_called(usage)),
-        other => return Err(unknown_end(other.unwrap_or("nothing"), usage)),
+        Some(other) => return Err(unknown_end(other, usage)),
+        None => {
+            let why = "the reply does not say why the answer ended, so it may not be whole";
+            return Err(Failure::new(Fault::InvalidReply, why, usage));
+        }
     }
     let mut text = String::new();
     for said in reply.content.unwrap_or_default() {

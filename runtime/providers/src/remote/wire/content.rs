@@ -6,7 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 use fab_model::{Message, Part, Png, Speaker};
 
 /// Separates texts that are joined into one string.
-const BETWEEN: &str = "\n\n";
+pub(super) const BETWEEN: &str = "\n\n";
 
 /// Returns the most pictures of any message.
 pub(super) fn most_pictures(messages: &[Message]) -> usize {

@@ -50,7 +50,9 @@ impl ErrorBody {
             };
         };
         let first = value.get(0).unwrap_or(&value);
+        let of_a_choice = || first["choices"].get(0)?.get("error");
         let error = ["error", "detail"].iter().find_map(|name| first.get(name));
+        let error = error.or_else(of_a_choice);
         ErrorBody {
             text,
             ..ErrorBody::of(error.unwrap_or(first))
@@ -67,10 +69,9 @@ impl ErrorBody {
         let message = message(error)
             .or_else(|| message(error.get(0)?))
             .unwrap_or_default();
-        let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
         let mut body = ErrorBody {
-            said: message.to_lowercase(),
-            message: shown(&message, MAX_MESSAGE),
+            said: joined(&message).to_lowercase(),
+            message: repeated(&message),
             code: code(&error["code"]),
             parameter: error["param"].as_str().map(|name| shown(name, MAX_NAME)),
             ..ErrorBody::default()
@@ -104,7 +105,7 @@ impl ErrorBody {
     }
 
     /// Returns the message, or else an identifier.
-    fn words(&self) -> String {
+    pub(in crate::remote) fn words(&self) -> String {
         match (self.message.is_empty(), self.names.first()) {
             (false, _) => self.message.clone(),
             (true, Some(name)) => format!("an error named `{}`", shown(name, MAX_NAME)),
@@ -163,6 +164,28 @@ impl ErrorBody {
         let fault = self.fault().or_else(by_code);
         Failure::new(fault.unwrap_or(Fault::ServerFailed), self.words(), usage)
     }
+}
+
+/// Returns the value of `error` in a reply of status 200, if it says that something went wrong.
+///
+/// Some servers send an empty one beside an answer.
+pub(super) fn stated(error: Option<Value>) -> Option<Value> {
+    error.filter(|error| match error {
+        Value::Null | Value::Bool(false) => false,
+        Value::String(text) => !text.is_empty(),
+        Value::Array(items) => !items.is_empty(),
+        Value::Object(fields) => !fields.is_empty(),
+        Value::Bool(true) | Value::Number(_) => true,
+    })
+}
+
+/// Returns a provider's words as they are repeated: on one line, and not at any length.
+pub(super) fn repeated(words: &str) -> String {
+    shown(&joined(words), MAX_MESSAGE)
+}
+
+fn joined(words: &str) -> String {
+    words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 fn code(value: &Value) -> Option<u16> {

@@ -19,7 +19,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 use serde_json::error::Category;
 
-/// The longest name of an answer's end that is repeated, characters.
+/// The longest finish reason that a message quotes, characters.
 const MAX_REASON: usize = 60;
 
 /// An encoded question.
@@ -216,18 +216,34 @@ impl Failure {
         }
     }
 
-    fn invalid(error: &serde_json::Error) -> Failure {
-        // The parser's own message may quote its input at any length.
+    fn invalid(bytes: &[u8], error: &serde_json::Error) -> Failure {
         let (line, column) = (error.line(), error.column());
+        let begins_as_json = matches!(bytes.trim_ascii_start().first(), Some(b'{' | b'['));
+        // Of a form that does not fit, the parser's own message may quote its input at any length.
         let why = match error.classify() {
             Category::Data => format!(
                 "the reply has another form than the interface promises, at line {line}, column {column}"
             ),
             Category::Eof if column == 0 => "the reply is empty".to_owned(),
             Category::Eof => "the reply is not complete JSON".to_owned(),
+            _ if begins_as_json => format!("the reply is not valid JSON: {error}"),
             _ => "the reply is not JSON".to_owned(),
         };
         Failure::new(Fault::InvalidReply, why, None)
+    }
+}
+
+/// Adds hidden tokens to those of the answer where a server counts them beside it, and not in it.
+///
+/// That is certain if there are more of them, or if only then the sum is the reported total.
+fn with_hidden(usage: Usage, total_tokens: Option<u64>) -> Usage {
+    let (input, output) = (usage.input_tokens, usage.output_tokens);
+    let hidden = usage.reasoning_tokens.unwrap_or(0);
+    let both = output.saturating_add(hidden);
+    let are_beside = hidden > output || hidden > 0 && total_tokens == input.checked_add(both);
+    Usage {
+        output_tokens: if are_beside { both } else { output },
+        ..usage
     }
 }
 
@@ -256,10 +272,11 @@ fn truncated(text: String, usage: Option<Usage>) -> Failure {
     }
 }
 
-/// Makes the failure of an answer whose end has an unknown name, which may not be whole.
+/// Makes the failure for an answer with an unknown finish reason: it may be incomplete.
 fn unknown_end(reason: &str, usage: Option<Usage>) -> Failure {
     let reason: String = reason.chars().take(MAX_REASON).collect();
-    let why = format!("the answer stopped for {reason:?}, and not at its end");
+    let why =
+        format!("the answer stopped for {reason:?}, which is unknown, so it may not be whole");
     Failure::new(Fault::InvalidReply, why, usage)
 }
 

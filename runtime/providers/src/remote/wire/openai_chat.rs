@@ -4,9 +4,10 @@
 //! servers omit fields, so a reply needs only a choice with text.
 
 use super::content::{data_url, refuse_no_question, words};
-use super::error::ErrorBody;
+use super::error::{ErrorBody, repeated, stated};
 use super::{
     Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated, unknown_end,
+    with_hidden,
 };
 use crate::catalogue::MaxTokensField;
 use fab_model::calls::{Fault, Usage};
@@ -173,6 +174,7 @@ struct ChatTokens {
     prompt_tokens: u64,
     #[serde(default)]
     completion_tokens: u64,
+    total_tokens: Option<u64>,
     prompt_tokens_details: Option<InputDetails>,
     completion_tokens_details: Option<OutputDetails>,
 }
@@ -189,25 +191,27 @@ struct InputDetails {
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     let completion: Completion =
-        serde_json::from_slice(bytes).map_err(|error| Failure::invalid(&error))?;
-    let usage = completion.usage.map(|tokens| Usage {
-        input_tokens: tokens.prompt_tokens,
-        cached_input_tokens: tokens
-            .prompt_tokens_details
-            .and_then(|details| details.cached_tokens)
-            .unwrap_or(0),
-        // This includes hidden reasoning.
-        output_tokens: tokens.completion_tokens,
-        reasoning_tokens: tokens
-            .completion_tokens_details
-            .and_then(|details| details.reasoning_tokens),
+        serde_json::from_slice(bytes).map_err(|error| Failure::invalid(bytes, &error))?;
+    let usage = completion.usage.map(|tokens| {
+        let usage = Usage {
+            input_tokens: tokens.prompt_tokens,
+            cached_input_tokens: tokens
+                .prompt_tokens_details
+                .and_then(|details| details.cached_tokens)
+                .unwrap_or(0),
+            output_tokens: tokens.completion_tokens,
+            reasoning_tokens: tokens
+                .completion_tokens_details
+                .and_then(|details| details.reasoning_tokens),
+        };
+        with_hidden(usage, tokens.total_tokens)
     });
-    if let Some(error) = completion.error {
+    if let Some(error) = stated(completion.error) {
         return Err(ErrorBody::of(&error).failure(usage));
     }
     let choice = completion.choices.unwrap_or_default().into_iter().next();
-    if let Some(error) = choice.as_ref().and_then(|choice| choice.error.as_ref()) {
-        return Err(ErrorBody::of(error).failure(usage));
+    if let Some(error) = stated(choice.as_ref().and_then(|choice| choice.error.clone())) {
+        return Err(ErrorBody::of(&error).failure(usage));
     }
     let Some(Choice {
         message: Some(said),
@@ -219,7 +223,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         return Err(Failure::new(Fault::InvalidReply, why, usage));
     };
     if let Some(refusal) = said.refusal.filter(|refusal| !refusal.is_empty()) {
-        return Err(Failure::new(Fault::Refused, refusal, usage));
+        return Err(Failure::new(Fault::Refused, repeated(&refusal), usage));
     }
     let text = match said.content {
         None => String::new(),
@@ -235,7 +239,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         Some("stop" | "") | None => answer(text, usage),
         Some("length") => Err(truncated(text, usage)),
         Some("content_filter") => {
-            let why = "the provider's filter took the answer away";
+            let why = "the provider's filter removed the answer";
             Err(Failure::new(Fault::ContentFiltered, why, usage))
         }
         Some(reason @ ("error" | "abort")) => {

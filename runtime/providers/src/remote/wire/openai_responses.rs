@@ -2,9 +2,12 @@
 //!
 //! In: messages and the request's settings; a `response`. Out: a typed body; an answer or a failure.
 
-use super::content::{data_url, refuse_no_question, words};
-use super::error::ErrorBody;
-use super::{Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated};
+use super::content::{BETWEEN, data_url, refuse_no_question, words};
+use super::error::{ErrorBody, repeated, stated};
+use super::{
+    Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated, unknown_end,
+    with_hidden,
+};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Reasoning, Speaker};
 use fab_program::ReasoningLevel;
@@ -141,6 +144,8 @@ struct Incomplete {
 #[derive(Deserialize)]
 struct Item {
     r#type: String,
+    status: Option<String>,
+    phase: Option<String>,
     content: Option<Vec<ContentPart>>,
 }
 
@@ -161,6 +166,7 @@ enum ContentPart {
 struct ResponsesTokens {
     input_tokens: u64,
     output_tokens: u64,
+    total_tokens: Option<u64>,
     input_tokens_details: Option<InputDetails>,
     output_tokens_details: Option<OutputDetails>,
 }
@@ -177,20 +183,22 @@ struct InputDetails {
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     let response: Response =
-        serde_json::from_slice(bytes).map_err(|error| Failure::invalid(&error))?;
-    let usage = response.usage.map(|tokens| Usage {
-        input_tokens: tokens.input_tokens,
-        cached_input_tokens: tokens
-            .input_tokens_details
-            .and_then(|details| details.cached_tokens)
-            .unwrap_or(0),
-        // This includes hidden reasoning.
-        output_tokens: tokens.output_tokens,
-        reasoning_tokens: tokens
-            .output_tokens_details
-            .and_then(|details| details.reasoning_tokens),
+        serde_json::from_slice(bytes).map_err(|error| Failure::invalid(bytes, &error))?;
+    let usage = response.usage.map(|tokens| {
+        let usage = Usage {
+            input_tokens: tokens.input_tokens,
+            cached_input_tokens: tokens
+                .input_tokens_details
+                .and_then(|details| details.cached_tokens)
+                .unwrap_or(0),
+            output_tokens: tokens.output_tokens,
+            reasoning_tokens: tokens
+                .output_tokens_details
+                .and_then(|details| details.reasoning_tokens),
+        };
+        with_hidden(usage, tokens.total_tokens)
     });
-    if let Some(error) = response.error {
+    if let Some(error) = stated(response.error) {
         return Err(ErrorBody::of(&error).failure(usage));
     }
     let reason = response
@@ -201,7 +209,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         (Some("completed") | None, _) => {}
         (Some("incomplete"), Some("max_output_tokens")) => is_cut = true,
         (Some("incomplete"), Some("content_filter")) => {
-            let why = "the provider's filter took the answer away";
+            let why = "the provider's filter removed the answer";
             return Err(Failure::new(Fault::ContentFiltered, why, usage));
         }
         (Some("failed"), _) => {
@@ -209,7 +217,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             return Err(Failure::new(Fault::ServerFailed, why, usage));
         }
         (Some(status), reason) => {
-            let reason = reason.unwrap_or("no reason");
+            let reason = repeated(reason.unwrap_or("no reason"));
+            let status = repeated(status);
             let why = format!("the reply's status is `{status}` ({reason}), and not `completed`");
             return Err(Failure::new(Fault::InvalidReply, why, usage));
         }
@@ -218,17 +227,28 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     if output.iter().any(|item| item.r#type.ends_with("_call")) {
         return Err(tool_called(usage));
     }
-    let messages = output.into_iter().filter(|item| item.r#type == "message");
-    let mut text = String::new();
-    for said in messages.flat_map(|message| message.content.unwrap_or_default()) {
-        match said {
-            ContentPart::OutputText { text: more } => text.push_str(&more),
-            ContentPart::Refusal { refusal } => {
-                return Err(Failure::new(Fault::Refused, refusal, usage));
-            }
-            ContentPart::Other => {}
+    // Remarks on the way to the answer are no part of it.
+    let is_answer =
+        |item: &Item| item.r#type == "message" && item.phase.as_deref() != Some("commentary");
+    let mut texts = Vec::new();
+    for message in output.into_iter().filter(is_answer) {
+        // Some gateways leave out the status of the whole.
+        if let Some(status) = message.status.filter(|it| !is_cut && it != "completed") {
+            return Err(unknown_end(&status, usage));
         }
+        let mut text = String::new();
+        for said in message.content.unwrap_or_default() {
+            match said {
+                ContentPart::OutputText { text: more } => text.push_str(&more),
+                ContentPart::Refusal { refusal } => {
+                    return Err(Failure::new(Fault::Refused, repeated(&refusal), usage));
+                }
+                ContentPart::Other => {}
+            }
+        }
+        texts.push(text);
     }
+    let text = texts.join(BETWEEN);
     match is_cut {
         true => Err(truncated(text, usage)),
         false => answer(text, usage),

@@ -1,7 +1,7 @@
 //! How `reasoning` is sent, and what a model refuses of it.
 //!
-//! In: a request and the facts about its model. Out: the level or the number of tokens to send, in whose terms each wire
-//! has fields of its own; or why it cannot be sent.
+//! In: a request and the facts about its model. Out: the level or the number of tokens to send, or why it cannot be sent.
+//! Each wire writes it into its own fields.
 
 use super::Unfit;
 use crate::catalogue::{ReasoningKind, Wire};

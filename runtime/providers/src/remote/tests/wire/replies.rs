@@ -2,6 +2,7 @@
 
 use super::*;
 use proptest::prelude::*;
+use serde_json::json;
 
 /// Replies with the answer `fold it`: 30 input tokens, 10 of them cached, and 12 output tokens; and the hidden tokens that
 /// each reports.
@@ -59,6 +60,141 @@ fn answers_are_read_with_what_they_used() {
             usage: Some(usage),
         };
         assert_eq!(wire.decode(reply.as_bytes()), Ok(expected), "{reply}");
+    }
+}
+
+#[test]
+fn hidden_tokens_that_are_counted_beside_the_answer_are_added_to_it() {
+    for (output, hidden, total, expected) in [
+        // Within the answer, as OpenAI counts.
+        (12, Some(5), Some(42), 12),
+        (12, Some(12), None, 12),
+        (12, None, Some(42), 12),
+        (12, Some(0), Some(42), 12),
+        // Beside it, as the sum or the numbers themselves show.
+        (12, Some(5), Some(47), 17),
+        (12, Some(500), None, 512),
+        (12, Some(500), Some(42), 512),
+        (u64::MAX, Some(u64::MAX), None, u64::MAX),
+    ] {
+        let fields = |[input, answer]: [&str; 2]| {
+            json!({ input: 30, answer: output, format!("{answer}_details"): { "reasoning_tokens": hidden },
+                "total_tokens": total })
+        };
+        let chat = json!({ "choices": [{ "message": { "content": "fold it" } }],
+            "usage": fields(["prompt_tokens", "completion_tokens"]) });
+        let responses = json!({ "output": [{ "type": "message", "content": [{ "type": "output_text", "text": "fold it" }] }],
+            "usage": fields(["input_tokens", "output_tokens"]) });
+        for (wire, reply) in [(Wire::OpenaiChat, chat), (Wire::OpenaiResponses, responses)] {
+            let answer = wire
+                .decode(reply.to_string().as_bytes())
+                .expect("an answer");
+            let usage = answer.usage.expect("a usage");
+            assert_eq!(
+                (usage.output_tokens, usage.reasoning_tokens),
+                (expected, hidden),
+                "{reply}"
+            );
+        }
+    }
+}
+
+#[test]
+fn of_several_messages_remarks_are_left_out_and_one_that_is_cut_is_no_answer() {
+    let message = |text: &str, more: Value| {
+        let mut message =
+            json!({ "type": "message", "content": [{ "type": "output_text", "text": text }] });
+        let fields = message.as_object_mut().expect("a table");
+        fields.extend(more.as_object().expect("a table").clone());
+        message
+    };
+    let decoded = |output: Value| {
+        let reply = json!({ "output": output }).to_string();
+        Wire::OpenaiResponses.decode(reply.as_bytes())
+    };
+    for (output, expected) in [
+        (
+            json!([
+                message("fold", json!({})),
+                message("it", json!({ "status": "completed" }))
+            ]),
+            "fold\n\nit",
+        ),
+        (
+            json!([
+                message("I look.", json!({ "phase": "commentary" })),
+                message("fold it", json!({ "phase": "final_answer" })),
+            ]),
+            "fold it",
+        ),
+    ] {
+        assert_eq!(decoded(output).expect("an answer").text, expected);
+    }
+    let cut = decoded(json!([message("fold", json!({ "status": "incomplete" }))]));
+    let cut = cut.expect_err("no answer");
+    assert!(
+        cut.why.contains("stopped for \"incomplete\""),
+        "{}",
+        cut.why
+    );
+}
+
+#[test]
+fn an_error_that_says_nothing_does_not_cost_an_answer() {
+    for (wire, reply, _) in ANSWERS {
+        for nothing in ["null", "\"\"", "{}", "[]", "false"] {
+            let reply: Value = serde_json::from_str(reply).expect("JSON");
+            let mut reply = reply;
+            reply["error"] = serde_json::from_str(nothing).expect("JSON");
+            if *wire == Wire::OpenaiChat {
+                reply["choices"][0]["error"] = reply["error"].clone();
+            }
+            let answer = wire.decode(reply.to_string().as_bytes());
+            assert_eq!(answer.expect("an answer").text, "fold it", "{reply}");
+        }
+        for something in ["true", "\"no\"", "{\"code\":5}", "[0]", "7"] {
+            let mut reply: Value = serde_json::from_str(reply).expect("JSON");
+            reply["error"] = serde_json::from_str(something).expect("JSON");
+            let decoded = wire.decode(reply.to_string().as_bytes());
+            assert_eq!(decoded.expect_err("no answer").fault, Fault::ServerFailed);
+        }
+    }
+}
+
+#[test]
+fn a_providers_words_are_repeated_on_one_line_and_not_at_any_length() {
+    let words = format!("no\u{1b}[2J\nway {}", "x".repeat(100_000));
+    for (wire, reply) in [
+        (
+            Wire::OpenaiChat,
+            json!({ "choices": [{ "message": { "refusal": words } }] }),
+        ),
+        (
+            Wire::OpenaiResponses,
+            json!({ "output": [{ "type": "message", "content": [{ "type": "refusal", "refusal": words }] }] }),
+        ),
+        (
+            Wire::OpenaiResponses,
+            json!({ "status": words, "incomplete_details": { "reason": words } }),
+        ),
+        (
+            Wire::Anthropic,
+            json!({ "stop_reason": "refusal", "stop_details": { "explanation": words } }),
+        ),
+        (
+            Wire::Gemini,
+            json!({ "promptFeedback": { "blockReason": words } }),
+        ),
+        (
+            Wire::Gemini,
+            json!({ "candidates": [{ "finishReason": words, "finishMessage": words }] }),
+        ),
+    ] {
+        let decoded = wire.decode(reply.to_string().as_bytes());
+        let why = decoded.expect_err("no answer").why;
+        assert!(why.chars().count() < 1000, "{}", why.len());
+        assert!(why.contains("no\\u{1b}[2J way x"), "{why}");
+        assert!(!why.contains(char::is_control), "{why}");
     }
 }
 
