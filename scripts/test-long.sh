@@ -8,8 +8,8 @@
 # reads and writes the same snapshots, is installed beside it; tests find it through FABC_PEER_CARGO_INSTA. book.sh
 # installs mdBook, which builds the book.
 #
-# If WebAssembly cannot be built or run (wasm-parts.sh), or cargo-insta or mdBook cannot be installed, only the
-# peer_node_, peer_cargo_insta_ or peer_mdbook_ tests are left out. They count as skipped, and the reason is printed.
+# If WebAssembly cannot be built or run (wasm-parts.sh), or cargo-insta, mdBook or the descriptions of arms cannot be
+# fetched, only the peer_node_, peer_cargo_insta_, peer_mdbook_ or peer_robots_ tests are left out. They count as skipped, and the reason is printed.
 # The same holds for ROS (ros-parts.sh). Its tests work in real time and leave a core free, so all others run
 # beside them at the lowest priority.
 set -u
@@ -20,6 +20,10 @@ mkdir -p "$target" || exit
 environment=$(CDPATH='' cd -- "$target" && pwd)/peers
 requirements=$here/peers-requirements.txt
 missing=
+
+# Descriptions of arms by other makers. Of the package's 50 robots, 430 MB, two are kept; its files are BSD-3-Clause.
+robots=example-robot-data==6.0.0
+robots_folder=$environment/robots
 
 # Builds the environment, or sets `missing` to the reason why it cannot.
 prepare() {
@@ -39,6 +43,31 @@ prepare() {
         return
     fi
     cp "$requirements" "$environment/installed.txt"
+}
+
+# Fetches the descriptions of arms, or says on stdout why it cannot.
+fetch_robots() {
+    if [ "$(cat "$robots_folder/fetched.txt" 2>/dev/null)" = "$robots" ]; then return; fi
+    rm -rf "$robots_folder"
+    "$environment/bin/python" -m pip download --quiet --disable-pip-version-check --no-deps --only-binary :all: \
+        --dest "$work/robots" "$robots" >&2 && "$environment/bin/python" - "$work/robots" "$robots_folder" <<'PYTHON' || {
+import pathlib, sys, zipfile
+
+source, target = map(pathlib.Path, sys.argv[1:])
+(wheel,) = source.glob("*.whl")
+share = "cmeel.prefix/share/"
+with zipfile.ZipFile(wheel) as archive:
+    for name in archive.namelist():
+        if name.startswith(share) and ("/ur_description/" in name or "/panda_description/" in name) and "/visual/" not in name:
+            path = target / name.removeprefix(share)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            if not name.endswith("/"):
+                path.write_bytes(archive.read(name))
+PYTHON
+        echo "pip could not download $robots"
+        return
+    }
+    echo "$robots" >"$robots_folder/fetched.txt"
 }
 
 work=$(mktemp -d) || exit
@@ -102,6 +131,8 @@ if [ -n "$missing" ]; then
     echo "0 passed, 1 failed, 0 skipped" >>"$work/sums"
     skipped="$skipped --skip peer_"
 fi
+without_robots=
+[ -n "$missing" ] || without_robots=$(fetch_robots)
 without_wasm=$(sh "$here/wasm-parts.sh")
 
 # The version of insta in Cargo.lock; the tests compare with its files.
@@ -123,6 +154,9 @@ sh "$here/book.sh" >/dev/null || [ -x "$insta_root/bin/mdbook" ] || without_mdbo
 
 FABC_PEER_PYTHON=$environment/bin/python
 export FABC_PEER_PYTHON
+FABC_PEER_ROBOTS=$robots_folder
+export FABC_PEER_ROBOTS
+[ -z "$without_robots" ] || leave_out peer_robots_ "$without_robots"
 [ -z "$without_wasm" ] || leave_out peer_node_ "$without_wasm"
 [ -z "$without_insta" ] || leave_out peer_cargo_insta_ "$without_insta"
 [ -z "$without_mdbook" ] || leave_out peer_mdbook_ "$without_mdbook"

@@ -141,7 +141,7 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     let port = lab.ros.connect();
     let mut arm = PortArm::by_poses(
         port,
-        Guard::level(&settings).unwrap(),
+        Guard::level(&settings),
         settings.fingers,
         settings.tolerance,
     );

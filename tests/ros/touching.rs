@@ -67,7 +67,7 @@ fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let port = lab.ros.connect();
     let mut arm = PortArm::by_poses(
         port,
-        Guard::level(&settings).unwrap(),
+        Guard::level(&settings),
         settings.fingers,
         settings.tolerance,
     );

@@ -105,7 +105,7 @@ fn plans_are_for_arms_alone() {
     let output = finish(fabc(folder.path()).args(["run", task.to_str().unwrap(), "--plan-only"]));
     assert_eq!(output.code, 64);
     let said = output.stderr;
-    assert!(said.contains("--world jaco"), "{said}");
+    assert!(said.contains("--world arm"), "{said}");
 }
 
 /// Whoever gives one of them believes that an arm is watched.

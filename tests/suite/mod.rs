@@ -9,6 +9,7 @@ mod arm_cloths_by_hand;
 mod arm_faults;
 mod arm_flat;
 mod arm_run;
+mod arms_described;
 mod bad_bench_input;
 mod bad_input;
 mod bad_see_input;

@@ -236,7 +236,7 @@ fn whatever_check_refuses_is_neither_planned_nor_run() {
         &["check", "--robot", "robot.toml"],
         "",
     );
-    let next = "next         `fabc run TASK --world jaco --robot robot.toml --plan-only`\n";
+    let next = "next         `fabc run TASK --world arm --robot robot.toml --plan-only`\n";
     assert_eq!(said.code, 0, "{}", said.stderr);
     assert!(said.stdout.ends_with(next), "{}", said.stdout);
 }

@@ -55,6 +55,6 @@ fn a_world_within_an_arms_reach_conforms() {
     let (settings, _, calibration) = world::load(&robot).unwrap();
     conforms(&|| {
         let world = support::world(&program).unwrap();
-        Box::new(WithinReach::new(world, settings.clone(), &calibration).unwrap())
+        Box::new(WithinReach::new(world, settings.clone(), &calibration))
     });
 }

@@ -9,7 +9,6 @@
 
 use super::driver::ArmState;
 use super::kinematics::chain::Chain;
-use super::kinematics::models::UnknownModel;
 use super::kinematics::shape::{Capsule, PlacedCapsule};
 use super::kinematics::tool_down::tool_down;
 use super::port::Waypoint;
@@ -174,7 +173,8 @@ pub struct Guard {
 
 impl Guard {
     /// Guards the arm of the settings over a table.
-    pub fn new(settings: &Settings, chain: Chain, surface: Surface) -> Guard {
+    pub fn new(settings: &Settings, surface: Surface) -> Guard {
+        let chain = settings.chain().clone();
         let margin_m = settings.tolerance.position_m;
         let down = tool_down(
             &Point3::origin(),
@@ -208,11 +208,9 @@ impl Guard {
         }
     }
 
-    /// Guards the arm of the settings over a level table, as if no calibration had measured a tilt; fails for an
-    /// unknown model.
-    pub fn level(settings: &Settings) -> Result<Guard, UnknownModel> {
-        let chain = Chain::of_model(&settings.model)?;
-        Ok(Guard::new(settings, chain, Surface::level(settings)))
+    /// Guards the arm of the settings over a level table, as if no calibration had measured a tilt.
+    pub fn level(settings: &Settings) -> Guard {
+        Guard::new(settings, Surface::level(settings))
     }
 
     /// Returns the arm.
@@ -498,6 +496,9 @@ impl Guard {
     /// The settings state the table by the tool's place when the fingertips touch it, so the hand's shapes end where
     /// that is. Links are held to the tool's place itself, which is higher.
     fn above_table_m(&self, shape: &PlacedCapsule) -> f64 {
+        if shape.link == 0 && self.chain.is_first_link_level() {
+            return f64::INFINITY;
+        }
         let ends = shape.ends.map(|end| self.surface.distance_m(&end));
         let touch_m = match shape.link == self.chain.joints().len() {
             true => self.touch_m,

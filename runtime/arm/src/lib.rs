@@ -9,6 +9,7 @@
 //! when the hand points down. Nothing here knows about tasks, prompts or language models.
 
 pub mod calibration;
+pub mod description;
 pub mod directory;
 pub mod driver;
 pub mod execute;

@@ -191,7 +191,7 @@ keep_out = [{ name = 'lamp', min_m = [0.45, 0.25, 0.0], max_m = [0.5, 0.35, 0.4]
     fn plan_of(robot: &str, points_m: [[f64; 3]; 2]) -> (Plan, Chain) {
         let settings = Settings::parse(robot).unwrap();
         let chain = Chain::of_model("j2n6s200").unwrap();
-        let guard = Guard::new(&settings, chain.clone(), Surface::level(&settings));
+        let guard = Guard::new(&settings, Surface::level(&settings));
         let from = ArmState {
             at_s: 0.0,
             tool: tool_down(&settings.workspace.rest_m.into(), 0.0),

@@ -7,6 +7,8 @@
 mod check;
 mod keys;
 
+use super::description::ArmDescription;
+use super::kinematics::chain::Chain;
 use super::rgbd::Intrinsics;
 use fab_base::files;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -22,8 +24,14 @@ const MAX_BYTES: u64 = 256 << 10;
 pub struct Settings {
     /// A name for reports, e.g. `lab_jaco`.
     pub name: String,
-    /// The arm's model: `j2n6s200`, `j2n6s300` or `j2s6s200`.
+    /// The arm's model: `j2n6s200`, `j2n6s300` or `j2s6s200`; the name in its URDF for an arm that `arm` describes.
+    #[serde(default)]
     pub model: String,
+    /// An arm of another kind.
+    pub arm: Option<ArmDescription>,
+    /// Its joints and shapes; only [`Settings::load`] and [`Settings::parse`] find them.
+    #[serde(skip)]
+    chain: Chain,
     /// The driver that moves it.
     pub driver: DriverKind,
     /// The file that `fabc calibrate` wrote, relative to this one.
@@ -279,15 +287,35 @@ impl Settings {
             why,
         };
         let text = files::read_text(path, MAX_BYTES).map_err(wrong)?;
-        Settings::parse(&text).map_err(wrong)
+        let beside = path.parent().unwrap_or(Path::new(""));
+        Settings::parse_in(beside, &text).map_err(wrong)
     }
 
-    /// Reads settings from text and checks every number; fails with all faults, one per line.
+    /// Reads settings from text that names no other file, and checks every number; fails with all faults, one per line.
     pub fn parse(text: &str) -> Result<Settings, String> {
+        Settings::parse_in(Path::new(""), text)
+    }
+
+    /// Likewise.
+    ///
+    /// - `folder`: the folder of the files that the text names.
+    fn parse_in(folder: &Path, text: &str) -> Result<Settings, String> {
         let document = keys::read(text)?;
         let settings = document.try_into();
-        let settings = settings.map_err(|error: toml::de::Error| error.to_string())?;
-        check::check(&settings)?;
+        let mut settings: Settings =
+            settings.map_err(|error: toml::de::Error| error.to_string())?;
+        settings.chain = check::check(&settings, folder)?;
+        settings.model = settings.chain.model().to_owned();
+        if let Some(ros) = &mut settings.ros
+            && ros.joints.is_empty()
+        {
+            ros.joints = settings.chain.names().to_vec();
+        }
         Ok(settings)
+    }
+
+    /// Returns the arm's joints and shapes.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
     }
 }

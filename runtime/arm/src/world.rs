@@ -73,7 +73,7 @@ impl ArmWorld {
             .calibration
             .check_settings(settings)
             .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
-        let guard = parts.guard()?;
+        let guard = parts.guard();
         let log = parts.folder.as_deref().map(ArmLog::open).transpose();
         Ok(ArmWorld {
             base_from_world: base_from_world(settings),
@@ -135,7 +135,7 @@ impl ArmWorld {
 
 impl World for ArmWorld {
     fn name(&self) -> &str {
-        parts::name(self.parts.settings.driver)
+        parts::name(&self.parts.settings)
     }
 
     fn parameters(&self) -> String {

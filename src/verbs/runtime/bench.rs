@@ -84,7 +84,7 @@ pub struct BenchArguments {
     /// Only part I of N of the starts, counted from 1; with one `--out`, the last call may omit it.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<Shard>,
-    /// Where rollouts are carried out: `sim`, `jaco` (on an arm one at a time), or `exec:"CMD ARG..."`, a program of yours.
+    /// Where rollouts are carried out: `sim`, `arm` (on an arm one at a time), or `exec:"CMD ARG..."`, a program of yours.
     #[arg(long, value_name = "WORLD", default_value = "sim")]
     pub world: WorldChoice,
     #[command(flatten)]
@@ -175,7 +175,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let make_look = |program: &Program| setting::arm::look(program, &arguments.arm);
     let world_command = match &arguments.world {
         WorldChoice::Program(command) => Some(command),
-        WorldChoice::Sim | WorldChoice::Jaco => None,
+        WorldChoice::Sim | WorldChoice::Arm => None,
     };
     for command in deciding
         .values()

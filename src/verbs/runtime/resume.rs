@@ -53,7 +53,7 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
         directory,
         arguments: mut wanted,
     } = begun;
-    if wanted.world == WorldChoice::Jaco {
+    if wanted.world == WorldChoice::Arm {
         return Err(Failure::environment(format!(
             "the rollout in `{}` was carried out by an arm, which cannot do it again: see how it was left with `fabc robot recover`, and begin a new run",
             arguments.run.display()

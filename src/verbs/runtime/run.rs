@@ -53,13 +53,13 @@ pub struct RunArguments {
     pub model: ModelArguments,
     #[command(flatten)]
     pub spend: SpendArguments,
-    /// Where actions are executed: `sim`, `jaco`, or `exec:"CMD ARG..."`, a program of yours.
+    /// Where actions are executed: `sim`, `arm`, or `exec:"CMD ARG..."`, a program of yours.
     #[arg(long, value_name = "WORLD", default_value = "sim")]
     pub world: WorldChoice,
     #[command(flatten)]
     #[serde(default)]
     pub arm: ArmArguments,
-    /// With `--world jaco`: plan the first action, print and draw it (plan.json, plan.png), and connect to no arm.
+    /// With `--world arm`: plan the first action, print and draw it (plan.json, plan.png), and connect to no arm.
     #[arg(long)]
     #[serde(default)]
     pub plan_only: bool,
@@ -121,10 +121,10 @@ pub fn play(
         false => ArmMode::Execute,
     };
     let arm = match &arguments.world {
-        WorldChoice::Jaco => Some(setting::arm::check(&arguments.arm, moving, io)?),
+        WorldChoice::Arm => Some(setting::arm::check(&arguments.arm, moving, io)?),
         _ if arguments.plan_only => {
             return Err(Failure::usage(
-                "`--plan-only` plans for an arm: give `--world jaco` and its settings, `--robot FILE`".to_owned(),
+                "`--plan-only` plans for an arm: give `--world arm` and its settings, `--robot FILE`".to_owned(),
             ));
         }
         _ => None,
@@ -167,7 +167,7 @@ pub fn play(
     let journal = OnceLock::new();
     let make_world = || match &arguments.world {
         WorldChoice::Sim => setting::world(&program),
-        WorldChoice::Jaco => {
+        WorldChoice::Arm => {
             setting::arm::world(&program, &arguments.arm, moving, journal.get(), io)
         }
         WorldChoice::Program(command) => {
@@ -176,7 +176,7 @@ pub fn play(
         }
     };
     let make_look = || match &arguments.world {
-        WorldChoice::Jaco => setting::arm::look(&program, &arguments.arm),
+        WorldChoice::Arm => setting::arm::look(&program, &arguments.arm),
         _ => setting::world(&program),
     };
     let has_operator = arguments.operator

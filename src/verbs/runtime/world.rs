@@ -66,7 +66,7 @@ fn check(arguments: &WorldCheckArguments, io: &Io) -> Result<Exit, Failure> {
             _ => Box::new(SimulatedWorld::new(&camera(), Picker::default())?),
         })
     };
-    if arguments.world == WorldChoice::Jaco {
+    if arguments.world == WorldChoice::Arm {
         return Err(Failure::usage(
             "an arm is checked by `fabc robot check`; `fabc world check` is for `exec:\"CMD ARG...\"`",
         ));

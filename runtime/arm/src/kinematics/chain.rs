@@ -5,15 +5,28 @@
 //! any angle, because an arm may report one past its limit.
 
 use super::shape::Capsule;
-use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Isometry3, Matrix6xX, Point3, SMatrix, UnitQuaternion, Vector3, Vector6};
 use std::f64::consts::TAU;
 
-/// Number of joints of every supported arm.
-pub const JOINTS: usize = 6;
+/// The fewest joints that bring a hand to any pose.
+pub const MIN_JOINTS: usize = 6;
+
+/// The most joints of a supported arm.
+pub const MAX_JOINTS: usize = 7;
+
+/// Joint angles inside of this module, radians: those beyond the chain's joints stay 0, so that chains of either length
+/// need no heap.
+pub(super) type Angles = [f64; MAX_JOINTS];
+
+/// A Jacobian inside of this module: the columns beyond the chain's joints stay 0.
+pub(super) type Jacobian = SMatrix<f64, 6, MAX_JOINTS>;
 
 /// The largest plausible joint angle, radians: a joint that reports more than a thousand turns is broken, and the sine
 /// of far larger numbers is meaningless.
 const MAX_ANGLE_RAD: f64 = 6300.0;
+
+/// The horizontal part of a unit vector that counts as vertical: URDF files round pi.
+const UPRIGHT: f64 = 1e-3;
 
 /// The length weighted like a radian, metres: about half the arm's reach.
 pub(super) const METRES_PER_RAD: f64 = 0.3;
@@ -30,10 +43,14 @@ pub struct Joint {
 }
 
 /// An arm from its base to its tool.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chain {
     model: String,
-    joints: [Joint; JOINTS],
+    /// The joints' names; none for a built-in model, whose node has names of its own.
+    names: Vec<String>,
+    joints: Vec<Joint>,
+    /// A posture with the hand down, to which others should be near; none for a built-in model.
+    home: Option<Angles>,
     last_from_tool: Isometry3<f64>,
     pub(super) shapes: Vec<Capsule>,
 }
@@ -42,10 +59,12 @@ pub struct Chain {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BadAngles {
     /// There are more or fewer angles than joints.
-    #[error("`{found}` joint angles were given to an arm with `{JOINTS}` joints")]
+    #[error("`{found}` joint angles were given to an arm with `{joints}` joints")]
     Count {
         /// How many were given.
         found: usize,
+        /// How many joints the arm has.
+        joints: usize,
     },
     /// One is not a valid angle.
     #[error("the angle `{angle_rad}` of joint `{joint}` is not a valid angle")]
@@ -60,21 +79,54 @@ pub enum BadAngles {
 impl Chain {
     pub(super) fn new(
         model: &str,
-        joints: [Joint; JOINTS],
+        joints: Vec<Joint>,
         last_from_tool: Isometry3<f64>,
         shapes: Vec<Capsule>,
     ) -> Chain {
+        debug_assert!((MIN_JOINTS..=MAX_JOINTS).contains(&joints.len()));
         Chain {
             model: model.to_owned(),
             joints,
             last_from_tool,
             shapes,
+            ..Chain::default()
+        }
+    }
+
+    /// Makes the chain of an arm that a file describes.
+    ///
+    /// - `home_rad`: one angle for each joint; missing ones are 0.
+    pub(crate) fn described(
+        model: &str,
+        names: Vec<String>,
+        joints: Vec<Joint>,
+        last_from_tool: Isometry3<f64>,
+        shapes: Vec<Capsule>,
+        home_rad: &[f64],
+    ) -> Chain {
+        let mut home = Angles::default();
+        for (angle, home_rad) in home.iter_mut().zip(home_rad).take(joints.len()) {
+            *angle = *home_rad;
+        }
+        Chain {
+            names,
+            home: Some(home),
+            ..Chain::new(model, joints, last_from_tool, shapes)
         }
     }
 
     /// Returns the model's name.
     pub fn model(&self) -> &str {
         &self.model
+    }
+
+    /// Returns the joints' names, from the base to the hand; none for a built-in model.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    pub(super) fn home(&self) -> Option<&Angles> {
+        self.home.as_ref()
     }
 
     /// Returns the joints, from the base to the hand.
@@ -98,16 +150,18 @@ impl Chain {
     pub fn frames(&self, joints_rad: &[f64]) -> Result<Vec<Isometry3<f64>>, BadAngles> {
         let angles = self.angles(joints_rad)?;
         let links = self.links_at(&angles);
-        let tool = links[JOINTS - 1] * self.last_from_tool;
-        Ok(links.into_iter().chain([tool]).collect())
+        let tool = links[self.last()] * self.last_from_tool;
+        let links = links.into_iter().take(self.joints.len());
+        Ok(links.chain([tool]).collect())
     }
 
     /// Returns the geometric Jacobian in the base frame: how the tool moves with each joint.
     ///
     /// Column `j` is the velocity of the tool's origin (m/s), then its angular velocity (rad/s), while joint `j` turns
     /// at 1 rad/s.
-    pub fn jacobian(&self, joints_rad: &[f64]) -> Result<Matrix6<f64>, BadAngles> {
-        Ok(self.motion_at(&self.angles(joints_rad)?).1)
+    pub fn jacobian(&self, joints_rad: &[f64]) -> Result<Matrix6xX<f64>, BadAngles> {
+        let (_, jacobian) = self.motion_at(&self.angles(joints_rad)?);
+        Ok(jacobian.columns(0, self.joints.len()).into_owned())
     }
 
     /// Returns the first joint, from 1 at the base, whose angle exceeds a limit.
@@ -124,11 +178,23 @@ impl Chain {
             .map(|index| index + 1)
     }
 
-    pub(super) fn angles(&self, joints_rad: &[f64]) -> Result<[f64; JOINTS], BadAngles> {
-        let found = joints_rad.len();
-        let angles: [f64; JOINTS] = joints_rad
-            .try_into()
-            .map_err(|_| BadAngles::Count { found })?;
+    /// Returns the index of the last joint.
+    pub(super) fn last(&self) -> usize {
+        self.joints.len().saturating_sub(1)
+    }
+
+    /// Returns the angles of the chain's joints.
+    pub(super) fn of_joints(&self, angles: &Angles) -> Vec<f64> {
+        angles[..self.joints.len()].to_vec()
+    }
+
+    pub(super) fn angles(&self, joints_rad: &[f64]) -> Result<Angles, BadAngles> {
+        let (found, joints) = (joints_rad.len(), self.joints.len());
+        if found != joints {
+            return Err(BadAngles::Count { found, joints });
+        }
+        let mut angles = Angles::default();
+        angles[..joints].copy_from_slice(joints_rad);
         match angles
             .iter()
             .position(|angle| !angle.is_finite() || angle.abs() > MAX_ANGLE_RAD)
@@ -141,12 +207,12 @@ impl Chain {
         }
     }
 
-    pub(super) fn tool_at(&self, angles: &[f64; JOINTS]) -> Isometry3<f64> {
-        self.links_at(angles)[JOINTS - 1] * self.last_from_tool
+    pub(super) fn tool_at(&self, angles: &Angles) -> Isometry3<f64> {
+        self.links_at(angles)[self.last()] * self.last_from_tool
     }
 
-    pub(super) fn links_at(&self, angles: &[f64; JOINTS]) -> [Isometry3<f64>; JOINTS] {
-        let mut frames = [Isometry3::identity(); JOINTS];
+    pub(super) fn links_at(&self, angles: &Angles) -> [Isometry3<f64>; MAX_JOINTS] {
+        let mut frames = [Isometry3::identity(); MAX_JOINTS];
         let mut parent = Isometry3::identity();
         for ((joint, angle), frame) in self.joints.iter().zip(angles).zip(&mut frames) {
             parent *= joint.parent_from_joint_at_zero;
@@ -157,11 +223,11 @@ impl Chain {
     }
 
     /// Returns the tool's pose and the Jacobian.
-    pub(super) fn motion_at(&self, angles: &[f64; JOINTS]) -> (Isometry3<f64>, Matrix6<f64>) {
+    pub(super) fn motion_at(&self, angles: &Angles) -> (Isometry3<f64>, Jacobian) {
         let links = self.links_at(angles);
-        let tool = links[JOINTS - 1] * self.last_from_tool;
-        let mut jacobian = Matrix6::zeros();
-        for (index, link) in links.iter().enumerate() {
+        let tool = links[self.last()] * self.last_from_tool;
+        let mut jacobian = Jacobian::zeros();
+        for (index, link) in links.iter().take(self.joints.len()).enumerate() {
             let axis = link.rotation * Vector3::z();
             let arm = tool.translation.vector - link.translation.vector;
             let moved = axis.cross(&arm);
@@ -186,10 +252,25 @@ impl Chain {
         axis.z.signum()
     }
 
-    /// Returns the point of the first joint's axis at the height of the second joint, base frame, metres.
+    /// Returns the point of the first joint's axis that is nearest to the second joint, base frame, metres.
     pub(super) fn shoulder(&self) -> Point3<f64> {
-        let second = self.links_at(&[0.0; JOINTS])[1].translation.vector;
-        Point3::new(0.0, 0.0, second.z)
+        let [first, second, ..] = self.links_at(&Angles::default());
+        let axis = first.rotation * Vector3::z();
+        let away = second.translation.vector - first.translation.vector;
+        Point3::from(first.translation.vector + axis * away.dot(&axis))
+    }
+
+    /// Returns whether the first link's height is not to be checked. It cannot come down if the arm stands upright, and the
+    /// table's plane, which has no edge, would pass through a capsule around the foot of most described arms. The built-in
+    /// models' capsules are tight there.
+    pub(crate) fn is_first_link_level(&self) -> bool {
+        self.home.is_some() && self.is_upright()
+    }
+
+    /// Returns whether the first joint turns the arm about a vertical.
+    pub(super) fn is_upright(&self) -> bool {
+        let axis = self.joints[0].parent_from_joint_at_zero.rotation * Vector3::z();
+        axis.xy().norm() < UPRIGHT
     }
 }
 

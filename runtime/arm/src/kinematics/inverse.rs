@@ -5,9 +5,9 @@
 //! damping of Sugihara ("Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method", 2011): it grows
 //! with the remaining error, so no step has to be undone. Equal input gives equal angles. Collisions are not checked.
 
-use super::chain::{BadAngles, Chain, JOINTS, METRES_PER_RAD, nearest_turn};
+use super::chain::{Angles, BadAngles, Chain, Jacobian, MAX_JOINTS, METRES_PER_RAD, nearest_turn};
 use super::starts;
-use nalgebra::{Isometry3, Matrix6, Vector6};
+use nalgebra::{Isometry3, Matrix6, SVector, Vector6};
 
 /// How far the tool may be from the requested pose, metres.
 pub const POSITION_TOLERANCE_M: f64 = 1e-4;
@@ -54,11 +54,18 @@ pub enum NoSolution {
 }
 
 /// What keeps the arm from a pose, judged by the best attempt.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Obstacle {
-    /// The pose is beyond the arm's reach.
-    #[error("it is too far from the base")]
-    TooFar,
+    /// The pose is beyond the arm's reach: its distance from the shoulder, and how far the arm reaches from there, metres.
+    #[error(
+        "it is too far from the base: `{away_m:.3}` m from the shoulder, and the arm reaches at most `{reach_m:.3}` m"
+    )]
+    TooFar {
+        /// The pose's distance.
+        away_m: f64,
+        /// The largest one.
+        reach_m: f64,
+    },
     /// It is closer to the base than the arm can reach.
     #[error("it is too close to the base")]
     TooNear,
@@ -72,10 +79,13 @@ pub enum Obstacle {
 
 /// Where an attempt ended.
 pub(super) struct Attempt {
-    pub(super) angles: [f64; JOINTS],
+    pub(super) angles: Angles,
     distance_m: f64,
     angle_rad: f64,
 }
+
+/// A change of the joint angles, radians.
+type Step = SVector<f64, MAX_JOINTS>;
 
 impl Attempt {
     pub(super) fn reached(&self) -> bool {
@@ -102,35 +112,44 @@ impl Chain {
         if !is_pose(base_from_tool) {
             return Err(NoSolution::NotAPose);
         }
-        let wrist = base_from_tool * self.last_from_tool().inverse();
-        let beyond_m =
-            (wrist.translation.vector - self.shoulder().coords).norm() - self.stretched_m();
+        let beyond_m = self.beyond_m(base_from_tool);
         if beyond_m > POSITION_TOLERANCE_M {
             return Err(NoSolution::NotReached {
                 distance_m: beyond_m,
                 angle_rad: 0.0,
-                obstacle: Obstacle::TooFar,
+                obstacle: self.too_far(base_from_tool),
             });
         }
         let best = self.best_attempt(base_from_tool, &near);
-        Ok(self.judged(base_from_tool, &near, &best)?.to_vec())
+        Ok(self.of_joints(&self.judged(base_from_tool, &near, &best)?))
+    }
+
+    /// Returns by how much a pose is farther than the stretched arm reaches, metres.
+    fn beyond_m(&self, base_from_tool: &Isometry3<f64>) -> f64 {
+        let wrist = base_from_tool * self.last_from_tool().inverse();
+        (wrist.translation.vector - self.shoulder().coords).norm() - self.stretched_m()
+    }
+
+    /// Returns whether a pose is farther than the stretched arm reaches.
+    pub(super) fn is_beyond(&self, base_from_tool: &Isometry3<f64>) -> bool {
+        self.beyond_m(base_from_tool) > POSITION_TOLERANCE_M
     }
 
     /// Returns joint angles for a pose close to the tool's pose at the given angles, in one attempt.
     pub(super) fn next(
         &self,
         base_from_tool: &Isometry3<f64>,
-        near: &[f64; JOINTS],
-    ) -> Result<[f64; JOINTS], NoSolution> {
+        near: &Angles,
+    ) -> Result<Angles, NoSolution> {
         self.judged(base_from_tool, near, &self.approach(base_from_tool, near))
     }
 
     fn judged(
         &self,
         base_from_tool: &Isometry3<f64>,
-        near: &[f64; JOINTS],
+        near: &Angles,
         best: &Attempt,
-    ) -> Result<[f64; JOINTS], NoSolution> {
+    ) -> Result<Angles, NoSolution> {
         if best.reached() {
             return Ok(self.turns_nearest(&best.angles, near));
         }
@@ -141,10 +160,10 @@ impl Chain {
         })
     }
 
-    fn best_attempt(&self, base_from_tool: &Isometry3<f64>, near: &[f64; JOINTS]) -> Attempt {
+    fn best_attempt(&self, base_from_tool: &Isometry3<f64>, near: &Angles) -> Attempt {
         // The last joint alone rotates the hand; if the steps did it, a large rotation would lead to another posture.
         let mut turned = *near;
-        turned[JOINTS - 1] += self.last_joint_between(&self.tool_at(near), base_from_tool);
+        turned[self.last()] += self.last_joint_between(&self.tool_at(near), base_from_tool);
         let mut best = self.approach(base_from_tool, &turned);
         if best.reached() {
             return best;
@@ -165,11 +184,7 @@ impl Chain {
     }
 
     /// Steps from `start` towards a pose until it is reached or the step limit is.
-    pub(super) fn approach(
-        &self,
-        base_from_tool: &Isometry3<f64>,
-        start: &[f64; JOINTS],
-    ) -> Attempt {
+    pub(super) fn approach(&self, base_from_tool: &Isometry3<f64>, start: &Angles) -> Attempt {
         let mut angles = self.within_limits(start);
         for _ in 0..MAX_STEPS {
             let (tool, jacobian) = self.motion_at(&angles);
@@ -201,12 +216,7 @@ impl Chain {
     }
 
     /// Solves for a damped step; leaves out joints that would be pushed past a limit they are at.
-    fn step(
-        &self,
-        angles: &[f64; JOINTS],
-        jacobian: &Matrix6<f64>,
-        error: &Vector6<f64>,
-    ) -> Vector6<f64> {
+    fn step(&self, angles: &Angles, jacobian: &Jacobian, error: &Vector6<f64>) -> Step {
         let mut weighted = *jacobian;
         weighted
             .fixed_rows_mut::<3>(0)
@@ -231,10 +241,12 @@ impl Chain {
     }
 
     /// Returns the angles clamped to the joint limits; extra full turns are removed first.
-    fn within_limits(&self, angles: &[f64; JOINTS]) -> [f64; JOINTS] {
+    fn within_limits(&self, angles: &Angles) -> Angles {
         let mut within = *angles;
         for (angle, joint) in within.iter_mut().zip(self.joints()) {
-            if let Some([least, most]) = joint.limits_rad {
+            if let Some([least, most]) = joint.limits_rad
+                && !(least..=most).contains(angle)
+            {
                 let middle = (least + most) / 2.0;
                 *angle = nearest_turn(*angle, middle).clamp(least, most);
             }
@@ -242,16 +254,14 @@ impl Chain {
         within
     }
 
-    /// Returns the same posture with each unlimited joint on the turn closest to `near`.
-    pub(super) fn turns_nearest(
-        &self,
-        angles: &[f64; JOINTS],
-        near: &[f64; JOINTS],
-    ) -> [f64; JOINTS] {
+    /// Returns the same posture with each joint on the turn closest to `near` that its limits allow.
+    pub(super) fn turns_nearest(&self, angles: &Angles, near: &Angles) -> Angles {
         let mut nearest = *angles;
         for ((angle, near), joint) in nearest.iter_mut().zip(near).zip(self.joints()) {
-            if joint.limits_rad.is_none() {
-                *angle = nearest_turn(*angle, *near);
+            let turned = nearest_turn(*angle, *near);
+            let is_allowed = |[least, most]: [f64; 2]| (least..=most).contains(&turned);
+            if joint.limits_rad.is_none_or(is_allowed) {
+                *angle = turned;
             }
         }
         nearest
@@ -259,11 +269,18 @@ impl Chain {
 
     /// Returns the greatest distance between the last joint and the shoulder, metres: all links in one line.
     fn stretched_m(&self) -> f64 {
-        let links = self.links_at(&[0.0; JOINTS]);
-        let ways = links[1..]
+        let links = self.links_at(&Angles::default());
+        let ways = links[1..self.joints().len()]
             .windows(2)
             .map(|pair| (pair[1].translation.vector - pair[0].translation.vector).norm());
         (links[1].translation.vector - self.shoulder().coords).norm() + ways.sum::<f64>()
+    }
+
+    fn too_far(&self, base_from_tool: &Isometry3<f64>) -> Obstacle {
+        Obstacle::TooFar {
+            away_m: (base_from_tool.translation.vector - self.shoulder().coords).norm(),
+            reach_m: self.stretched_m() + self.last_from_tool().translation.vector.norm(),
+        }
     }
 
     fn obstacle(&self, base_from_tool: &Isometry3<f64>, best: &Attempt) -> Obstacle {
@@ -271,7 +288,7 @@ impl Chain {
             let limits = self.joints()[*index].limits_rad;
             limits.is_some_and(|limits| limits.contains(&best.angles[*index]))
         };
-        if let Some(index) = (0..JOINTS).find(at_limit) {
+        if let Some(index) = (0..self.joints().len()).find(at_limit) {
             return Obstacle::Limit(index + 1);
         }
         if best.distance_m <= POSITION_TOLERANCE_M {
@@ -280,7 +297,7 @@ impl Chain {
         let from_shoulder_m =
             |pose: &Isometry3<f64>| (pose.translation.vector - self.shoulder().coords).norm();
         if from_shoulder_m(base_from_tool) > from_shoulder_m(&self.tool_at(&best.angles)) {
-            Obstacle::TooFar
+            self.too_far(base_from_tool)
         } else {
             Obstacle::TooNear
         }
@@ -305,12 +322,11 @@ fn error(base_from_tool: &Isometry3<f64>, tool: &Isometry3<f64>) -> Vector6<f64>
     Vector6::new(moved.x, moved.y, moved.z, turned.x, turned.y, turned.z)
 }
 
-fn damped(jacobian: &Matrix6<f64>, error: &Vector6<f64>) -> Vector6<f64> {
+/// Returns the shortest damped step, `Jᵀ (J Jᵀ + λ)⁻¹ e`. The six equations stay six with a seventh joint.
+fn damped(jacobian: &Jacobian, error: &Vector6<f64>) -> Step {
     let damping = 0.5 * error.norm_squared() + LEAST_DAMPING;
-    let normal = jacobian.tr_mul(jacobian) + Matrix6::identity() * damping;
-    let gradient = jacobian.tr_mul(error);
+    let normal = jacobian * jacobian.transpose() + Matrix6::identity() * damping;
     // A sum of squares plus a positive diagonal is positive definite.
-    normal
-        .cholesky()
-        .map_or_else(Vector6::zeros, |factors| factors.solve(&gradient))
+    let solved = normal.cholesky().map(|factors| factors.solve(error));
+    solved.map_or_else(Step::zeros, |solved| jacobian.tr_mul(&solved))
 }

@@ -3,7 +3,7 @@
 //! In: a model's name. Out: its [`Chain`], or the names of the supported models. `models.toml` holds the figures and
 //! the source of each; only their units are converted here.
 
-use super::chain::{Chain, JOINTS, Joint};
+use super::chain::{Chain, Joint};
 use super::shape::Capsule;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
 use serde::Deserialize;
@@ -32,7 +32,7 @@ struct ChainFigures {
     models: Vec<String>,
     hand_xyz_m: [f64; 3],
     hand_rpy_deg: [f64; 3],
-    joint: [JointFigures; JOINTS],
+    joint: Vec<JointFigures>,
     shape: Vec<ShapeFigures>,
 }
 
@@ -78,7 +78,7 @@ impl Chain {
         let shapes = figures.shape.into_iter().map(shape).collect();
         Ok(Chain::new(
             name,
-            figures.joint.map(joint),
+            figures.joint.into_iter().map(joint).collect(),
             last_from_tool,
             shapes,
         ))

@@ -2,7 +2,9 @@
 //!
 //! In: a point in the base frame, and heights above it that the hand must reach too. Out: joint angles at the point
 //! from which the hand can go straight up; else the point's distance from the base, the range at that height, and why
-//! the point is not reached. The last joint turns without limit, so reach does not depend on the rotation of the hand.
+//! the point is not reached. The built-in models' postures are enumerated (`tool_down`), and their last joint turns without
+//! limit, so reach does not depend on the rotation of the hand. Postures of other arms are searched from many starts, those
+//! near to the arm's home first; the range is the one in the direction in which the hand is at home.
 //! Three conditions apply beyond the joint limits: the elbow stays above the point by more than a link's thickness,
 //! because the table lies below the point; the hand stays off the base; and the path up is straight. Other collisions
 //! are not checked.
@@ -10,9 +12,10 @@
 //! At the height of the base, the tool comes to within 0.18 m of the first axis and 0.70 m away from it (`j2n6s200`,
 //! `j2n6s300`), or 0.16 m and 0.72 m (`j2s6s200`).
 
-use super::chain::{Chain, JOINTS, nearest_turn};
+use super::chain::{Angles, Chain, Jacobian, nearest_turn};
+use super::starts;
 use super::tool_down::{ToolDown, tool_down};
-use nalgebra::{Isometry3, Point3, Translation3};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fmt;
@@ -29,6 +32,18 @@ const ELBOW_UP_M: f64 = 0.05;
 /// How far the tool stays from the first axis, metres: the radius of shoulder and base, 0.051, plus that of the palm,
 /// 0.059 (meshes `shoulder.stl` and `hand_3finger_main.stl` of dm_control).
 const HAND_OFF_BASE_M: f64 = 0.11;
+
+/// From how many starts the postures of an arm that is no built-in model are searched, besides its home.
+const SEARCHES: usize = 24;
+
+/// How many postures of it are tried at most.
+const MAX_FOUND: usize = 8;
+
+/// The rotations of the hand that are tried if any will do, against the one at home.
+const FREE_TURNS: [f64; 4] = [0.0, PI / 2.0, -PI / 2.0, PI];
+
+/// Postures that differ by less are the same, radians.
+const SAME_RAD: f64 = 0.05;
 
 /// The longest step of the path up, metres.
 const STEP_M: f64 = 0.02;
@@ -130,7 +145,7 @@ impl std::error::Error for OutOfReach {}
 #[derive(Debug)]
 pub struct Reach {
     chain: Chain,
-    downwards: ToolDown,
+    downwards: Option<ToolDown>,
     turn: Turn,
     ranges: Mutex<BTreeMap<i64, Option<Range>>>,
 }
@@ -140,7 +155,7 @@ impl Reach {
     pub fn tool_down(chain: &Chain, turn: Turn) -> Reach {
         Reach {
             chain: chain.clone(),
-            downwards: ToolDown::new(chain),
+            downwards: chain.home().is_none().then(|| ToolDown::new(chain)),
             turn,
             ranges: Mutex::default(),
         }
@@ -148,8 +163,8 @@ impl Reach {
 
     /// Returns joint angles at a point from which the hand can rise straight to each height.
     ///
-    /// Of several postures, one with the elbow up, and of those the one farthest from a singularity (determinant of the
-    /// Jacobian, Yoshikawa 1985).
+    /// Of several postures, one with the elbow up: of a built-in model the one farthest from a singularity (Yoshikawa's
+    /// measure, 1985), of another arm the one nearest to its home.
     ///
     /// - `point`: the tool's target, base frame, metres.
     /// - `heights_above_m`: above the point, metres, none negative.
@@ -171,14 +186,17 @@ impl Reach {
                 why: WhyUnreachable::NotAPlace,
             });
         }
-        let postures = self.best_first(radius_m, point.z);
+        let postures = match &self.downwards {
+            Some(downwards) => self.best_first(downwards, point),
+            None => self.searched(point, MAX_FOUND),
+        };
         if let Some(angles) = postures
             .iter()
             .find_map(|posture| self.rises(posture, point, top_m))
         {
             return Ok(angles);
         }
-        Err(self.refusal(radius_m, point.z, heights_above_m))
+        Err(self.refusal(radius_m, point.z, heights_above_m, !postures.is_empty()))
     }
 
     /// Returns the range reached at a height above the base, contiguous up to the farthest; `None` if nothing is
@@ -201,7 +219,7 @@ impl Reach {
     }
 
     fn search_range(&self, height_m: f64) -> Option<Range> {
-        let reaches = |radius_m: f64| !self.postures(radius_m, height_m).is_empty();
+        let reaches = |radius_m: f64| self.reaches(radius_m, height_m);
         let radii: Vec<f64> = (0..60)
             .rev()
             .map(|step| f64::from(step) * RANGE_STEP_M)
@@ -229,57 +247,151 @@ impl Reach {
         })
     }
 
-    /// Returns the postures with the tool at a distance and a height whose elbow is above the tool.
-    fn postures(&self, radius_m: f64, height_m: f64) -> Vec<[f64; JOINTS]> {
-        if radius_m < HAND_OFF_BASE_M {
+    /// Returns whether the hand can be at a distance and a height.
+    fn reaches(&self, radius_m: f64, height_m: f64) -> bool {
+        match (&self.downwards, self.chain.home()) {
+            (None, Some(home)) => {
+                let at_home = self.chain.tool_at(home).translation;
+                let (sin, cos) = at_home.y.atan2(at_home.x).sin_cos();
+                let point = Point3::new(radius_m * cos, radius_m * sin, height_m);
+                !self.searched(&point, 1).is_empty()
+            }
+            (Some(downwards), _) => !self.postures(downwards, radius_m, height_m).is_empty(),
+            (None, None) => false,
+        }
+    }
+
+    /// Returns postures of an arm with a home at a point, those near to it first.
+    ///
+    /// - `most`: how many suffice.
+    fn searched(&self, point: &Point3<f64>, most: usize) -> Vec<Angles> {
+        let chain = &self.chain;
+        let Some(home) = chain.home() else {
+            return Vec::new();
+        };
+        if point.x.hypot(point.y) < self.hand_off_base_m() {
             return Vec::new();
         }
-        let mut postures = self.downwards.postures(radius_m, height_m);
-        postures.retain(|posture| {
-            self.chain.links_at(posture)[2].translation.z >= height_m + ELBOW_OVER_POINT_M
-        });
+        let poses: Vec<Isometry3<f64>> = match self.turn {
+            Turn::Fixed(turn_rad) => vec![tool_down(point, turn_rad)],
+            Turn::Free => {
+                let x = chain.tool_at(home).rotation * Vector3::x();
+                let turn_rad = x.y.atan2(x.x);
+                let turns = FREE_TURNS.iter();
+                turns.map(|by| tool_down(point, turn_rad + by)).collect()
+            }
+        };
+        let away = |angles: &Angles| -> f64 {
+            let away = angles
+                .iter()
+                .zip(home)
+                .map(|(at, home)| (at - home).powi(2));
+            away.sum()
+        };
+        let mut found: Vec<Angles> = Vec::new();
+        for pose in poses.iter().filter(|pose| !chain.is_beyond(pose)) {
+            let starts = starts::towards(chain, pose);
+            for start in [*home].iter().chain(starts.iter().take(SEARCHES)) {
+                let attempt = chain.approach(pose, start);
+                let angles = chain.turns_nearest(&attempt.angles, home);
+                let apart = |other: &Angles| {
+                    let apart = angles.iter().zip(other).map(|(a, b)| (a - b).abs());
+                    apart.fold(0.0, f64::max)
+                };
+                let is_new = found.iter().all(|other| apart(other) > SAME_RAD);
+                if attempt.reached() && is_new && self.is_elbow_over(&angles, point.z) {
+                    found.push(angles);
+                }
+                if found.len() >= most {
+                    break;
+                }
+            }
+        }
+        found.sort_by(|one, other| away(one).total_cmp(&away(other)));
+        found
+    }
+
+    /// Returns how far the tool stays from the base's axis, metres.
+    fn hand_off_base_m(&self) -> f64 {
+        let hand = self.chain.joints().len();
+        let radius_m = |link: usize| {
+            let shapes = self
+                .chain
+                .shapes()
+                .iter()
+                .filter(move |shape| shape.link == link);
+            shapes.map(|shape| shape.radius_m).fold(0.0, f64::max)
+        };
+        match self.downwards {
+            Some(_) => HAND_OFF_BASE_M,
+            None => radius_m(0) + radius_m(hand),
+        }
+    }
+
+    /// Returns whether the elbow is above a height by more than a link's thickness; of an arm that is no built-in model,
+    /// every joint between elbow and wrist.
+    fn is_elbow_over(&self, angles: &Angles, height_m: f64) -> bool {
+        let links = self.chain.links_at(angles);
+        let last = match self.downwards {
+            Some(_) => 3,
+            None => self.chain.last() - 1,
+        };
+        let mut elbows = links[2..last].iter();
+        elbows.all(|link| link.translation.z >= height_m + ELBOW_OVER_POINT_M)
+    }
+
+    /// Returns the postures of a built-in model with the tool at a distance and a height whose elbow is above the tool.
+    fn postures(&self, downwards: &ToolDown, radius_m: f64, height_m: f64) -> Vec<Angles> {
+        if radius_m < self.hand_off_base_m() {
+            return Vec::new();
+        }
+        let mut postures = downwards.postures(radius_m, height_m);
+        postures.retain(|posture| self.is_elbow_over(posture, height_m));
         postures
     }
 
-    fn best_first(&self, radius_m: f64, height_m: f64) -> Vec<[f64; JOINTS]> {
-        let mut postures = self.postures(radius_m, height_m);
-        let elbow_m = |posture: &[f64; JOINTS]| self.chain.links_at(posture)[2].translation.z;
+    /// Returns the postures of a built-in model at a point, the best first.
+    fn best_first(&self, downwards: &ToolDown, point: &Point3<f64>) -> Vec<Angles> {
+        let mut postures = self.postures(downwards, point.x.hypot(point.y), point.z);
+        let elbow_m = |posture: &Angles| self.chain.links_at(posture)[2].translation.z;
         let highest_m = postures
             .iter()
             .map(elbow_m)
             .fold(f64::NEG_INFINITY, f64::max);
-        let dexterity = |posture: &[f64; JOINTS]| {
+        let dexterity = |posture: &Angles| {
             let up = if elbow_m(posture) > highest_m - ELBOW_UP_M {
                 1.0
             } else {
                 0.0
             };
-            up + self.chain.motion_at(posture).1.determinant().abs()
+            up + dexterity_of(self.chain.motion_at(posture).1)
         };
         postures.sort_by(|one, other| dexterity(other).total_cmp(&dexterity(one)));
+        let azimuth = point.y.atan2(point.x);
+        for posture in &mut postures {
+            posture[0] += azimuth * self.chain.first_turns();
+            for (angle, joint) in posture.iter_mut().zip(self.chain.joints()) {
+                if joint.limits_rad.is_none() {
+                    *angle = nearest_turn(*angle, PI);
+                }
+            }
+        }
         postures
     }
 
     /// Returns the angles at the point where the hand can rise from there to `top_m`.
-    fn rises(&self, posture: &[f64; JOINTS], point: &Point3<f64>, top_m: f64) -> Option<Vec<f64>> {
-        let mut angles = *posture;
-        let azimuth = point.y.atan2(point.x);
-        angles[0] += azimuth * self.chain.first_turns();
-        let tool = self.chain.tool_at(&angles);
+    fn rises(&self, posture: &Angles, point: &Point3<f64>, top_m: f64) -> Option<Vec<f64>> {
+        let tool = self.chain.tool_at(posture);
         let mut target = Isometry3::from_parts(Translation3::from(point.coords), tool.rotation);
         if let Turn::Fixed(turn_rad) = self.turn {
             target = tool_down(point, turn_rad);
         }
-        for (angle, joint) in angles.iter_mut().zip(self.chain.joints()) {
-            if joint.limits_rad.is_none() {
-                *angle = nearest_turn(*angle, PI);
-            }
-        }
         let top = Translation3::new(0.0, 0.0, top_m) * target;
-        let way = self.chain.straight(&target, &top, &angles, STEP_M).ok()?;
+        let near = self.chain.of_joints(posture);
+        let way = self.chain.straight(&target, &top, &near, STEP_M).ok()?;
         let over_table = |joints: &Vec<f64>| {
-            let links = self.chain.frames(joints);
-            links.is_ok_and(|links| links[2].translation.z >= point.z + ELBOW_OVER_POINT_M)
+            let angles = self.chain.angles(joints);
+            angles.is_ok_and(|angles| self.is_elbow_over(&angles, point.z))
         };
         if !way.iter().all(over_table) {
             return None;
@@ -287,7 +399,14 @@ impl Reach {
         way.into_iter().next()
     }
 
-    fn refusal(&self, radius_m: f64, height_m: f64, heights_above_m: &[f64]) -> OutOfReach {
+    /// - `is_reached`: whether there is a posture at the point itself.
+    fn refusal(
+        &self,
+        radius_m: f64,
+        height_m: f64,
+        heights_above_m: &[f64],
+        is_reached: bool,
+    ) -> OutOfReach {
         let mut above_m: Vec<f64> = [0.0].iter().chain(heights_above_m).copied().collect();
         above_m.sort_by(f64::total_cmp);
         let refused = |above_m: f64, range, why| OutOfReach {
@@ -307,11 +426,16 @@ impl Reach {
                 return refused(above_m, Some(range), WhyUnreachable::TooNear);
             }
         }
-        let why = if self.postures(radius_m, height_m).is_empty() {
-            WhyUnreachable::Gap
-        } else {
-            WhyUnreachable::WayUp
+        let why = match is_reached {
+            true => WhyUnreachable::WayUp,
+            false => WhyUnreachable::Gap,
         };
         refused(0.0, self.range(height_m), why)
     }
+}
+
+/// Returns how far the tool is from a singularity: the determinant of the Jacobian, generalised to more joints.
+fn dexterity_of(jacobian: Jacobian) -> f64 {
+    let square = (jacobian * jacobian.transpose()).determinant();
+    square.max(0.0).sqrt()
 }

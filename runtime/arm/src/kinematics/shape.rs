@@ -3,7 +3,7 @@
 //! In: capsules in their links' frames, and joint angles. Out: the same capsules in the base frame. They contain the
 //! link, the hand and the fingers in every opening. Links that no joint moves are left out.
 
-use super::chain::{BadAngles, Chain, JOINTS};
+use super::chain::{BadAngles, Chain};
 use nalgebra::Point3;
 
 /// A ball swept along a straight line, in the frame of a link.
@@ -61,7 +61,10 @@ impl Chain {
     /// Settings state the table by the tool's position at which the fingertips touch it. So its surface lies this much
     /// below that position.
     pub fn fingertips_beyond_tool_m(&self) -> f64 {
-        let hand = self.shapes.iter().filter(|shape| shape.link == JOINTS);
+        let hand = self
+            .shapes
+            .iter()
+            .filter(|shape| shape.link == self.joints().len());
         let reach = hand.map(|shape| shape.from.z.max(shape.to.z) + shape.radius_m);
         reach.fold(0.0, f64::max)
     }

@@ -3,7 +3,7 @@
 //! In: two poses, and the arm's current angles. Out: angles at points on the line between them. Each is solved from the
 //! angles before it, so the arm keeps its posture; otherwise where on the line that fails, and why.
 
-use super::chain::{Chain, JOINTS};
+use super::chain::{Angles, Chain};
 use super::inverse::{NoSolution, is_pose};
 use nalgebra::{Isometry3, Translation3};
 
@@ -103,14 +103,14 @@ impl Chain {
                 });
             }
             (before, last) = (last, angles);
-            way.push(angles.to_vec());
+            way.push(self.of_joints(&angles));
         }
         Ok(way)
     }
 }
 
 /// Returns the first joint, from 1 at the base, that turns too far, and how far.
-fn jump(angles: &[f64; JOINTS], before: &[f64; JOINTS]) -> Option<(usize, f64)> {
+fn jump(angles: &Angles, before: &Angles) -> Option<(usize, f64)> {
     let turned = angles
         .iter()
         .zip(before)

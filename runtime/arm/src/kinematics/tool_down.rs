@@ -13,7 +13,7 @@
 //! This relies on what all supported arms share: the first axis is the base's vertical, the second and the third are
 //! horizontal and parallel, and the fourth lies in the plane in which those two move the arm. A test checks each model.
 
-use super::chain::{Chain, JOINTS, about_z, nearest_turn};
+use super::chain::{Angles, Chain, about_z, nearest_turn};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -115,7 +115,7 @@ impl ToolDown {
     ///
     /// - `distance_m`: distance of the tool from the first joint's axis.
     /// - `height_m`: height of the tool above the base.
-    pub(super) fn postures(&self, distance_m: f64, height_m: f64) -> Vec<[f64; JOINTS]> {
+    pub(super) fn postures(&self, distance_m: f64, height_m: f64) -> Vec<Angles> {
         let mut postures = Vec::new();
         for steps in &self.steps {
             for ahead in [1.0, -1.0] {
@@ -187,14 +187,22 @@ impl ToolDown {
         Some(side.elbow + Vector2::new(ahead_m(side, distance_m)?, height_m))
     }
 
-    fn posture(&self, side: &Side, distance_m: f64, height_m: f64) -> Option<[f64; JOINTS]> {
+    fn posture(&self, side: &Side, distance_m: f64, height_m: f64) -> Option<Angles> {
         let plane = &self.plane;
         let upper = self.elbow(side, distance_m, height_m)? - plane.shoulder;
         let second = upper.x.atan2(upper.y) - plane.upper.at_zero_rad;
         let third = (side.fore_rad - plane.fore.at_zero_rad - second) * plane.third;
         let tool = plane.u * ahead_m(side, distance_m)? + plane.normal * side.tool_beside_m;
         let turn = -azimuth(&tool.xy());
-        let mut angles = [turn * plane.first, second, third, 0.0, side.fifth_rad, 0.0];
+        let mut angles = [
+            turn * plane.first,
+            second,
+            third,
+            0.0,
+            side.fifth_rad,
+            0.0,
+            0.0,
+        ];
         for (angle, joint) in angles.iter_mut().zip(self.chain.joints()) {
             if let Some([least, most]) = joint.limits_rad {
                 *angle = nearest_turn(*angle, (least + most) / 2.0);
@@ -233,7 +241,7 @@ impl ToolDown {
 
 impl Plane {
     fn of(chain: &Chain) -> Plane {
-        let links = chain.links_at(&[0.0; JOINTS]);
+        let links = chain.links_at(&Angles::default());
         let axis = |index: usize| links[index].rotation * Vector3::z();
         let at = |index: usize| links[index].translation.vector;
         let normal = axis(1);

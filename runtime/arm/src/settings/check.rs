@@ -6,6 +6,7 @@
 use super::{CameraSource, DriverKind, KeepOut, Settings};
 use crate::kinematics::chain::Chain;
 use std::fmt::Debug;
+use std::path::Path;
 
 /// How far below the table's middle the workspace may end, metres: fingers give way, and readings have 1 mm
 /// resolution.
@@ -14,10 +15,12 @@ const BELOW_TABLE_M: f64 = 0.010;
 /// Slack of comparisons of decimal numbers, metres.
 const EXACT_M: f64 = 1e-9;
 
-/// Checks settings; fails with all faults, one per line.
-pub(super) fn check(settings: &Settings) -> Result<(), String> {
+/// Checks settings, and returns their arm; fails with all faults, one per line.
+///
+/// - `folder`: the folder of the files that they name.
+pub(super) fn check(settings: &Settings, folder: &Path) -> Result<Chain, String> {
     let mut faults = Faults::default();
-    model(settings, &mut faults);
+    let chain = arm(settings, folder, &mut faults);
     workspace(settings, &mut faults);
     for zone in &settings.workspace.keep_out {
         keep_out(settings, zone, &mut faults);
@@ -25,10 +28,10 @@ pub(super) fn check(settings: &Settings) -> Result<(), String> {
     heights(settings, &mut faults);
     fingers(settings, &mut faults);
     camera(settings, &mut faults);
-    ros(settings, &mut faults);
-    match faults.0.is_empty() {
-        true => Ok(()),
-        false => Err(faults.0.join("\n")),
+    ros(settings, chain.as_ref(), &mut faults);
+    match chain {
+        Some(chain) if faults.0.is_empty() => Ok(chain),
+        _ => Err(faults.0.join("\n")),
     }
 }
 
@@ -48,12 +51,40 @@ impl Faults {
     }
 }
 
-fn model(settings: &Settings, faults: &mut Faults) {
-    if let Err(unknown) = Chain::of_model(&settings.model) {
-        let expected = format!("one of `{}`", unknown.available.join("`, `"));
-        faults.wrong("model", &settings.model, &expected);
-        return;
+/// Finds the arm: a built-in model, or one that a URDF describes.
+fn arm(settings: &Settings, folder: &Path, faults: &mut Faults) -> Option<Chain> {
+    let Some(arm) = &settings.arm else {
+        return model(settings, faults);
+    };
+    if !settings.model.is_empty() {
+        let expected = "no `model` beside a section `[arm]`: one of the two describes the arm";
+        faults.wrong("model", &settings.model, expected);
     }
+    if settings.driver == DriverKind::Kinova {
+        let built_in = Chain::models().join("`, `");
+        faults.0.push(format!(
+            "`driver` is `kinova`, whose node moves `{built_in}` alone; expected another driver beside a section `[arm]`"
+        ));
+    }
+    match arm.chain(folder) {
+        Ok(chain) => Some(chain),
+        Err(found) => {
+            faults.0.extend(found);
+            None
+        }
+    }
+}
+
+fn model(settings: &Settings, faults: &mut Faults) -> Option<Chain> {
+    let chain = match Chain::of_model(&settings.model) {
+        Ok(chain) => chain,
+        Err(unknown) => {
+            let models = unknown.available.join("`, `");
+            let expected = format!("one of `{models}`, or a section `[arm]` for another arm");
+            faults.wrong("model", &settings.model, &expected);
+            return None;
+        }
+    };
     // Model names contain the number of fingers: `j2n6s200` has two.
     let stated = settings.model.chars().nth(5).and_then(|it| it.to_digit(10));
     let count = settings.fingers.count;
@@ -63,6 +94,7 @@ fn model(settings: &Settings, faults: &mut Faults) {
         let expected = format!("{stated}, as many as `{}` has", settings.model);
         faults.wrong("fingers.count", &count, &expected);
     }
+    Some(chain)
 }
 
 /// Checks the workspace against the table, and the rest position against both.
@@ -245,7 +277,7 @@ fn camera(settings: &Settings, faults: &mut Faults) {
 }
 
 /// Checks that `[ros]` has everything that the driver and the camera need.
-fn ros(settings: &Settings, faults: &mut Faults) {
+fn ros(settings: &Settings, chain: Option<&Chain>, faults: &mut Faults) {
     let driver = match settings.driver {
         DriverKind::Kinova => Some("`driver` is `kinova`"),
         DriverKind::Trajectory => Some("`driver` is `trajectory`"),
@@ -259,6 +291,11 @@ fn ros(settings: &Settings, faults: &mut Faults) {
         }
         return;
     };
+    let n_joints = chain.map_or(ros.joints.len(), |chain| chain.joints().len());
+    if !ros.joints.is_empty() && ros.joints.len() != n_joints {
+        let expected = format!("{n_joints} names, one for each joint of the arm");
+        faults.wrong("ros.joints", &ros.joints, &expected);
+    }
     if settings.driver == DriverKind::Trajectory && ros.trajectory.is_none() {
         faults.missing("`driver` is `trajectory`", "`ros.trajectory`");
     }

@@ -2,7 +2,7 @@
 
 use super::Simulation;
 use crate::guard::STEP_M;
-use crate::kinematics::chain::{Chain, JOINTS};
+use crate::kinematics::chain::Chain;
 use crate::port::Waypoint;
 use crate::settings::FingerSettings;
 use fab_base::chance::Chance;
@@ -95,6 +95,12 @@ impl Body {
         &self.fingers
     }
 
+    /// Returns how far the fingers go from open to closed, in their own units.
+    pub(super) fn finger_way(&self) -> f64 {
+        let FingerSettings { open, closed, .. } = self.simulation.fingers;
+        (closed - open).abs()
+    }
+
     pub(super) fn tool(&self) -> Isometry3<f64> {
         self.tool_at(&self.joints_rad)
     }
@@ -164,8 +170,9 @@ impl Body {
     ///
     /// - `falls_short`: whether it ends before the last one.
     pub(super) fn follow(&mut self, points: &[Waypoint], falls_short: bool) -> Result<(), String> {
+        let joints = self.joints_rad.len();
         let fit = points.iter().all(|point| {
-            point.joints_rad.len() == JOINTS
+            point.joints_rad.len() == joints
                 && point.at_s.is_finite()
                 && point.joints_rad.iter().all(|angle| angle.is_finite())
         });

@@ -81,7 +81,7 @@ pub struct Simulation {
 impl Simulation {
     /// Makes a simulation of the settings' arm, starting at `rest_m`; the error says why it cannot be there.
     pub fn of(settings: &Settings) -> Result<Simulation, String> {
-        let chain = Chain::of_model(&settings.model).map_err(|error| error.to_string())?;
+        let chain = settings.chain().clone();
         let [x, y, z] = settings.workspace.rest_m;
         let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
         let joints_rad = Reach::tool_down(&chain, turn)

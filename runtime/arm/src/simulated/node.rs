@@ -18,8 +18,11 @@ const LOOK_S: f64 = 0.1;
 const REACHED_M: f64 = 0.010;
 const REACHED_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
-/// Fingers this near count as there, as a share of 6400 units (kinova-ros: 1 %).
-const FINGER_REACHED: f64 = 64.0;
+/// Fingers this near count as there, as a share of their way (kinova-ros: 1 %).
+const FINGER_REACHED: f64 = 0.01;
+
+/// Fingers that move less of their way from look to look do not move.
+const FINGER_MOVED: f64 = 1.0 / 6400.0;
 
 /// A motion slower than this for so long counts as stalled: metres, seconds for the tool, seconds for the fingers.
 const STALL_M: f64 = 0.000_5;
@@ -251,8 +254,8 @@ impl Active {
     /// Returns how a server cycle ends the goal, if it does.
     fn ending(&mut self, is_stopped: bool, now_s: f64, body: &Body) -> Option<Ending> {
         let measured = measure(body);
-        let moved =
-            (measured.0 - self.last.0).norm() > STALL_M || (measured.1 - self.last.1).abs() > 1.0;
+        let moved = (measured.0 - self.last.0).norm() > STALL_M
+            || (measured.1 - self.last.1).abs() > FINGER_MOVED * body.finger_way();
         if moved {
             self.last = measured;
             self.last_moved_s = now_s;
@@ -267,7 +270,10 @@ impl Active {
             Goal::Fingers(positions) => {
                 let off = |(a, b): (&f64, &f64)| (a - b).abs();
                 let fingers = body.fingers().iter().zip(positions).map(off);
-                (fingers.fold(0.0, f64::max) < FINGER_REACHED, FINGER_STALL_S)
+                (
+                    fingers.fold(0.0, f64::max) < FINGER_REACHED * body.finger_way(),
+                    FINGER_STALL_S,
+                )
             }
             Goal::Trajectory(points) => {
                 // The controller keeps the trajectory after an abort, or holds it until the arm is enabled.

@@ -117,8 +117,7 @@ fn judge(settings: &Settings, ground: &Ground, joints_rad: &[f64]) -> Result<Vec
 /// Judges every point of a plan that is accepted, the way home included; returns whether it is.
 fn judged_plan(settings: &Settings, height: [f64; 3], points: [Point3<f64>; 2]) -> bool {
     let ground = Ground { height };
-    let chain = Chain::of_model(&settings.model).unwrap();
-    let guard = Guard::new(settings, chain, Surface::tilted(height));
+    let guard = Guard::new(settings, Surface::tilted(height));
     let turn_rad = settings.motion.hand_turn_deg.to_radians();
     let rest = crate::kinematics::tool_down::tool_down(&settings.workspace.rest_m.into(), turn_rad);
     let from = ArmState {

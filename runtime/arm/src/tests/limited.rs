@@ -115,10 +115,9 @@ fn links_are_kept_away_too() {
 #[test]
 fn a_tilted_table_is_followed() {
     let settings = settings();
-    let chain = Chain::of_model(&settings.model).unwrap();
     let slope = 3f64.to_radians().tan();
     let surface = Surface::tilted([0.02 - 0.45 * slope, slope, 0.0]);
-    let guard = Guard::new(&settings, chain, surface);
+    let guard = Guard::new(&settings, surface);
     let touch = |x: f64, above_m: f64| {
         let z = 0.02 + (x - 0.45) * slope + above_m;
         let from = at(down([x, 0.0, z + 0.05]));

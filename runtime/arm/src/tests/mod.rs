@@ -48,7 +48,7 @@ const PLACE_M: [f64; 3] = [0.50, -0.06, 0.02];
 const SPEED_M_S: f64 = 0.1;
 
 fn guard(settings: &Settings) -> Guard {
-    Guard::level(settings).unwrap()
+    Guard::level(settings)
 }
 
 fn settings() -> Settings {

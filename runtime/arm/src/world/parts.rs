@@ -1,14 +1,13 @@
 //! The parts of an arm's world: its files, supervisor and watchdog.
 
-use super::{FlatPicture, motion};
+use super::FlatPicture;
 use crate::calibration::Calibration;
 use crate::guard::{Guard, Surface};
-use crate::kinematics::chain::Chain;
 use crate::settings::{DriverKind, Settings};
 use crate::sight::Sight;
 use crate::supervisor::{Supervisor, Watchdog};
 use crate::table::ClothTable;
-use fab_world::{About, WorldError};
+use fab_world::About;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -34,16 +33,15 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Returns the guard of the arm's motions over the calibrated table; fails for an unknown arm model.
-    pub fn guard(&self) -> Result<Guard, WorldError> {
+    /// Returns the guard of the arm's motions over the calibrated table.
+    pub fn guard(&self) -> Guard {
         guard(&self.settings, &self.calibration)
     }
 }
 
-/// Returns the guard of an arm's motions over a calibrated table; fails for an unknown arm model.
-pub fn guard(settings: &Settings, calibration: &Calibration) -> Result<Guard, WorldError> {
-    let chain = Chain::of_model(&settings.model).map_err(|why| motion(why.to_string()))?;
-    Ok(Guard::new(settings, chain, Surface::of(calibration)))
+/// Returns the guard of an arm's motions over a calibrated table.
+pub fn guard(settings: &Settings, calibration: &Calibration) -> Guard {
+    Guard::new(settings, Surface::of(calibration))
 }
 
 /// Returns the pose of the world frame, whose origin is the middle of the table.
@@ -60,7 +58,14 @@ pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
     let settings = Settings::load(path).map_err(|error| error.to_string())?;
     let text = fab_base::files::read(path, 1 << 20)
         .map_err(|why| format!("`{}`: {why}", path.display()))?;
-    let hash: Vec<String> = Sha256::digest(&text)
+    let mut hash = Sha256::new();
+    hash.update(&text);
+    if settings.arm.is_some() {
+        // The URDF and its meshes are part of the settings.
+        hash.update(format!("{:?}", settings.chain()));
+    }
+    let hash: Vec<String> = hash
+        .finalize()
         .iter()
         .map(|byte| format!("{byte:02x}"))
         .collect();
@@ -75,16 +80,17 @@ pub fn about(path: &Path) -> Result<About, String> {
     let (settings, settings_hash, calibration) = load(path)?;
     let flat = FlatPicture::load(path, &settings, &calibration)?;
     Ok(About {
-        name: name(settings.driver).to_owned(),
+        name: name(&settings).to_owned(),
         parameters: parameters(&settings_hash, &calibration, flat.as_ref()),
         code: code(settings.driver),
     })
 }
 
-pub(super) fn name(driver: DriverKind) -> &'static str {
-    match driver {
-        DriverKind::Simulated => "simulated_arm",
-        DriverKind::Kinova | DriverKind::Trajectory => "jaco",
+pub(super) fn name(settings: &Settings) -> &'static str {
+    match (settings.driver, &settings.arm) {
+        (DriverKind::Simulated, _) => "simulated_arm",
+        (_, None) => "jaco",
+        (_, Some(_)) => "arm",
     }
 }
 

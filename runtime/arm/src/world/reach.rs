@@ -12,7 +12,7 @@ use crate::kinematics::reach::{Reach, Turn};
 use crate::kinematics::tool_down::tool_down;
 use crate::route;
 use crate::settings::Settings;
-use fab_world::{World, WorldError, WorldPoint, Wrapper};
+use fab_world::{World, WorldPoint, Wrapper};
 use nalgebra::Point3;
 
 /// The reach of an arm with its hand pointing down.
@@ -101,18 +101,18 @@ pub struct WithinReach {
 }
 
 impl WithinReach {
-    /// Adds an arm's reach to a world that has none; fails for an unknown arm model.
+    /// Adds an arm's reach to a world that has none.
     pub fn new(
         world: Box<dyn World>,
         settings: Settings,
         calibration: &Calibration,
-    ) -> Result<WithinReach, WorldError> {
-        let guard = guard(&settings, calibration)?;
-        Ok(WithinReach {
+    ) -> WithinReach {
+        let guard = guard(&settings, calibration);
+        WithinReach {
             world,
             reach: ArmReach::new(&settings, guard),
             settings,
-        })
+        }
     }
 }
 
@@ -173,7 +173,7 @@ mod tests {
     fn points_at_the_rim_are_left_out_by_what_an_arm_may_be_off() {
         let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/real/simulated.toml");
         let (settings, _, calibration) = load(&robot).unwrap();
-        let guard = guard(&settings, &calibration).unwrap();
+        let guard = guard(&settings, &calibration);
         let reach = ArmReach::new(&settings, guard);
         let world_from_base = base_from_world(&settings).inverse();
         let angle_rad = 0.215_f64;

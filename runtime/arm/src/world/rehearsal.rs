@@ -44,7 +44,7 @@ impl ArmWorld {
         };
         let arm = SharedArm::new(SimulatedArm::new(simulation, Some(table.clone())));
         let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-        let driver = PortArm::by_poses(arm.clone(), parts.guard()?, fingers, tolerance);
+        let driver = PortArm::by_poses(arm.clone(), parts.guard(), fingers, tolerance);
         let camera = TableCamera(table.clone());
         let mut world = ArmWorld::new(parts, Box::new(driver), Box::new(camera))?;
         world.table = Some(table);

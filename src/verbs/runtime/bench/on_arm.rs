@@ -1,4 +1,4 @@
-//! The arm of `fabc bench --world jaco`.
+//! The arm of `fabc bench --world arm`.
 //!
 //! In: the command line and the suite. Out: whether the arm can run the suite, and its world for each rollout.
 
@@ -26,7 +26,7 @@ pub struct Arm {
 
 /// Checks first of all that the arm can run the suite; `None` if no arm is asked for.
 pub fn check(arguments: &BenchArguments, suite: &Suite, io: &Io) -> Result<Option<Arm>, Failure> {
-    if arguments.world != WorldChoice::Jaco {
+    if arguments.world != WorldChoice::Arm {
         return Ok(None);
     }
     if let Some(jobs) = arguments.jobs.filter(|jobs| *jobs != 1) {

@@ -10,7 +10,6 @@ use clap::Args;
 use clap::ValueHint;
 use fab_arm::calibration::{Accuracy, Calibration, METHOD};
 use fab_arm::guard::{Guard, Surface};
-use fab_arm::kinematics::chain::Chain;
 use fab_arm::kinematics::reach::{Reach, Turn};
 use fab_arm::settings::{CameraSource, Settings};
 use nalgebra::Point3;
@@ -87,9 +86,8 @@ pub fn usable(robot: &Path) -> Result<Settings, Failure> {
 
 fn inspect(robot: &Path) -> Result<Inspection, Failure> {
     let settings = Settings::load(robot).map_err(Failure::environment)?;
-    let chain = Chain::of_model(&settings.model).map_err(Failure::environment)?;
     Ok(Inspection {
-        places: places(&settings, &chain),
+        places: places(&settings),
         calibration: calibration(robot, &settings),
         settings,
     })
@@ -129,7 +127,7 @@ impl Inspection {
         let next: Vec<String> = calibration.into_iter().chain(unreached).collect();
         match next.is_empty() {
             true => vec![format!(
-                "`fabc run TASK --world jaco --robot {} --plan-only`",
+                "`fabc run TASK --world arm --robot {} --plan-only`",
                 robot.display()
             )],
             false => next,
@@ -137,10 +135,10 @@ impl Inspection {
     }
 }
 
-fn places(settings: &Settings, chain: &Chain) -> Vec<NamedPose> {
+fn places(settings: &Settings) -> Vec<NamedPose> {
     let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
-    let reach = Reach::tool_down(chain, turn);
-    let guard = Guard::new(settings, chain.clone(), Surface::level(settings));
+    let reach = Reach::tool_down(settings.chain(), turn);
+    let guard = Guard::new(settings, Surface::level(settings));
     let [x, y, z] = settings.table.center_m;
     let ([left, low, _], [right, high, _]) = (settings.workspace.min_m, settings.workspace.max_m);
     let motion = &settings.motion;

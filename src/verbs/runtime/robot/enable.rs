@@ -50,7 +50,7 @@ pub fn run(arguments: &EnableArguments, io: &Io) -> Result<Exit, Failure> {
             "{NO_ANSWER}, so that the arm is left as it is"
         )));
     }
-    let guard = Guard::level(&settings).map_err(Failure::environment)?;
+    let guard = Guard::level(&settings);
     let mut arm = connect::arm(&settings, guard).map_err(Failure::environment)?;
     enable(arm.as_mut(), robot, &how)?;
     match arguments.json {
@@ -112,7 +112,7 @@ mod tests {
         let settings = Settings::load(&shipped).unwrap();
         let port = SimulatedArm::new(Simulation::of(&settings).unwrap(), None);
         let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-        let mut arm = PortArm::by_poses(port, Guard::level(&settings).unwrap(), fingers, tolerance);
+        let mut arm = PortArm::by_poses(port, Guard::level(&settings), fingers, tolerance);
         let folder = tempfile::tempdir().unwrap();
         let (robot, run) = (folder.path().join("robot.toml"), folder.path().join("run"));
         fs::create_dir(&run).unwrap();

@@ -62,7 +62,7 @@ fn of_run(folder: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, 
     if !folder.join(ARM_FILE).is_file() {
         return Err(Failure::environment(format!(
             "`{}` has no arm journal (`{ARM_FILE}`), so the state of the arm after it is unknown: name the folder of \
-             a run with `--world jaco`, or the arm's settings with `--robot FILE`",
+             a run with `--world arm`, or the arm's settings with `--robot FILE`",
             folder.display()
         )));
     }

@@ -1,4 +1,4 @@
-//! The world of `--world jaco`: an arm's settings, calibration, driver, supervisor and watchdog.
+//! The world of `--world arm`: an arm's settings, calibration, driver, supervisor and watchdog.
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -23,10 +23,10 @@ use serde::Deserialize;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// The arm of `--world jaco`, and who watches it.
+/// The arm of `--world arm`, and who watches it.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ArmArguments {
-    /// With `--world jaco`: the settings of the arm and its table; default: robot.toml.
+    /// With `--world arm`: the settings of the arm and its table; default: robot.toml.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub robot: Option<PathBuf>,
     /// When a person must confirm motion; default: each pick and place of a real arm, never for a simulated one.
@@ -53,8 +53,8 @@ impl ArmArguments {
             (self.hold_to_run, "--hold-to-run"),
         ];
         match given.iter().find(|(is_given, _)| *is_given) {
-            Some((_, option)) if *world != WorldChoice::Jaco => Err(Failure::usage(format!(
-                "`{option}` is for an arm, and nothing is moved by one with `--world {world}`: add `--world jaco`, or leave \
+            Some((_, option)) if *world != WorldChoice::Arm => Err(Failure::usage(format!(
+                "`{option}` is for an arm, and nothing is moved by one with `--world {world}`: add `--world arm`, or leave \
                  `{option}` out"
             ))),
             _ => Ok(()),
@@ -181,7 +181,7 @@ pub fn world(
 pub fn look(program: &Program, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
     let (settings, _, calibration) = world::load(arguments.robot()).map_err(failed)?;
     let world = super::world(program)?;
-    Ok(Box::new(WithinReach::new(world, settings, &calibration)?))
+    Ok(Box::new(WithinReach::new(world, settings, &calibration)))
 }
 
 /// Returns whether a person beside the arm judges the result, if the command line does not say.
@@ -201,7 +201,7 @@ fn real(parts: Parts, arguments: &ArmArguments) -> Result<ArmWorld, WorldError> 
         PictureSelection::Fresh { timeout_s },
     );
     let camera = camera.map_err(|why| WorldError::Camera { why })?;
-    let arm = connect::arm(settings, parts.guard()?).map_err(failed)?;
+    let arm = connect::arm(settings, parts.guard()).map_err(failed)?;
     ArmWorld::new(parts, arm, camera)
 }
 

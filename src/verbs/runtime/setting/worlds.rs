@@ -17,7 +17,7 @@ pub enum WorldChoice {
     /// The bundled simulator.
     Sim,
     /// An arm, by its settings.
-    Jaco,
+    Arm,
     /// A program of the user's.
     Program(CommandLine),
 }
@@ -28,10 +28,10 @@ impl FromStr for WorldChoice {
     fn from_str(name: &str) -> Result<WorldChoice, String> {
         match (name, name.split_once(':')) {
             ("sim", _) => Ok(WorldChoice::Sim),
-            ("jaco", _) => Ok(WorldChoice::Jaco),
+            ("arm" | "jaco", _) => Ok(WorldChoice::Arm),
             (_, Some(("exec", command))) => CommandLine::parse(command).map(WorldChoice::Program),
             _ => Err(
-                "there is `sim` (the bundled simulator), `jaco` (an arm, with `--robot FILE`) and `exec:\"CMD ARG...\"` (a program of yours)"
+                "there is `sim` (the bundled simulator), `arm` (an arm, with `--robot FILE`; `jaco` is another name for it) and `exec:\"CMD ARG...\"` (a program of yours)"
                     .to_owned(),
             ),
         }
@@ -56,7 +56,7 @@ impl fmt::Display for WorldChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             WorldChoice::Sim => f.write_str("sim"),
-            WorldChoice::Jaco => f.write_str("jaco"),
+            WorldChoice::Arm => f.write_str("arm"),
             WorldChoice::Program(command) => write!(f, "exec:{command}"),
         }
     }

@@ -71,7 +71,13 @@ fn what_are_no_angles_is_refused() {
         count.to_string(),
         "`5` joint angles were given to an arm with `6` joints"
     );
-    assert_eq!(chain.frames(&[]), Err(BadAngles::Count { found: 0 }));
+    assert_eq!(
+        chain.frames(&[]),
+        Err(BadAngles::Count {
+            found: 0,
+            joints: 6
+        })
+    );
     for bad in [f64::NAN, f64::INFINITY, -1e300] {
         let mut angles = HOME_RAD;
         angles[2] = bad;
@@ -89,8 +95,8 @@ proptest! {
     #[test]
     fn frames_end_with_the_tool_and_keep_their_distances((chain, angles) in posed()) {
         let frames = chain.frames(&angles).unwrap();
-        prop_assert_eq!(frames.len(), JOINTS + 1);
-        prop_assert_eq!(frames[JOINTS], chain.base_from_tool(&angles).unwrap());
+        prop_assert_eq!(frames.len(), MIN_JOINTS + 1);
+        prop_assert_eq!(frames[MIN_JOINTS], chain.base_from_tool(&angles).unwrap());
         for (pair, joint) in frames.windows(2).zip(&chain.joints()[1..]) {
             let link_m = joint.parent_from_joint_at_zero.translation.vector.norm();
             prop_assert!((distance_m(&pair[0], &pair[1]) - link_m).abs() < 1e-12);
@@ -98,7 +104,7 @@ proptest! {
     }
 
     #[test]
-    fn the_jacobian_is_how_the_tool_moves((chain, angles) in posed(), joint in 0..JOINTS) {
+    fn the_jacobian_is_how_the_tool_moves((chain, angles) in posed(), joint in 0..MIN_JOINTS) {
         const STEP_RAD: f64 = 1e-6;
         let moved = |by: f64| {
             let mut angles = angles.clone();

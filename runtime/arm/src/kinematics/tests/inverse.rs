@@ -11,7 +11,7 @@ proptest! {
     #[ignore = "long"]
     fn a_pose_that_the_arm_has_is_found_from_any_other(
         (chain, angles) in posed(),
-        near in prop::collection::vec(-20.0..20.0f64, JOINTS),
+        near in prop::collection::vec(-20.0..20.0f64, MIN_JOINTS),
     ) {
         let pose = chain.base_from_tool(&angles).unwrap();
         let found = chain.solve(&pose, &near).unwrap();
@@ -74,10 +74,10 @@ fn what_is_out_of_reach_is_told_with_how_near_the_arm_came() {
     };
     let down = tool_down(&Point3::origin(), 0.0);
     let (distance_m, obstacle) = why(3.0, 0.0, &down);
-    assert_eq!(obstacle, Obstacle::TooFar);
+    assert!(matches!(obstacle, Obstacle::TooFar { .. }), "{obstacle}");
     assert!((2.0..2.4).contains(&distance_m), "{distance_m}");
     let (distance_m, obstacle) = why(0.80, 0.0, &down);
-    assert_eq!(obstacle, Obstacle::TooFar);
+    assert!(matches!(obstacle, Obstacle::TooFar { .. }), "{obstacle}");
     assert!((0.0..0.1).contains(&distance_m), "{distance_m}");
     let (_, obstacle) = why(0.05, 0.1, &down);
     assert!(
@@ -128,7 +128,7 @@ fn all_postures_pointing_down_bring_the_hand_there() {
             let postures = downwards.postures(place.x, place.z);
             for posture in &postures {
                 count += 1;
-                let tool = chain.base_from_tool(posture).unwrap();
+                let tool = chain.tool_at(posture);
                 let down = Isometry3::from_parts(place.coords.into(), tool.rotation);
                 assert!(
                     distance_m(&tool, &down) < 1e-6,

@@ -9,7 +9,7 @@ mod reach;
 mod shape;
 mod straight;
 
-use super::chain::{Chain, JOINTS};
+use super::chain::{Chain, MIN_JOINTS};
 use nalgebra::Isometry3;
 use proptest::prelude::*;
 use std::f64::consts::TAU;
@@ -18,7 +18,7 @@ const MODELS: [&str; 3] = ["j2n6s200", "j2n6s300", "j2s6s200"];
 
 /// Joint angles of the vendor's home pose, radians, and the tool pose that the arm reports there: metres, and Euler
 /// angles about x, y, z in kinova-ros's convention (`kinova_demo/nodes/kinova_demo/pose_action_client.py`).
-const HOME_RAD: [f64; JOINTS] = [4.8085, 2.9246, 1.0020, 4.2031, 1.4454, 1.3233];
+const HOME_RAD: [f64; MIN_JOINTS] = [4.8085, 2.9246, 1.0020, 4.2031, 1.4454, 1.3233];
 const HOME_M: [f64; 3] = [0.2123, -0.2572, 0.5096];
 const HOME_EULER_RAD: [f64; 3] = [1.6377, 1.1132, 0.1341];
 

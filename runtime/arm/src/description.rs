@@ -1,0 +1,658 @@
+//! An arm as data: a URDF file, and what a settings file says beside it.
+//!
+//! In: the section `[arm]` of the settings, and the URDF and mesh files that it names. Out: a [`Chain`] with shapes; else
+//! all faults. A URDF's numbers are doubted: a joint without limits, a link without a shape or a mesh that cannot be read
+//! would let an arm go where it must not, so each is refused. No program is run to find or expand a file.
+
+mod hull;
+mod mesh;
+mod urdf;
+
+use super::kinematics::chain::{Chain, Joint, MAX_JOINTS, MIN_JOINTS};
+use super::kinematics::shape::Capsule;
+use fab_base::files;
+use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+use serde::Deserialize;
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+use urdf::{Robot, Shape};
+
+/// The longest URDF file and the longest mesh accepted, bytes.
+const MAX_URDF_BYTES: u64 = 4 << 20;
+const MAX_MESH_BYTES: u64 = 32 << 20;
+
+/// The largest angle that a joint's limits may name, degrees: cables allow two turns, and not more.
+const MAX_LIMIT_DEG: f64 = 720.0;
+
+/// The highest speed that a joint may have, deg/s; the fastest arms of a lab reach 430.
+const MAX_SPEED_DEG_S: f64 = 720.0;
+
+/// Slack of comparisons of angles, degrees: URDF files round pi.
+const EXACT_DEG: f64 = 1e-3;
+
+/// The section `[arm]`: an arm of another kind than the built-in ones.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ArmDescription {
+    /// The URDF file, relative to the settings.
+    pub urdf: PathBuf,
+    /// The link whose frame is the base frame; its z points up.
+    pub base_link: String,
+    /// The link that carries the hand.
+    pub tip_link: String,
+    /// The tool frame in the frame of `tip_link`, metres; its z points out of the hand.
+    pub tool_xyz_m: [f64; 3],
+    /// Likewise its roll, pitch and yaw, degrees.
+    pub tool_rpy_deg: [f64; 3],
+    /// The joints in a posture with the hand down over the table, degrees; postures near to it are preferred.
+    pub home_deg: Vec<f64>,
+    /// Limits of joints.
+    pub joint: Vec<JointLimits>,
+    /// Shapes of links, in place of those of the URDF.
+    pub shape: Vec<LinkShape>,
+    /// Shapes that contain hand and fingers in every opening, in place of those of the URDF.
+    pub hand: Vec<HandShape>,
+}
+
+/// Limits of a joint that the URDF lacks, or tighter ones.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointLimits {
+    /// The joint's name in the URDF.
+    pub name: String,
+    /// The least angle, degrees.
+    pub min_deg: Option<f64>,
+    /// The largest.
+    pub max_deg: Option<f64>,
+    /// The highest speed, deg/s.
+    pub max_speed_deg_s: Option<f64>,
+}
+
+/// A capsule around a link.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LinkShape {
+    /// The link's name in the URDF.
+    pub link: String,
+    /// One end of the capsule's line, metres, in the link's frame.
+    pub from_m: [f64; 3],
+    /// The other.
+    pub to_m: [f64; 3],
+    /// Its radius, metres.
+    pub radius_m: f64,
+}
+
+/// A capsule around the hand.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HandShape {
+    /// One end of the capsule's line, metres, in the tool frame.
+    pub from_m: [f64; 3],
+    /// The other.
+    pub to_m: [f64; 3],
+    /// Its radius, metres.
+    pub radius_m: f64,
+}
+
+/// A link that a joint of the chain carries.
+struct Carried<'b> {
+    name: &'b str,
+    /// Its frame, in the frame of the chain's joint.
+    joint_from_link: Isometry3<f64>,
+    /// Whether it is behind the last joint's own link: a part of the hand.
+    is_hand: bool,
+    /// How far it slides, in the frame of the chain's joint, metres; each is one end.
+    slides_m: Vec<Vector3<f64>>,
+}
+
+impl ArmDescription {
+    /// Builds the arm; fails with all faults.
+    ///
+    /// - `folder`: the folder of the settings.
+    pub(crate) fn chain(&self, folder: &Path) -> Result<Chain, Vec<String>> {
+        let file = folder.join(&self.urdf);
+        let text = files::read_text(&file, MAX_URDF_BYTES);
+        let robot = text.and_then(|text| urdf::read(&text));
+        let robot = robot.map_err(|why| {
+            vec![format!(
+                "`arm.urdf`, `{}`, cannot be used: {why}",
+                file.display()
+            )]
+        })?;
+        let mut builder = Builder {
+            arm: self,
+            robot: &robot,
+            file: &file,
+            faults: Vec::new(),
+        };
+        match builder.build() {
+            Some(chain) if builder.faults.is_empty() => Ok(chain),
+            _ => Err(builder.faults),
+        }
+    }
+
+    fn tip_from_tool(&self) -> Isometry3<f64> {
+        let [roll, pitch, yaw] = self.tool_rpy_deg.map(f64::to_radians);
+        Isometry3::from_parts(
+            Translation3::from(self.tool_xyz_m),
+            UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+        )
+    }
+}
+
+/// Builds a chain, and collects what is wrong.
+struct Builder<'b> {
+    arm: &'b ArmDescription,
+    robot: &'b Robot,
+    file: &'b Path,
+    faults: Vec<String>,
+}
+
+impl<'b> Builder<'b> {
+    fn build(&mut self) -> Option<Chain> {
+        let path = self.path()?;
+        let is_fixed = |joint: &&&urdf::Joint| joint.kind == "fixed";
+        let moving: Vec<&urdf::Joint> = path
+            .iter()
+            .filter(|joint| !is_fixed(joint))
+            .copied()
+            .collect();
+        let names: Vec<String> = moving.iter().map(|joint| joint.name.clone()).collect();
+        if !(MIN_JOINTS..=MAX_JOINTS).contains(&moving.len()) {
+            self.faults.push(format!(
+                "the chain from `arm.base_link` to `arm.tip_link` has {} joints that move: {}; expected {MIN_JOINTS} or \
+                 {MAX_JOINTS}, because fewer do not bring the hand to every pose, and more are not supported",
+                moving.len(),
+                listed(&names)
+            ));
+            return None;
+        }
+        let mut joints = Vec::new();
+        let mut joint_from_link = Isometry3::identity();
+        for joint in &path {
+            let at_joint = joint_from_link * joint.parent_from_joint;
+            joint_from_link = at_joint;
+            if joint.kind != "fixed" {
+                self.check_kind(joint);
+                let turned = z_to(&joint.axis);
+                joints.push(Joint {
+                    parent_from_joint_at_zero: at_joint * turned,
+                    limits_rad: self.limits(joint),
+                    max_speed_rad_s: self.max_speed(joint),
+                });
+                joint_from_link = Isometry3::from_parts(Translation3::identity(), turned.inverse());
+            }
+        }
+        let last_from_tool = joint_from_link * self.arm.tip_from_tool();
+        self.check_names(&names);
+        let home_rad = self.home(&joints, &names);
+        let shapes = self.shapes(&moving, &last_from_tool);
+        Some(Chain::described(
+            &self.robot.name,
+            names,
+            joints,
+            last_from_tool,
+            shapes,
+            &home_rad,
+        ))
+    }
+
+    /// Returns the joints between base and tip, fixed ones included.
+    fn path(&mut self) -> Option<Vec<&'b urdf::Joint>> {
+        let (base, tip) = (&self.arm.base_link, &self.arm.tip_link);
+        for (key, name) in [("base_link", base), ("tip_link", tip)] {
+            if !self.robot.links.contains_key(name) {
+                let near = nearest(name, self.robot.links.keys());
+                self.faults.push(format!(
+                    "`arm.{key}` is `{name}`; expected a link of `{}`{near}",
+                    self.file.display()
+                ));
+            }
+        }
+        if !self.faults.is_empty() {
+            return None;
+        }
+        let mut path = Vec::new();
+        let mut at = tip;
+        while at != base {
+            let above: Vec<&urdf::Joint> = self
+                .robot
+                .joints
+                .iter()
+                .filter(|joint| joint.child == *at)
+                .collect();
+            let wrong = match above[..] {
+                [joint] if path.len() > self.robot.joints.len() => {
+                    format!(
+                        "the joint `{}` is in a circle of joints; expected a tree",
+                        joint.name
+                    )
+                }
+                [joint] => {
+                    path.push(joint);
+                    at = &joint.parent;
+                    continue;
+                }
+                [] => format!(
+                    "`arm.tip_link`, `{tip}`, does not hang from `arm.base_link`, `{base}`: the chain upwards ends at `{at}`"
+                ),
+                [one, other, ..] => format!(
+                    "the link `{at}` hangs from two joints, `{}` and `{}`; expected a tree",
+                    one.name, other.name
+                ),
+            };
+            self.faults.push(wrong);
+            return None;
+        }
+        path.reverse();
+        for joint in &path {
+            for link in [&joint.parent, &joint.child] {
+                if !self.robot.links.contains_key(link) {
+                    self.faults.push(format!(
+                        "the joint `{}` names the link `{link}`, which `{}` does not hold",
+                        joint.name,
+                        self.file.display()
+                    ));
+                }
+            }
+        }
+        self.faults.is_empty().then_some(path)
+    }
+
+    fn check_kind(&mut self, joint: &urdf::Joint) {
+        if !["revolute", "continuous"].contains(&joint.kind.as_str()) {
+            self.faults.push(format!(
+                "the joint `{}` is `{}`; expected `revolute`, `continuous` or `fixed` between `arm.base_link` and \
+                 `arm.tip_link`: no other joint is supported there",
+                joint.name, joint.kind
+            ));
+        }
+        if let Some(other) = &joint.mimics {
+            self.faults.push(format!(
+                "the joint `{}` follows `{other}`; expected one that moves by itself",
+                joint.name
+            ));
+        }
+    }
+
+    fn stated(&self, joint: &urdf::Joint) -> Option<&'b JointLimits> {
+        self.arm
+            .joint
+            .iter()
+            .find(|limits| limits.name == joint.name)
+    }
+
+    /// Returns the least and the largest angle of a joint, radians.
+    fn limits(&mut self, joint: &urdf::Joint) -> Option<[f64; 2]> {
+        let given = joint.limits.filter(|_| joint.kind != "continuous");
+        let given = given.map(|limits| limits.map(f64::to_degrees));
+        let stated = self.stated(joint);
+        let ends = [
+            stated.and_then(|it| it.min_deg).or(given.map(|it| it[0])),
+            stated.and_then(|it| it.max_deg).or(given.map(|it| it[1])),
+        ];
+        let name = &joint.name;
+        let [least, most] = match ends {
+            [None, None] if joint.kind == "continuous" => return None,
+            [Some(least), Some(most)] => [least, most],
+            _ => {
+                self.faults.push(format!(
+                    "the joint `{name}` has no limits; expected `min_deg` and `max_deg` of an `[[arm.joint]]` with `name = \
+                     \"{name}\"`"
+                ));
+                return None;
+            }
+        };
+        // NaN must fail these checks.
+        let are_limits = least < most && least >= -MAX_LIMIT_DEG && most <= MAX_LIMIT_DEG;
+        if !are_limits {
+            self.faults.push(format!(
+                "the limits of the joint `{name}` are `{least:.3}` to `{most:.3}` deg; expected the first below the second, \
+                 and both within {MAX_LIMIT_DEG} deg: state others in an `[[arm.joint]]`"
+            ));
+        }
+        if let Some([low, high]) = given
+            && (least < low - EXACT_DEG || most > high + EXACT_DEG)
+        {
+            self.faults.push(format!(
+                "the `[[arm.joint]]` of `{name}` allows `{least}` to `{most}` deg; expected no more than the URDF does, \
+                 {low:.3} to {high:.3} deg"
+            ));
+        }
+        Some([least, most].map(f64::to_radians))
+    }
+
+    /// Returns the highest speed of a joint, rad/s.
+    fn max_speed(&mut self, joint: &urdf::Joint) -> f64 {
+        let name = &joint.name;
+        let given = joint.max_speed.map(f64::to_degrees);
+        let stated = self.stated(joint).and_then(|it| it.max_speed_deg_s);
+        let Some(speed) = stated.or(given) else {
+            self.faults.push(format!(
+                "the joint `{name}` has no highest speed; expected `max_speed_deg_s` of an `[[arm.joint]]` with `name = \
+                 \"{name}\"`"
+            ));
+            return 1.0;
+        };
+        let is_speed = speed > 0.0 && speed <= MAX_SPEED_DEG_S;
+        if !is_speed {
+            self.faults.push(format!(
+                "the highest speed of the joint `{name}` is `{speed:.3}` deg/s; expected above 0 and at most \
+                 {MAX_SPEED_DEG_S}: state another in an `[[arm.joint]]`"
+            ));
+        }
+        if let Some(given) = given
+            && speed > given + EXACT_DEG
+        {
+            self.faults.push(format!(
+                "the `[[arm.joint]]` of `{name}` allows `{speed}` deg/s; expected no more than the URDF does, {given:.1}"
+            ));
+        }
+        speed.to_radians()
+    }
+
+    /// Checks that every `[[arm.joint]]` is of a joint of the chain, and of another one.
+    fn check_names(&mut self, names: &[String]) {
+        for (index, limits) in self.arm.joint.iter().enumerate() {
+            let name = &limits.name;
+            if !names.contains(name) {
+                self.faults.push(format!(
+                    "`arm.joint[{index}].name` is `{name}`; expected a joint between `arm.base_link` and `arm.tip_link`: {}",
+                    listed(names)
+                ));
+            }
+            if self.arm.joint[..index]
+                .iter()
+                .any(|other| other.name == *name)
+            {
+                self.faults
+                    .push(format!("there are two `[[arm.joint]]` of `{name}`"));
+            }
+        }
+    }
+
+    /// Returns the home posture, radians.
+    fn home(&mut self, joints: &[Joint], names: &[String]) -> Vec<f64> {
+        let home_deg = &self.arm.home_deg;
+        if home_deg.len() != joints.len() {
+            self.faults.push(format!(
+                "`arm.home_deg` holds {} angles; expected {}, one for each joint: {}",
+                home_deg.len(),
+                joints.len(),
+                listed(names)
+            ));
+        }
+        for ((at_deg, joint), name) in home_deg.iter().zip(joints).zip(names) {
+            let limits = joint.limits_rad.map(|limits| limits.map(f64::to_degrees));
+            if let Some([least, most]) = limits
+                && !(least - EXACT_DEG..=most + EXACT_DEG).contains(at_deg)
+            {
+                self.faults.push(format!(
+                    "`arm.home_deg` holds `{at_deg}` for the joint `{name}`; expected {least:.1} to {most:.1}, its limits"
+                ));
+            }
+        }
+        home_deg.iter().map(|it| it.to_radians()).collect()
+    }
+
+    /// Returns the shapes of the links that the joints move, and of the hand.
+    fn shapes(
+        &mut self,
+        moving: &[&'b urdf::Joint],
+        last_from_tool: &Isometry3<f64>,
+    ) -> Vec<Capsule> {
+        let mut shapes = Vec::new();
+        let mut named = Vec::new();
+        for (index, joint) in moving.iter().enumerate() {
+            let is_last = index + 1 == moving.len();
+            for link in self.carried(joint, moving, is_last) {
+                named.push(link.name);
+                // Stated shapes of the hand are in place of all that the URDF has for it.
+                let is_hand = link.is_hand && self.arm.hand.is_empty();
+                let n_faults = self.faults.len();
+                let found = self.link_shapes(&link);
+                let must_have = match link.is_hand {
+                    true => is_hand && self.robot.links[link.name].is_visible,
+                    false => true,
+                };
+                if must_have && found.is_empty() && self.faults.len() == n_faults {
+                    let name = link.name;
+                    self.faults.push(format!(
+                        "the link `{name}` has no shape, so nothing would keep it off the table; expected a `<collision>` in \
+                         the URDF, or an `[[arm.shape]]` with `link = \"{name}\"`"
+                    ));
+                }
+                for (from, to, radius_m) in found {
+                    let to_frame = match is_hand {
+                        true => last_from_tool.inverse(),
+                        false => Isometry3::identity(),
+                    };
+                    shapes.push(Capsule {
+                        link: if is_hand { moving.len() } else { index },
+                        from: to_frame * from,
+                        to: to_frame * to,
+                        radius_m,
+                    });
+                }
+            }
+        }
+        shapes.extend(self.arm.hand.iter().map(|hand| Capsule {
+            link: moving.len(),
+            from: Point3::from(hand.from_m),
+            to: Point3::from(hand.to_m),
+            radius_m: hand.radius_m,
+        }));
+        if !shapes.iter().any(|shape| shape.link == moving.len()) {
+            self.faults.push(format!(
+                "the hand has no shape: `{}` has none behind `{}`; expected an `[[arm.hand]]` that contains hand and fingers \
+                 in every opening",
+                self.file.display(),
+                moving.last().map_or("", |joint| &joint.child)
+            ));
+        }
+        for (index, shape) in self.arm.shape.iter().enumerate() {
+            if !named.contains(&shape.link.as_str()) {
+                self.faults.push(format!(
+                    "`arm.shape[{index}].link` is `{}`; expected a link that a joint of the arm moves{}",
+                    shape.link,
+                    nearest(&shape.link, named.iter().copied())
+                ));
+            }
+        }
+        shapes
+    }
+
+    /// Returns the links that hang from a joint of the chain and from no later one of it.
+    fn carried(
+        &mut self,
+        joint: &'b urdf::Joint,
+        moving: &[&urdf::Joint],
+        is_last: bool,
+    ) -> Vec<Carried<'b>> {
+        let mut carried = vec![Carried {
+            name: &joint.child,
+            joint_from_link: Isometry3::from_parts(
+                Translation3::identity(),
+                z_to(&joint.axis).inverse(),
+            ),
+            is_hand: false,
+            slides_m: vec![Vector3::zeros()],
+        }];
+        let mut next = 0;
+        while next < carried.len() {
+            let from = &carried[next];
+            next += 1;
+            let (name, joint_from_link, slides_m) =
+                (from.name, from.joint_from_link, from.slides_m.clone());
+            for below in self
+                .robot
+                .joints
+                .iter()
+                .filter(|below| below.parent == name)
+            {
+                let is_of_chain = moving.iter().any(|it| it.name == below.name);
+                let is_known = carried.iter().any(|it| it.name == below.child);
+                if is_of_chain || is_known || !self.robot.links.contains_key(&below.child) {
+                    continue;
+                }
+                let joint_from_below = joint_from_link * below.parent_from_joint;
+                let mut ends_m = vec![Vector3::zeros()];
+                match (below.kind.as_str(), below.limits) {
+                    ("fixed", _) => {}
+                    _ if is_last && !self.arm.hand.is_empty() => continue,
+                    ("prismatic", Some([lower, upper])) if is_last && upper - lower < 1.0 => {
+                        let along = joint_from_below * below.axis.into_inner();
+                        ends_m = vec![along * lower, along * upper];
+                    }
+                    (kind, _) if is_last => {
+                        self.faults.push(format!(
+                            "the joint `{}` of the hand is `{kind}`; expected `fixed`, `prismatic` with limits, or an \
+                             `[[arm.hand]]` that contains hand and fingers in every opening",
+                            below.name
+                        ));
+                        continue;
+                    }
+                    (kind, _) => {
+                        self.faults.push(format!(
+                            "the joint `{}` is `{kind}` and moves `{}` beside the chain from `arm.base_link` to \
+                             `arm.tip_link`; expected none that moves there",
+                            below.name, below.child
+                        ));
+                        continue;
+                    }
+                }
+                carried.push(Carried {
+                    name: &below.child,
+                    joint_from_link: joint_from_below,
+                    is_hand: is_last,
+                    slides_m: slides_m
+                        .iter()
+                        .flat_map(|before| ends_m.iter().map(move |end| before + end))
+                        .collect(),
+                });
+            }
+        }
+        carried
+    }
+
+    /// Returns the capsules of a link, in the frame of the chain's joint.
+    fn link_shapes(&mut self, link: &Carried<'b>) -> Vec<hull::Ends> {
+        let stated = self
+            .arm
+            .shape
+            .iter()
+            .filter(|shape| shape.link == link.name);
+        let mut clouds: Vec<(Vec<Point3<f64>>, f64)> = stated
+            .map(|shape| (vec![shape.from_m.into(), shape.to_m.into()], shape.radius_m))
+            .collect();
+        if clouds.is_empty() {
+            for collision in &self.robot.links[link.name].collisions {
+                match self.cloud(&collision.shape) {
+                    Ok((points, radius_m)) => {
+                        let placed = |point| collision.link_from_shape * point;
+                        clouds.push((points.into_iter().map(placed).collect(), radius_m));
+                    }
+                    Err(why) => self.faults.push(format!(
+                        "the link `{name}` has a shape that cannot be used: {why}; expected another, or an `[[arm.shape]]` \
+                         with `link = \"{name}\"`",
+                        name = link.name
+                    )),
+                }
+            }
+        }
+        let capsule = |(points, radius_m): (Vec<Point3<f64>>, f64)| {
+            let at_ends = link.slides_m.iter().flat_map(|slide| {
+                let placed = move |point| link.joint_from_link * point + slide;
+                points.iter().map(placed)
+            });
+            hull::capsule(&at_ends.collect::<Vec<_>>(), radius_m)
+        };
+        clouds.into_iter().filter_map(capsule).collect()
+    }
+
+    /// Returns the points, and the radius of balls around them, that contain a shape.
+    fn cloud(&self, shape: &Shape) -> Result<(Vec<Point3<f64>>, f64), String> {
+        Ok(match shape {
+            Shape::Sphere { radius_m } => (vec![Point3::origin()], *radius_m),
+            Shape::Cylinder { radius_m, half_m } => {
+                let ends = [-1.0, 1.0].map(|sign| Point3::new(0.0, 0.0, sign * half_m));
+                (ends.to_vec(), *radius_m)
+            }
+            Shape::Box { half_m } => {
+                let sign = |corner: u8, axis: u8| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                let signs = (0..8).map(|it| Vector3::new(sign(it, 0), sign(it, 1), sign(it, 2)));
+                let corners = signs.map(|signs| Point3::from(half_m.component_mul(&signs)));
+                (corners.collect(), 0.0)
+            }
+            Shape::Mesh { file, scale } => {
+                let wrong = |why: String| format!("the mesh `{file}`: {why}");
+                let format = mesh::Format::of(file).map_err(wrong)?;
+                let path = self.mesh_path(file)?;
+                let bytes = files::read(&path, MAX_MESH_BYTES).map_err(wrong)?;
+                let corners = mesh::corners(format, &bytes).map_err(wrong)?;
+                let scaled = |it: Point3<f64>| Point3::from(it.coords.component_mul(scale));
+                let corners: Vec<_> = corners.into_iter().map(scaled).collect();
+                let far = corners
+                    .iter()
+                    .map(|it| it.coords.amax())
+                    .fold(0.0, f64::max);
+                if far > urdf::MAX_M {
+                    return Err(wrong(format!(
+                        "a corner is `{far:.1}` m from its middle; expected at most {}: is it in millimetres, without \
+                         `scale=\"0.001 0.001 0.001\"`?",
+                        urdf::MAX_M
+                    )));
+                }
+                (corners, 0.0)
+            }
+        })
+    }
+
+    /// Finds the file of a mesh. A package is a folder of its name above the URDF file; no program is asked for it.
+    fn mesh_path(&self, file: &str) -> Result<PathBuf, String> {
+        let beside = self.file.parent().unwrap_or(Path::new(""));
+        let Some(rest) = file.strip_prefix("package://") else {
+            let path = file.strip_prefix("file://").unwrap_or(file);
+            return match path.contains("://") {
+                true => Err(format!("`{file}` is no file")),
+                false => Ok(beside.join(path)),
+            };
+        };
+        let beside = std::path::absolute(beside).map_err(|why| why.to_string())?;
+        let mut paths = beside.ancestors().map(|folder| folder.join(rest));
+        paths.find(|path| path.is_file()).ok_or_else(|| {
+            format!(
+                "there is no `{rest}` in any folder above `{}`",
+                self.file.display()
+            )
+        })
+    }
+}
+
+/// Returns the rotation that brings z to an axis.
+fn z_to(axis: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
+    UnitQuaternion::rotation_between_axis(&Vector3::z_axis(), axis)
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI))
+}
+
+/// Words the name that was probably meant.
+fn nearest<'n>(name: &str, names: impl Iterator<Item = impl AsRef<str> + 'n>) -> String {
+    let name: String = name.chars().take(60).collect();
+    let near = names.map(|it| (strsim::damerau_levenshtein(&name, it.as_ref()), it));
+    match near.min_by_key(|(distance, _)| *distance) {
+        Some((distance, near)) if distance <= (name.len() / 2).max(1) => {
+            format!("; did you mean `{}`?", near.as_ref())
+        }
+        _ => String::new(),
+    }
+}
+
+fn listed(names: &[String]) -> String {
+    match names.is_empty() {
+        true => "none".to_owned(),
+        false => format!("`{}`", names.join("`, `")),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,288 @@
+//! Reads what an arm's description in URDF says of links and joints.
+//!
+//! In: the text of a URDF file, whose xacro is already expanded. Out: joints, and the collision shapes of links; else why
+//! it cannot be read. Inertia, colours and visual shapes are left out. Nothing is run, and no other file is opened.
+
+use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
+use roxmltree::{Document, Node, ParsingOptions};
+use std::collections::BTreeMap;
+
+/// The most XML nodes of a description; the largest robots have some thousands.
+const MAX_NODES: u32 = 200_000;
+
+/// The largest coordinate of a frame or a shape, metres.
+pub(super) const MAX_M: f64 = 10.0;
+
+/// The largest angle of a frame, radians.
+const MAX_RAD: f64 = 100.0;
+
+/// A robot's links and joints.
+#[derive(Debug)]
+pub(super) struct Robot {
+    pub name: String,
+    pub links: BTreeMap<String, Link>,
+    pub joints: Vec<Joint>,
+}
+
+/// A link.
+#[derive(Debug, Default)]
+pub(super) struct Link {
+    pub collisions: Vec<Collision>,
+    /// Whether something of it is drawn.
+    pub is_visible: bool,
+}
+
+/// A shape, and its frame in the link's.
+#[derive(Debug)]
+pub(super) struct Collision {
+    pub link_from_shape: Isometry3<f64>,
+    pub shape: Shape,
+}
+
+/// A shape in its own frame; lengths in metres.
+#[derive(Debug)]
+pub(super) enum Shape {
+    Box {
+        half_m: Vector3<f64>,
+    },
+    /// Along z, with flat or round ends.
+    Cylinder {
+        radius_m: f64,
+        half_m: f64,
+    },
+    Sphere {
+        radius_m: f64,
+    },
+    Mesh {
+        file: String,
+        scale: Vector3<f64>,
+    },
+}
+
+/// A joint between two links.
+#[derive(Debug)]
+pub(super) struct Joint {
+    pub name: String,
+    /// `revolute`, `fixed` and so on.
+    pub kind: String,
+    pub parent: String,
+    pub child: String,
+    pub parent_from_joint: Isometry3<f64>,
+    pub axis: Unit<Vector3<f64>>,
+    /// The least and the largest position, radians or metres.
+    pub limits: Option<[f64; 2]>,
+    /// rad/s or m/s; none if it is not stated or 0.
+    pub max_speed: Option<f64>,
+    /// The joint that it follows.
+    pub mimics: Option<String>,
+}
+
+/// Reads a description.
+pub(super) fn read(text: &str) -> Result<Robot, String> {
+    let options = ParsingOptions {
+        nodes_limit: MAX_NODES,
+        ..ParsingOptions::default()
+    };
+    let document = Document::parse_with_options(text, options).map_err(|why| why.to_string())?;
+    let root = document.root_element();
+    if root.tag_name().name() != "robot" {
+        return Err(format!(
+            "it begins with `<{}>`; expected `<robot>`",
+            root.tag_name().name()
+        ));
+    }
+    let is_xacro = |node: &Node| {
+        let space = node.tag_name().namespace();
+        space.is_some_and(|space| space.contains("xacro"))
+    };
+    if let Some(node) = root.descendants().find(is_xacro) {
+        return Err(format!(
+            "{}: it holds `<xacro:{}>`; expected a description that xacro has expanded: `xacro FILE > arm.urdf`",
+            line(&node),
+            node.tag_name().name()
+        ));
+    }
+    let mut robot = Robot {
+        name: root.attribute("name").unwrap_or("arm").to_owned(),
+        links: BTreeMap::new(),
+        joints: Vec::new(),
+    };
+    for node in root.children() {
+        match node.tag_name().name() {
+            "link" => {
+                let name = attribute(&node, "name")?.to_owned();
+                let link = read_link(&node)?;
+                if robot.links.insert(name.clone(), link).is_some() {
+                    return Err(format!("{}: there are two links `{name}`", line(&node)));
+                }
+            }
+            "joint" => robot.joints.push(read_joint(&node)?),
+            _ => {}
+        }
+    }
+    Ok(robot)
+}
+
+fn read_link(node: &Node) -> Result<Link, String> {
+    let mut link = Link::default();
+    for part in node.children() {
+        match part.tag_name().name() {
+            "visual" => link.is_visible = true,
+            "collision" => link.collisions.push(Collision {
+                link_from_shape: origin(&part)?,
+                shape: read_shape(&part)?,
+            }),
+            _ => {}
+        }
+    }
+    Ok(link)
+}
+
+fn read_shape(collision: &Node) -> Result<Shape, String> {
+    let geometry = child(collision, "geometry")
+        .and_then(|geometry| geometry.children().find(Node::is_element))
+        .ok_or_else(|| format!("{}: a `<collision>` has no shape", line(collision)))?;
+    let length = |name: &str| {
+        let [length] = numbers(&geometry, name, attribute(&geometry, name)?)?;
+        match length > 0.0 && length <= MAX_M {
+            true => Ok(length),
+            false => Err(format!(
+                "{}: `{name}` is `{length}`; expected above 0 and at most {MAX_M} m",
+                line(&geometry)
+            )),
+        }
+    };
+    match geometry.tag_name().name() {
+        "box" => {
+            let size = numbers::<3>(&geometry, "size", attribute(&geometry, "size")?)?;
+            if !size.iter().all(|it| (0.0..=MAX_M).contains(it)) {
+                return Err(format!(
+                    "{}: `size` is `{size:?}`; expected 0 to {MAX_M} m",
+                    line(&geometry)
+                ));
+            }
+            Ok(Shape::Box {
+                half_m: Vector3::from(size) / 2.0,
+            })
+        }
+        "cylinder" | "capsule" => Ok(Shape::Cylinder {
+            radius_m: length("radius")?,
+            half_m: length("length")? / 2.0,
+        }),
+        "sphere" => Ok(Shape::Sphere {
+            radius_m: length("radius")?,
+        }),
+        "mesh" => Ok(Shape::Mesh {
+            file: attribute(&geometry, "filename")?.to_owned(),
+            scale: match geometry.attribute("scale") {
+                Some(scale) => numbers(&geometry, "scale", scale)?.into(),
+                None => Vector3::repeat(1.0),
+            },
+        }),
+        other => Err(format!(
+            "{}: `<{other}>` is no shape; expected `box`, `cylinder`, `capsule`, `sphere` or `mesh`",
+            line(&geometry)
+        )),
+    }
+}
+
+fn read_joint(node: &Node) -> Result<Joint, String> {
+    let link = |name: &str| {
+        let part = child(node, name)
+            .ok_or_else(|| format!("{}: a joint has no `<{name}>`", line(node)))?;
+        Ok::<_, String>(attribute(&part, "link")?.to_owned())
+    };
+    let axis = match child(node, "axis") {
+        Some(axis) => numbers(&axis, "xyz", attribute(&axis, "xyz")?)?.into(),
+        // The format's default.
+        None => Vector3::x(),
+    };
+    let axis = Unit::try_new(axis, 1e-6)
+        .ok_or_else(|| format!("{}: the axis of a joint has no direction", line(node)))?;
+    let (mut limits, mut max_speed) = (None, None);
+    if let Some(limit) = child(node, "limit") {
+        let number = |name: &str| match limit.attribute(name) {
+            Some(text) => numbers(&limit, name, text).map(|[number]: [f64; 1]| Some(number)),
+            None => Ok(None),
+        };
+        let (lower, upper) = (number("lower")?, number("upper")?);
+        if lower.is_some() || upper.is_some() {
+            limits = Some([lower.unwrap_or(0.0), upper.unwrap_or(0.0)]);
+        }
+        max_speed = number("velocity")?.filter(|speed| *speed != 0.0);
+    }
+    let mimics = child(node, "mimic").map(|mimic| attribute(&mimic, "joint").map(str::to_owned));
+    Ok(Joint {
+        name: attribute(node, "name")?.to_owned(),
+        kind: attribute(node, "type")?.to_owned(),
+        parent: link("parent")?,
+        child: link("child")?,
+        parent_from_joint: origin(node)?,
+        axis,
+        limits,
+        max_speed,
+        mimics: mimics.transpose()?,
+    })
+}
+
+/// Reads the frame of an element in that of its parent; without one it is the same.
+fn origin(node: &Node) -> Result<Isometry3<f64>, String> {
+    let Some(origin) = child(node, "origin") else {
+        return Ok(Isometry3::identity());
+    };
+    let vector = |name: &str, most: f64, unit: &str| {
+        let Some(text) = origin.attribute(name) else {
+            return Ok([0.0; 3]);
+        };
+        let vector = numbers::<3>(&origin, name, text)?;
+        match vector.iter().all(|it| it.abs() <= most) {
+            true => Ok(vector),
+            false => Err(format!(
+                "{}: `{name}` is `{text}`; expected at most {most} {unit}",
+                line(&origin)
+            )),
+        }
+    };
+    let [x, y, z] = vector("xyz", MAX_M, "m")?;
+    let [roll, pitch, yaw] = vector("rpy", MAX_RAD, "rad")?;
+    Ok(Isometry3::from_parts(
+        Translation3::new(x, y, z),
+        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+    ))
+}
+
+fn child<'a, 'i>(node: &Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    node.children().find(|part| part.tag_name().name() == name)
+}
+
+fn attribute<'a>(node: &Node<'a, '_>, name: &str) -> Result<&'a str, String> {
+    node.attribute(name).ok_or_else(|| {
+        format!(
+            "{}: `<{}>` has no `{name}`",
+            line(node),
+            node.tag_name().name()
+        )
+    })
+}
+
+/// Reads so many finite numbers.
+fn numbers<const N: usize>(node: &Node, name: &str, text: &str) -> Result<[f64; N], String> {
+    let found: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+    let found = found
+        .ok()
+        .and_then(|found| <[f64; N]>::try_from(found).ok());
+    let found = found.filter(|found| found.iter().all(|number| number.is_finite()));
+    found.ok_or_else(|| {
+        format!(
+            "{}: `{name}` is `{}`; expected {N} finite number{}",
+            line(node),
+            text.chars().take(60).collect::<String>(),
+            if N == 1 { "" } else { "s" }
+        )
+    })
+}
+
+fn line(node: &Node) -> String {
+    let at = node.document().text_pos_at(node.range().start);
+    format!("line {}", at.row)
+}
