@@ -204,9 +204,10 @@ impl Arm {
                 for segment in segments {
                     let Act::Move(to) = segment.act else { continue };
                     let motion = guard.motion(&at, &to, settings.motion.speed_m_s).unwrap();
-                    let path = &motion.get().joints_rad;
-                    angles.extend(path.iter().step_by(JUDGED).cloned());
-                    angles.extend(path.last().cloned());
+                    let path = motion.get().waypoints.iter().map(|it| &it.joints_rad);
+                    let path: Vec<_> = path.collect();
+                    angles.extend(path.iter().step_by(JUDGED).copied().cloned());
+                    angles.extend(path.last().copied().cloned());
                     at.joints_rad.clone_from(path.last().unwrap());
                     at.tool = to;
                 }
