@@ -38,7 +38,7 @@ if [ "${1:-}" = --one ]; then
     exit 0
 fi
 
-[ $# -gt 0 ] || set -- --workspace --exclude fab-arm-ros --locked --lib --bins --tests
+[ $# -gt 0 ] || set -- --workspace --exclude fab-arm-ros --exclude fab-arm-ros2 --locked --lib --bins --tests
 work=$(mktemp -d) || exit
 trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT

@@ -6,6 +6,7 @@
 use super::{CameraSource, DriverKind, KeepOut, Settings};
 use crate::kinematics::chain::Chain;
 use std::fmt::Debug;
+use std::net::Ipv4Addr;
 
 /// How far below the table's middle the workspace may end, metres: fingers give way, and readings have 1 mm
 /// resolution.
@@ -26,6 +27,7 @@ pub(super) fn check(settings: &Settings) -> Result<(), String> {
     fingers(settings, &mut faults);
     camera(settings, &mut faults);
     ros(settings, &mut faults);
+    ros2(settings, &mut faults);
     match faults.0.is_empty() {
         true => Ok(()),
         false => Err(faults.0.join("\n")),
@@ -249,7 +251,7 @@ fn ros(settings: &Settings, faults: &mut Faults) {
     let driver = match settings.driver {
         DriverKind::Kinova => Some("`driver` is `kinova`"),
         DriverKind::Trajectory => Some("`driver` is `trajectory`"),
-        DriverKind::Simulated => None,
+        DriverKind::Ros2 | DriverKind::Simulated => None,
     };
     let is_topic = settings.camera.source == CameraSource::Ros;
     let camera = is_topic.then_some("`camera.source` is `ros`");
@@ -263,14 +265,58 @@ fn ros(settings: &Settings, faults: &mut Faults) {
         faults.missing("`driver` is `trajectory`", "`ros.trajectory`");
     }
     if is_topic {
-        for (key, topic) in [
-            ("color", &ros.color),
-            ("depth", &ros.depth),
-            ("info", &ros.info),
+        let topics = [&ros.color, &ros.depth, &ros.info];
+        camera_topics("ros", topics, faults);
+    }
+}
+
+/// Checks that `[ros2]` has everything that the driver and the camera need.
+fn ros2(settings: &Settings, faults: &mut Faults) {
+    let is_driver = settings.driver == DriverKind::Ros2;
+    let is_topic = settings.camera.source == CameraSource::Ros2;
+    let Some(ros2) = &settings.ros2 else {
+        match (is_driver, is_topic) {
+            (true, _) => faults.missing("`driver` is `ros2`", "a part `[ros2]`"),
+            (_, true) => faults.missing("`camera.source` is `ros2`", "a part `[ros2]`"),
+            _ => {}
+        }
+        return;
+    };
+    if let Some(address) = &ros2.interface
+        && address.parse::<Ipv4Addr>().is_err()
+    {
+        let expected = "an IPv4 address of this machine, e.g. `192.168.1.10`";
+        faults.wrong("ros2.interface", address, expected);
+    }
+    if is_driver {
+        for (key, is_missing) in [
+            ("trajectory", ros2.trajectory.is_none()),
+            ("gripper", ros2.gripper.is_none()),
+            ("joints", ros2.joints.is_empty()),
+            ("gripper_joints", ros2.gripper_joints.is_empty()),
         ] {
-            if topic.is_none() {
-                faults.missing("`camera.source` is `ros`", &format!("`ros.{key}`"));
+            if is_missing {
+                faults.missing("`driver` is `ros2`", &format!("`ros2.{key}`"));
             }
+        }
+        let (found, count) = (ros2.gripper_joints.len(), settings.fingers.count);
+        if found > 1 && found != count {
+            let expected = format!("one name, or one for each finger of `fingers.count`, {count}");
+            faults.wrong("ros2.gripper_joints", &ros2.gripper_joints, &expected);
+        }
+    }
+    if is_topic {
+        let topics = [&ros2.color, &ros2.depth, &ros2.info];
+        camera_topics("ros2", topics, faults);
+    }
+}
+
+/// Checks that a camera has its topics: colour, depth, projection.
+fn camera_topics(source: &str, topics: [&Option<String>; 3], faults: &mut Faults) {
+    for (key, topic) in ["color", "depth", "info"].into_iter().zip(topics) {
+        if topic.is_none() {
+            let who = format!("`camera.source` is `{source}`");
+            faults.missing(&who, &format!("`{source}.{key}`"));
         }
     }
 }

@@ -84,7 +84,7 @@ pub fn about(path: &Path) -> Result<About, String> {
 pub(super) fn name(driver: DriverKind) -> &'static str {
     match driver {
         DriverKind::Simulated => "simulated_arm",
-        DriverKind::Kinova | DriverKind::Trajectory => "jaco",
+        DriverKind::Kinova | DriverKind::Trajectory | DriverKind::Ros2 => "jaco",
     }
 }
 
@@ -92,7 +92,7 @@ pub(super) fn code(driver: DriverKind) -> String {
     let version = env!("CARGO_PKG_VERSION");
     match driver {
         DriverKind::Simulated => format!("{version} {}", ClothTable::code()),
-        DriverKind::Kinova | DriverKind::Trajectory => version.to_owned(),
+        DriverKind::Kinova | DriverKind::Trajectory | DriverKind::Ros2 => version.to_owned(),
     }
 }
 
