@@ -53,8 +53,8 @@ for action in "FollowJointTrajectory", "GripperCommand", "ParallelGripperCommand
 def plain(value):
     """Returns what JSON can carry of a message."""
     if hasattr(value, "__msgtype__"):
-        fields = vars(value).items()
-        return {name: plain(field) for name, field in fields if name != "__msgtype__"}
+        # Constants have names in capitals.
+        return {name: plain(field) for name, field in vars(value).items() if name.islower() and name != "__msgtype__"}
     if hasattr(value, "tolist"):
         return value.tolist()
     return [plain(item) for item in value] if isinstance(value, list) else value
@@ -63,7 +63,9 @@ def plain(value):
 def main():
     store = get_typestore(Stores.ROS2_HUMBLE)
     for name, text in DEFINITIONS.items():
-        store.register(get_types_from_msg(text, name))
+        # It would file it under `msg`.
+        (fields,) = get_types_from_msg(text, name).values()
+        store.register({name: fields})
     for line in sys.stdin:
         said = json.loads(line)
         message = store.deserialize_cdr(bytes.fromhex(said["bytes"]), said["type"])

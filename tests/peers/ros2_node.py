@@ -16,6 +16,7 @@ import struct
 import subprocess
 import sys
 import time
+import types
 from dataclasses import dataclass
 
 # This machine alone, which may have no multicast.
@@ -43,8 +44,8 @@ ENDS = {"succeeded": 4, "preempted": 5, "aborted": 6, "rejected": 6}
 
 def message(dds, /, **fields):
     """Declares a message by its type in DDS and its fields."""
-    kind = type(dds.split("::")[-1], (IdlStruct,), {"__annotations__": fields}, typename=dds)
-    return dataclass(kind)
+    with_fields = lambda namespace: namespace.update(__annotations__=fields)
+    return dataclass(types.new_class(dds.split("::")[-1], (IdlStruct,), {"typename": dds}, with_fields))
 
 
 Time = message("builtin_interfaces::msg::dds_::Time_", sec=int32, nanosec=uint32)

@@ -19,6 +19,9 @@ mod camera;
 mod link;
 mod service;
 
+#[cfg(test)]
+mod distribution;
+
 pub use camera::subscribe;
 pub use connect::connect;
 pub use port::Ros2Port;
