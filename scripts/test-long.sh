@@ -89,6 +89,18 @@ over_ros() {
 without_ros=$(sh "$here/ros-parts.sh")
 without_python=
 [ -z "$missing" ] || without_python="--skip peer_ros2_"
+# ROS 2 itself, as wheels; they exist for some versions of Python only.
+rclpy=$(CDPATH='' cd -- "$target" && pwd)/peers-rclpy
+if [ -z "$missing" ] && ! cmp -s "$here/rclpy-requirements.txt" "$rclpy/installed.txt"; then
+    python3 -m venv --clear "$rclpy" && "$rclpy/bin/python" -m pip install --quiet --disable-pip-version-check --no-compile \
+        --only-binary :all: --no-binary empy -r "$here/rclpy-requirements.txt" && cp "$here/rclpy-requirements.txt" "$rclpy/installed.txt"
+fi
+FABC_PEER_RCLPY=$rclpy/bin/python
+export FABC_PEER_RCLPY
+if [ -z "$missing" ] && [ ! -e "$rclpy/installed.txt" ]; then
+    leave_out peer_ros2_a_distribution "pip could not install $here/rclpy-requirements.txt"
+    without_python="--skip peer_ros2_a_distribution"
+fi
 if [ -z "$without_ros" ]; then
     selected="--workspace --features fabc/ros,fabc/ros2"
     ros="--package fab-arm-ros --package fab-arm-ros2 --features fabc/ros,fabc/ros2"

@@ -164,10 +164,10 @@ fn peer_ros2_a_killed_node_is_an_error_within_seconds() {
     let sent = port.send_trajectory(&turned(1.0, 20.0)).unwrap();
     let goal = until_active(&mut port, sent);
     ros.kill_node();
-    port.wait(1.3);
+    port.wait(2.3);
     let began = Instant::now();
     let refused = port.send_fingers(&[60_000.0; 2]).unwrap_err();
-    assert!(refused.why.contains("has been silent for 1."), "{refused}");
+    assert!(refused.why.contains("has been silent for 2."), "{refused}");
     let ended = port.goal(&goal);
     assert!(!matches!(ended, GoalState::Ended(Ending::Succeeded)));
     let unheard = port.stop().unwrap_err();
@@ -190,11 +190,11 @@ fn peer_ros2_a_camera_gives_colour_depth_and_projection_from_after_the_request()
     assert_eq!(shot.depth_m.dimensions(), size);
     let lens = shot.intrinsics.unwrap();
     assert_eq!(lens.size_px, [size.0, size.1]);
-    let again = camera.shoot().unwrap();
-    assert_ne!(
-        again.rgb, shot.rgb,
-        "the node's camera shows another picture each time"
-    );
+    let is_whole = shot.rgb.enumerate_pixels().all(|(x, y, pixel)| {
+        let [x, y] = [x as u8, y as u8];
+        pixel.0 == [x, y, x ^ y]
+    });
+    assert!(is_whole, "another picture than the node's");
     let aside = Ros2Settings {
         color: Some("/camera/nothing".to_owned()),
         ..ros.settings()

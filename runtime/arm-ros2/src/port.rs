@@ -13,8 +13,8 @@ use fab_arm::port::{AfterStop, Ending, GoalId, GoalState, Port, PortError, Readi
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long the joints may be silent before the arm counts as gone.
-const SILENCE_S: f64 = 1.0;
+/// How long the joints may be silent before the arm counts as gone: no `tolerance.stale_s` allows more.
+const SILENCE_S: f64 = 2.0;
 
 /// How long a service may take to answer.
 const SERVICE_TIMEOUT: Duration = Duration::from_secs(1);
