@@ -90,7 +90,7 @@ fn peer_ros2_a_controller_that_refuses_ends_the_run() {
 #[ignore = "needs Cyclone DDS"]
 fn peer_ros2_a_controller_that_does_nothing_ends_the_run() {
     let (mut lab, run) = begun(Driver::Ignores, 13);
-    failed(&run.end(), "s");
+    failed(&run.end(), "did not end within");
     is_still(&mut lab);
 }
 

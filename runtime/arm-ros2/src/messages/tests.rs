@@ -19,12 +19,15 @@ fn bytes_of<T: Serialize>(message: &T) -> Vec<u8> {
     bytes
 }
 
+/// Returns whether bytes are read as the message.
+type Check = dyn Fn(&[u8]) -> bool;
+
 /// A message, and a check of what the other program made of it.
 struct Sample {
     name: &'static str,
     bytes: Vec<u8>,
     fields: Value,
-    reads_back: Box<dyn Fn(&[u8]) -> bool>,
+    reads_back: Box<Check>,
 }
 
 fn sample<T>(name: &'static str, message: T) -> Sample
