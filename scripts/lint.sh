@@ -10,19 +10,17 @@ step() {
 
 # One set of features for clippy and documentation, so that nothing is checked twice.
 if pkg-config --exists openssl 2>/dev/null; then
-    selected="--workspace --features fabc/ros"
+    selected="--workspace --features fabc/ros,fabc/ros2"
 else
-    selected="--workspace --exclude fab-arm-ros"
+    selected="--workspace --exclude fab-arm-ros --features fabc/ros2"
     echo "left out: fab-arm-ros, which needs OpenSSL's development files"
 fi
 
 step cargo fmt --all --check
 # shellcheck disable=SC2086  # words without spaces
 step cargo clippy $selected --all-targets --locked -- -D warnings
-case $selected in
-# Nothing else looks at what `ros` leaves out.
-*fabc/ros) step cargo clippy --workspace --exclude fab-arm-ros --lib --bins --locked -- -D warnings ;;
-esac
+# Nothing else looks at what `ros` and `ros2` leave out.
+step cargo clippy --workspace --exclude fab-arm-ros --exclude fab-arm-ros2 --lib --bins --locked -- -D warnings
 
 # Fails if a package's build needs a crate that finds or binds a system library: no_system_library PACKAGE [ARGUMENT...]
 #

@@ -26,6 +26,7 @@ every_command() {
         crates "cargo test -p $member" normal,build,dev --package "$member"
     done
     crates "cargo test -p fabc --features ros" normal,build,dev --package fabc --features fabc/ros
+    crates "cargo test -p fabc --features ros2" normal,build,dev --package fabc --features fabc/ros2
 }
 
 members=$(cargo tree --locked --quiet --workspace --depth 0 --prefix none --format '{p}')

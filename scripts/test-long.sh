@@ -9,9 +9,10 @@
 # installs mdBook, which builds the book.
 #
 # If WebAssembly cannot be built or run (wasm-parts.sh), or cargo-insta, mdBook or the descriptions of arms cannot be
-# fetched, only the peer_node_, peer_cargo_insta_, peer_mdbook_ or peer_robots_ tests are left out. They count as skipped, and the reason is printed.
-# The same holds for ROS (ros-parts.sh). Its tests work in real time and leave a core free, so all others run
-# beside them at the lowest priority.
+# fetched, only the peer_node_, peer_cargo_insta_, peer_mdbook_ or peer_robots_ tests are left out. They count as
+# skipped, and the reason is printed. The same holds for ROS 1 (ros-parts.sh). ROS 2 needs no more than the Python
+# environment. The tests of both work in real time and leave a core free, so all others run beside them at the lowest
+# priority.
 set -u
 here=$(dirname "$0")
 
@@ -97,33 +98,8 @@ leave_out() {
 }
 
 # The ROS tests have a run of their own.
-skipped="--skip peer_ros_"
+skipped="--skip peer_ros_ --skip peer_ros2_"
 [ "${1:-}" != --with-fast ] || run "the fast tests"
-
-over_ros() {
-    run "over ROS, each part" --package fab-arm-ros --features fabc/ros --package fabc --locked --no-fail-fast --test ros -- --include-ignored
-    run "over ROS" --package fab-arm-ros --locked --lib
-}
-without_ros=$(sh "$here/ros-parts.sh")
-if [ -z "$without_ros" ]; then
-    # All tests here use one fabc, so that none replaces the one that others are running.
-    selected="--workspace --features fabc/ros"
-    # shellcheck disable=SC2086  # words without spaces
-    cargo build --locked $selected --lib --bins --tests || exit
-    cargo build --locked --package fab-arm --example arm_engine || exit
-    FABC_PEER_ARM_ENGINE=$(cd "$target" && pwd)/debug/examples/arm_engine
-    export FABC_PEER_ARM_ENGINE
-    # Nodes must find each other on this machine whatever its name; ROS_HOSTNAME would override ROS_IP.
-    unset ROS_HOSTNAME
-    ROS_IP=127.0.0.1
-    export ROS_IP
-    over_ros >"$work/ros" 2>&1 &
-    beside=$!
-    renice -n 19 $$ >/dev/null
-else
-    selected="--workspace --exclude fab-arm-ros"
-    leave_out peer_ros_ "$without_ros"
-fi
 
 prepare
 if [ -n "$missing" ]; then
@@ -133,6 +109,54 @@ if [ -n "$missing" ]; then
 fi
 without_robots=
 [ -n "$missing" ] || without_robots=$(fetch_robots)
+FABC_PEER_PYTHON=$environment/bin/python
+export FABC_PEER_PYTHON
+
+over_ros() {
+    # shellcheck disable=SC2086  # words without spaces
+    run "over ROS, each part" $ros --package fabc --locked --no-fail-fast $ros_tests -- --include-ignored $without_python
+    # shellcheck disable=SC2086  # words without spaces
+    run "over ROS" $ros --locked --lib -- --include-ignored $without_python
+}
+without_ros=$(sh "$here/ros-parts.sh")
+without_python=
+[ -z "$missing" ] || without_python="--skip peer_ros2_"
+# ROS 2 itself, as wheels; they exist for some versions of Python only.
+rclpy=$(CDPATH='' cd -- "$target" && pwd)/peers-rclpy
+if [ -z "$missing" ] && ! cmp -s "$here/rclpy-requirements.txt" "$rclpy/installed.txt"; then
+    python3 -m venv --clear "$rclpy" && "$rclpy/bin/python" -m pip install --quiet --disable-pip-version-check --no-compile \
+        --only-binary :all: --no-binary empy -r "$here/rclpy-requirements.txt" && cp "$here/rclpy-requirements.txt" "$rclpy/installed.txt"
+fi
+FABC_PEER_RCLPY=$rclpy/bin/python
+export FABC_PEER_RCLPY
+if [ -z "$missing" ] && [ ! -e "$rclpy/installed.txt" ]; then
+    leave_out peer_ros2_a_distribution "pip could not install $here/rclpy-requirements.txt"
+    without_python="--skip peer_ros2_a_distribution"
+fi
+if [ -z "$without_ros" ]; then
+    selected="--workspace --features fabc/ros,fabc/ros2"
+    ros="--package fab-arm-ros --package fab-arm-ros2 --features fabc/ros,fabc/ros2"
+    ros_tests="--test ros --test ros2"
+else
+    selected="--workspace --exclude fab-arm-ros --features fabc/ros2"
+    ros="--package fab-arm-ros2 --features fabc/ros2"
+    ros_tests="--test ros2"
+    leave_out peer_ros_ "$without_ros"
+fi
+# All tests here use one fabc, so that none replaces the one that others are running.
+# shellcheck disable=SC2086  # words without spaces
+cargo build --locked $selected --lib --bins --tests || exit
+cargo build --locked --package fab-arm --example arm_engine || exit
+FABC_PEER_ARM_ENGINE=$(cd "$target" && pwd)/debug/examples/arm_engine
+export FABC_PEER_ARM_ENGINE
+# Nodes must find each other on this machine whatever its name; ROS_HOSTNAME would override ROS_IP.
+unset ROS_HOSTNAME
+ROS_IP=127.0.0.1
+export ROS_IP
+over_ros >"$work/ros" 2>&1 &
+beside=$!
+renice -n 19 $$ >/dev/null
+
 without_wasm=$(sh "$here/wasm-parts.sh")
 
 # The version of insta in Cargo.lock; the tests compare with its files.
@@ -152,8 +176,6 @@ without_mdbook=
 # A book that cannot be built fails its test; only a missing mdBook leaves the test out.
 sh "$here/book.sh" >/dev/null || [ -x "$insta_root/bin/mdbook" ] || without_mdbook="cargo could not install mdBook"
 
-FABC_PEER_PYTHON=$environment/bin/python
-export FABC_PEER_PYTHON
 FABC_PEER_ROBOTS=$robots_folder
 export FABC_PEER_ROBOTS
 [ -z "$without_robots" ] || leave_out peer_robots_ "$without_robots"
@@ -165,10 +187,8 @@ export FABC_PEER_ROBOTS
 run "with documentation" $selected --locked --doc
 # shellcheck disable=SC2086  # words without spaces
 run "long and peers" $selected --locked --no-fail-fast --lib --bins --tests -- --ignored $skipped
-if [ -z "$without_ros" ]; then
-    wait "$beside"
-    cat "$work/ros"
-fi
+wait "$beside"
+cat "$work/ros"
 
 awk '{ passed += $1; failed += $3; skipped += $5 }
     END { printf "%d passed, %d failed, %d skipped\n", passed, failed, skipped; exit failed > 0 }' "$work/sums"

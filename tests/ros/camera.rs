@@ -3,13 +3,13 @@
 use super::nodes::{PATIENCE_S, Ros};
 use fab_arm::rgbd::{Intrinsics, RgbdSource};
 use fab_arm::settings::RosSettings;
-use fab_arm_ros::RosCamera;
+use fab_arm_ros::subscribe;
 
 #[test]
 #[ignore = "needs ROS"]
 fn peer_ros_pictures_arrive_bit_for_bit() {
     let ros = Ros::with_arm();
-    let mut camera = RosCamera::subscribe(&ros.settings(), PATIENCE_S).unwrap();
+    let mut camera = subscribe(&ros.settings(), PATIENCE_S).unwrap();
     for _ in 0..3 {
         let shot = camera.shoot().unwrap();
         assert_eq!(shot.rgb.dimensions(), (64, 48));
@@ -46,10 +46,7 @@ fn peer_ros_a_camera_may_have_colour_alone() {
         info: None,
         ..ros.settings()
     };
-    let shot = RosCamera::subscribe(&settings, PATIENCE_S)
-        .unwrap()
-        .shoot()
-        .unwrap();
+    let shot = subscribe(&settings, PATIENCE_S).unwrap().shoot().unwrap();
     assert!(shot.depth_m.pixels().all(|depth| depth.0 == [0.0]));
     assert_eq!(shot.intrinsics, None);
 }
@@ -62,19 +59,15 @@ fn peer_ros_a_camera_that_says_nothing_is_named() {
         depth: Some("/camera/depth".to_owned()),
         ..ros.settings()
     };
-    let mut camera = RosCamera::subscribe(&ros.settings(), PATIENCE_S).unwrap();
+    let mut camera = subscribe(&ros.settings(), PATIENCE_S).unwrap();
     camera.shoot().unwrap();
-    let why = RosCamera::subscribe(&aside, 2.0)
-        .unwrap()
-        .shoot()
-        .unwrap_err()
-        .why;
+    let why = subscribe(&aside, 2.0).unwrap().shoot().unwrap_err().why;
     assert_eq!(
         why,
         "nothing came on `/camera/depth` within 2 s: is the camera's driver started?"
     );
     ros.kill_node();
-    let mut camera = RosCamera::subscribe(&ros.settings(), 1.0).unwrap();
+    let mut camera = subscribe(&ros.settings(), 1.0).unwrap();
     let error = camera.shoot().unwrap_err();
     assert_eq!(
         error.to_string(),
@@ -85,6 +78,6 @@ fn peer_ros_a_camera_that_says_nothing_is_named() {
         color: None,
         ..ros.settings()
     };
-    let refused = RosCamera::subscribe(&none, 1.0).err().unwrap().to_string();
+    let refused = subscribe(&none, 1.0).err().unwrap().to_string();
     assert_eq!(refused, "`[ros]` names no topic `color`");
 }

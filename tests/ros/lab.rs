@@ -1,9 +1,9 @@
-//! A simulated arm over a simulated cloth behind real ROS, with a camera at an undisclosed place, and `fabc` beside it.
+//! A simulated arm over a simulated cloth behind ROS, with a camera at an undisclosed place, and `fabc` beside it.
 //!
 //! In: a driver, a seed. Out: a [`Lab`] to calibrate and run tasks in, and the true state, without going through ROS:
 //! where the tool was, whether the arm is stopped, where the cloth lies.
 
-use super::nodes::{MODEL, PATIENCE_S, Ros, TRAJECTORY};
+use super::nodes::{Driver, PATIENCE_S, Ros};
 use fab_agent::record::RECORD_FILE;
 use fab_arm::log::ARM_FILE;
 use fab_arm::settings::Settings;
@@ -24,6 +24,11 @@ pub const LONG: Duration = Duration::from_secs(240);
 
 /// Side of the camera's picture, pixels.
 const SIDE_PX: u32 = 480;
+
+/// The camera's settings, but for its source.
+fn camera() -> String {
+    format!("window_px = [0, 0, {SIDE_PX}]\ntimeout_s = 10.0\nheight_m = 1.0\nup_deg = 90.0\n")
+}
 
 /// Settings shared by the arm and the program that simulates it.
 const COMMON: &str = "
@@ -47,13 +52,6 @@ max_speed_m_s = 0.5
 
 /// The corners of the tool's box, metres, base frame; the same as in the settings above.
 pub const BOX_M: [[f64; 3]; 2] = [[0.15, -0.525, 0.01], [0.75, 0.525, 0.45]];
-
-/// The driver of the arm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Driver {
-    Kinova,
-    Trajectory,
-}
 
 /// The number of labs; each has four programs that must run in real time.
 static LABS: Mutex<u32> = Mutex::new(0);
@@ -116,8 +114,12 @@ impl Lab {
             "cloth": [50, 50, 0.00625],
             "control": control,
         });
-        let ros = Ros::with_arm_of(vec![plan.to_string()]);
-        std::fs::write(folder.path().join("robot.toml"), robot(&ros, driver)).unwrap();
+        let ros = Ros::with_arm_of(driver, vec![plan.to_string()]);
+        std::fs::write(
+            folder.path().join("robot.toml"),
+            ros.robot(driver, COMMON, &camera()),
+        )
+        .unwrap();
         let asked = connected(&control);
         let answers = BufReader::new(asked.try_clone().unwrap());
         Lab {
@@ -311,23 +313,6 @@ impl Drop for Run {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
-}
-
-/// The settings for `fabc`, without the camera's place.
-fn robot(ros: &Ros, driver: Driver) -> String {
-    let (driver, controller) = match driver {
-        Driver::Kinova => ("kinova", String::new()),
-        Driver::Trajectory => ("trajectory", format!("trajectory = '{TRAJECTORY}'")),
-    };
-    let address = ros.address();
-    format!(
-        "driver = '{driver}'\n{COMMON}
-        [camera]\nsource = 'ros'\nwindow_px = [0, 0, {SIDE_PX}]\ntimeout_s = 10.0\nheight_m = 1.0\nup_deg = 90.0
-        [ros]\nmaster = '{address}'\narm = '/{MODEL}_driver'\n{controller}
-        color = '/camera/color/image_raw'
-        depth = '/camera/aligned_depth_to_color/image_raw'
-        info = '/camera/color/camera_info'\n"
-    )
 }
 
 fn connected(control: &Path) -> UnixStream {

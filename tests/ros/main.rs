@@ -7,6 +7,7 @@ mod arm;
 mod camera;
 mod definitions;
 mod faults;
+mod folds;
 mod key;
 mod lab;
 mod nodes;

@@ -1,7 +1,9 @@
 //! A separate master and arm node for each test, both ended with it.
 
+use fab_arm::driver::PortArm;
+use fab_arm::guard::Guard;
 use fab_arm::port::{GoalId, GoalState, Port};
-use fab_arm::settings::RosSettings;
+use fab_arm::settings::{RosSettings, Settings};
 use fab_arm_ros::RosPort;
 use std::fs::OpenOptions;
 use std::net::{TcpListener, TcpStream};
@@ -25,6 +27,13 @@ const LOG: &str = "complaints.log";
 
 /// How long a program may take to start on a busy machine, seconds.
 pub const PATIENCE_S: f64 = 30.0;
+
+/// The driver of the arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Driver {
+    Kinova,
+    Trajectory,
+}
 
 /// A program with its child processes; ended when dropped.
 struct Program(Child);
@@ -86,11 +95,11 @@ impl Ros {
 
     /// Starts a master and the arm's node, which may not be ready yet.
     pub fn with_arm() -> Ros {
-        Ros::with_arm_of(Vec::new())
+        Ros::with_arm_of(Driver::Kinova, Vec::new())
     }
 
-    /// Does the same with arguments for the program that simulates the arm.
-    pub fn with_arm_of(engine_arguments: Vec<String>) -> Ros {
+    /// Does the same with arguments for the program that simulates the arm; its node serves every driver.
+    pub fn with_arm_of(_: Driver, engine_arguments: Vec<String>) -> Ros {
         let mut ros = Ros::master();
         ros.engine_arguments = engine_arguments;
         generate(&ros.modules(), &[]);
@@ -148,6 +157,33 @@ impl Ros {
     /// Connects to the arm's node as soon as it is ready.
     pub fn connect(&self) -> RosPort {
         fab_arm_ros::connect(&self.settings(), MODEL, PATIENCE_S).unwrap()
+    }
+
+    /// Drives the arm as its settings say.
+    pub fn arm(&self, settings: &Settings) -> PortArm<RosPort> {
+        PortArm::by_poses(
+            self.connect(),
+            Guard::level(settings).unwrap(),
+            settings.fingers,
+            settings.tolerance,
+        )
+    }
+
+    /// Returns the settings for `fabc`, without the camera's place.
+    pub fn robot(&self, driver: Driver, common: &str, camera: &str) -> String {
+        let (driver, controller) = match driver {
+            Driver::Kinova => ("kinova", String::new()),
+            Driver::Trajectory => ("trajectory", format!("trajectory = '{TRAJECTORY}'")),
+        };
+        let address = self.address();
+        format!(
+            "driver = '{driver}'\n{common}
+            [camera]\nsource = 'ros'\n{camera}
+            [ros]\nmaster = '{address}'\narm = '/{MODEL}_driver'\n{controller}
+            color = '/camera/color/image_raw'
+            depth = '/camera/aligned_depth_to_color/image_raw'
+            info = '/camera/color/camera_info'\n"
+        )
     }
 
     fn modules(&self) -> PathBuf {

@@ -1,6 +1,7 @@
 //! A person beside the arm: recovers and enables it after a program was killed, and guides it from point to point.
 
-use super::lab::{Driver, Lab, Run};
+use super::lab::{Lab, Run};
+use super::nodes::Driver;
 use fab_arm::calibration::read_pairs;
 use fab_arm::driver::{Arm, PortArm};
 use fab_arm::guard::Guard;

@@ -4,7 +4,8 @@
 //! A fault begins during the first pick and place, at a segment that the arm's journal names.
 
 use super::key::Key;
-use super::lab::{BOX_M, Driver, Ended, Lab, Truth};
+use super::lab::{BOX_M, Ended, Lab, Truth};
+use super::nodes::Driver;
 use super::touching::{Touching, calibrate};
 use fab_arm::port::Port;
 use fab_arm::simulated::FaultKind;

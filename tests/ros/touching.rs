@@ -5,8 +5,7 @@
 //! of these errors.
 
 use super::lab::Lab;
-use fab_arm::driver::{Arm, PortArm};
-use fab_arm::guard::Guard;
+use fab_arm::driver::Arm;
 use fab_arm::kinematics::tool_down::tool_down;
 use fab_base::chance::Chance;
 use nalgebra::Point3;
@@ -64,13 +63,7 @@ pub fn calibrate(lab: &mut Lab, touching: Touching) {
 /// Moves the tool to each position and returns where it arrived; then moves it back to rest.
 fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let settings = lab.settings();
-    let port = lab.ros.connect();
-    let mut arm = PortArm::by_poses(
-        port,
-        Guard::level(&settings),
-        settings.fingers,
-        settings.tolerance,
-    );
+    let mut arm = lab.ros.arm(&settings);
     let mut go = |[x, y, z]: [f64; 3]| {
         let to = tool_down(&Point3::new(x, y, z), 0.0);
         let speed_m_s = settings.motion.speed_m_s;

@@ -1,7 +1,8 @@
 //! The whole loop over ROS: pictures from topics, a calibration with an unknown error, goals to actionlib's servers,
 //! and a folded cloth at the end.
 
-use super::lab::{Driver, Lab, cache_folder, project};
+use super::lab::{Lab, cache_folder, project};
+use super::nodes::Driver;
 use super::touching::{Touching, calibrate};
 use fab_arm::log::{RunState, run_state};
 use fab_base::cache::Cache;
@@ -46,7 +47,8 @@ fn distance_m(program: &Program, particles: &[[f32; 3]]) -> f64 {
     distances.fold(f64::INFINITY, f64::min)
 }
 
-fn folds_a_double_triangle(driver: Driver, seed: u64) {
+/// Calibrates the camera, runs a Double Triangle fold, and compares the cloth with the nearest expert's.
+pub fn folds_a_double_triangle(driver: Driver, seed: u64) {
     let mut lab = Lab::new(driver, seed);
     calibrate(&mut lab, Touching::Driven);
     lab.lay();
@@ -70,16 +72,4 @@ fn folds_a_double_triangle(driver: Driver, seed: u64) {
     );
     assert!(distance_m < DISTANCE_M, "{distance_m}");
     assert!(!truth.is_stopped);
-}
-
-#[test]
-#[ignore = "needs ROS"]
-fn peer_ros_an_arm_with_a_calibrated_camera_folds_a_double_triangle() {
-    folds_a_double_triangle(Driver::Kinova, 1);
-}
-
-#[test]
-#[ignore = "needs ROS"]
-fn peer_ros_an_arm_moved_by_trajectories_folds_a_double_triangle() {
-    folds_a_double_triangle(Driver::Trajectory, 2);
 }

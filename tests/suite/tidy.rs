@@ -94,12 +94,8 @@ const MEMBERS: [Member; 18] = [
         ],
         &[],
     ),
-    member(
-        "runtime/arm-ros",
-        "fab-arm-ros",
-        &["fab-arm", "fab-picture"],
-        &[],
-    ),
+    member("runtime/arm-ros", "fab-arm-ros", &["fab-arm"], &[]),
+    member("runtime/arm-ros2", "fab-arm-ros2", &["fab-arm"], &[]),
     member(
         "runtime/agent",
         "fab-agent",
@@ -177,6 +173,7 @@ const RESERVED: [(Name, &str, &str); 9] = [
         "runtime/providers/src/serve",
     ),
     (Name::Word("roslibrust"), "", "runtime/arm-ros/"),
+    (Name::Word("rustdds"), "", "runtime/arm-ros2/"),
 ];
 
 /// Folders of one machine, split so that this file does not contain the names.

@@ -1,6 +1,6 @@
 //! The ROS 1 connection: the node of kinova-ros, a joint trajectory controller, a camera's topics.
 //!
-//! In: the `[ros]` section of the settings. Out: a [`RosPort`] and a [`RosCamera`], which make no decisions. Each has
+//! In: the `[ros]` section of the settings. Out: a [`RosPort`] and a camera, which make no decisions. Each has
 //! its own ROS node and threads, so its methods are ordinary blocking calls. Message definitions are in `msgs/`;
 //! neither a build nor a run needs a ROS installation. Only this folder names roslibrust.
 //!
@@ -16,12 +16,10 @@ mod action;
 mod ledger;
 
 mod camera;
-mod pairs;
-mod picture;
 
 mod link;
 
-pub use camera::RosCamera;
+pub use camera::subscribe;
 pub use connect::connect;
 pub use port::RosPort;
 
@@ -86,14 +84,14 @@ pub fn definitions() -> Vec<(&'static str, &'static str)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{RosCamera, RosPort};
+    use super::RosPort;
 
     /// A watchdog stops the arm from its own thread.
     #[test]
     fn ports_and_cameras_are_send() {
         fn assert_send<T: Send>() {}
         assert_send::<RosPort>();
-        assert_send::<RosCamera>();
+        assert_send::<fab_arm::rgbd::topics::TopicCamera<crate::link::Link>>();
     }
 
     /// Sums taken from other programs, so that an error in a definition is not compared with itself.

@@ -173,3 +173,49 @@ pub trait Port {
     /// Returns the arm's state, which is its last readings.
     fn state(&mut self) -> Readings;
 }
+
+impl<P: Port + ?Sized> Port for Box<P> {
+    fn now_s(&self) -> f64 {
+        (**self).now_s()
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        (**self).wait(seconds);
+    }
+
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        (**self).send_trajectory(points)
+    }
+
+    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        (**self).send_pose(tool)
+    }
+
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        (**self).send_fingers(positions)
+    }
+
+    fn goal(&mut self, goal: &GoalId) -> GoalState {
+        (**self).goal(goal)
+    }
+
+    fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
+        (**self).cancel(goal)
+    }
+
+    fn stop(&mut self) -> Result<(), PortError> {
+        (**self).stop()
+    }
+
+    fn after_stop(&self) -> AfterStop {
+        (**self).after_stop()
+    }
+
+    fn start(&mut self) -> Result<(), PortError> {
+        (**self).start()
+    }
+
+    fn state(&mut self) -> Readings {
+        (**self).state()
+    }
+}

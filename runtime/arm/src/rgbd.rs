@@ -2,6 +2,10 @@
 //!
 //! Out: a [`Shot`] at the camera's full resolution; the world crops the task's square picture from it.
 
+mod pairs;
+mod picture;
+pub mod topics;
+
 use fab_picture::DepthImage;
 use image::RgbImage;
 use serde::{Deserialize, Serialize};

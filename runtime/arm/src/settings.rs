@@ -50,6 +50,8 @@ pub struct Settings {
     pub camera: CameraSettings,
     /// The connection to the arm's node; needed for the drivers `kinova` and `trajectory`.
     pub ros: Option<RosSettings>,
+    /// The connection over ROS 2; needed for the driver and the camera `ros2`.
+    pub ros2: Option<Ros2Settings>,
     /// The arm and table of the driver `simulated`.
     pub simulated: SimulatedSettings,
 }
@@ -62,6 +64,8 @@ pub enum DriverKind {
     Kinova,
     /// A `FollowJointTrajectory` controller, with joint trajectories from this crate's inverse kinematics.
     Trajectory,
+    /// A `FollowJointTrajectory` controller and a gripper's action of ROS 2, with joint trajectories likewise.
+    Ros2,
     /// An arm that this program simulates, over a simulated cloth.
     Simulated,
 }
@@ -241,6 +245,8 @@ pub struct CameraSettings {
 pub enum CameraSource {
     /// Topics with `sensor_msgs` messages.
     Ros,
+    /// The same over ROS 2.
+    Ros2,
     /// Pictures that another program writes into a folder, `NAME.png` with `NAME.depth.png`: each time a new one.
     Directory,
     /// The simulator's camera; with the driver `simulated` only.
@@ -267,6 +273,70 @@ pub struct RosSettings {
     pub depth: Option<String>,
     /// Topic of the camera's `CameraInfo`.
     pub info: Option<String>,
+}
+
+/// The connection to an arm's controllers and the camera over ROS 2.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ros2Settings {
+    /// The DDS domain (`ROS_DOMAIN_ID`).
+    pub domain: u16,
+    /// The middleware of the other nodes (`RMW_IMPLEMENTATION`), which decides how services are asked.
+    pub rmw: Rmw,
+    /// The IPv4 address of this machine's one network interface to use; all of them without it.
+    pub interface: Option<String>,
+    /// The topic of the joints' states.
+    pub joint_states: String,
+    /// The joints' names, from the base to the hand.
+    pub joints: Vec<String>,
+    /// The controller's action.
+    pub trajectory: Option<String>,
+    /// The gripper's action.
+    pub gripper: Option<String>,
+    /// The type of that action.
+    pub gripper_action: GripperAction,
+    /// The joints whose positions tell where the fingers are: one for each, or one for all.
+    pub gripper_joints: Vec<String>,
+    /// The largest effort of a gripper's goal, in its own units; 0 leaves it to the controller.
+    pub gripper_effort: f64,
+    /// A service that stops the arm (`std_srvs/Trigger`).
+    pub stop: Option<String>,
+    /// Topic of the colour picture.
+    pub color: Option<String>,
+    /// Topic of the aligned depth picture.
+    pub depth: Option<String>,
+    /// Topic of the camera's `CameraInfo`.
+    pub info: Option<String>,
+}
+
+/// A middleware of ROS 2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rmw {
+    /// `rmw_fastrtps_cpp`, the default of Humble, Jazzy and Kilted.
+    Fastrtps,
+    /// `rmw_cyclonedds_cpp`.
+    Cyclonedds,
+}
+
+impl Rmw {
+    /// Returns its name in the settings.
+    pub fn name(self) -> &'static str {
+        match self {
+            Rmw::Fastrtps => "fastrtps",
+            Rmw::Cyclonedds => "cyclonedds",
+        }
+    }
+}
+
+/// The type of a gripper's action.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GripperAction {
+    /// `control_msgs/GripperCommand`.
+    GripperCommand,
+    /// `control_msgs/ParallelGripperCommand`.
+    ParallelGripperCommand,
 }
 
 /// Why settings cannot be used.
@@ -310,6 +380,11 @@ impl Settings {
             && ros.joints.is_empty()
         {
             ros.joints = settings.chain.names().to_vec();
+        }
+        if let Some(ros2) = &mut settings.ros2
+            && ros2.joints.is_empty()
+        {
+            ros2.joints = settings.chain.names().to_vec();
         }
         Ok(settings)
     }

@@ -107,7 +107,8 @@ fn jogged(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     }
     let nobody = "nobody can guide it to a point; type points, or give them with `--pairs`";
     let settings = connect::settings_of_real(&arguments.robot, nobody)?;
-    let mut port = connect::port(&settings).map_err(Failure::environment)?;
+    let mut port =
+        connect::port(&settings, settings.camera.timeout_s).map_err(Failure::environment)?;
     let stale_s = settings.tolerance.stale_s;
     let tool = move || place_at_rest(port.as_mut(), stale_s);
     run_with(arguments, Some(Box::new(tool)), io)

@@ -96,12 +96,16 @@ impl Terms {
         let Settings {
             camera,
             ros,
+            ros2,
             workspace,
             table,
             simulated,
             ..
         } = settings;
-        let topic = ros.as_ref().and_then(|ros| ros.color.as_deref());
+        let topic = match camera.source {
+            CameraSource::Ros2 => ros2.as_ref().and_then(|ros2| ros2.color.as_deref()),
+            _ => ros.as_ref().and_then(|ros| ros.color.as_deref()),
+        };
         let level = |corner: [f64; 3]| [corner[0], corner[1]];
         let is_simulated = camera.source == CameraSource::Simulated;
         // A simulated picture has the world's y axis up.
@@ -199,7 +203,7 @@ impl Calibration {
 fn camera_name(camera: &CameraSettings, topic: Option<&str>) -> String {
     let folder = || camera.folder.as_ref().map(|it| it.display().to_string());
     let name = match camera.source {
-        CameraSource::Ros => topic.map(str::to_owned),
+        CameraSource::Ros | CameraSource::Ros2 => topic.map(str::to_owned),
         CameraSource::Directory => folder(),
         CameraSource::Simulated => Some("simulated".to_owned()),
     };

@@ -62,7 +62,8 @@ fn classify(
     let wrong = || ArmError::Fingers {
         found: found
             .iter()
-            .map(|position| format!("`{position:.0}`"))
+            // Grippers count in metres or radians, and other hands in thousands.
+            .map(|position| format!("`{}`", (position * 1e4).round() / 1e4))
             .collect::<Vec<_>>()
             .join(", "),
         target,

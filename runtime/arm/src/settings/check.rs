@@ -6,6 +6,7 @@
 use super::{CameraSource, DriverKind, KeepOut, Settings};
 use crate::kinematics::chain::Chain;
 use std::fmt::Debug;
+use std::net::Ipv4Addr;
 use std::path::Path;
 
 /// How far below the table's middle the workspace may end, metres: fingers give way, and readings have 1 mm
@@ -29,6 +30,7 @@ pub(super) fn check(settings: &Settings, folder: &Path) -> Result<Chain, String>
     fingers(settings, &mut faults);
     camera(settings, &mut faults);
     ros(settings, chain.as_ref(), &mut faults);
+    ros2(settings, chain.as_ref(), &mut faults);
     match chain {
         Some(chain) if faults.0.is_empty() => Ok(chain),
         _ => Err(faults.0.join("\n")),
@@ -281,7 +283,7 @@ fn ros(settings: &Settings, chain: Option<&Chain>, faults: &mut Faults) {
     let driver = match settings.driver {
         DriverKind::Kinova => Some("`driver` is `kinova`"),
         DriverKind::Trajectory => Some("`driver` is `trajectory`"),
-        DriverKind::Simulated => None,
+        DriverKind::Ros2 | DriverKind::Simulated => None,
     };
     let is_topic = settings.camera.source == CameraSource::Ros;
     let camera = is_topic.then_some("`camera.source` is `ros`");
@@ -291,23 +293,76 @@ fn ros(settings: &Settings, chain: Option<&Chain>, faults: &mut Faults) {
         }
         return;
     };
-    let n_joints = chain.map_or(ros.joints.len(), |chain| chain.joints().len());
-    if !ros.joints.is_empty() && ros.joints.len() != n_joints {
-        let expected = format!("{n_joints} names, one for each joint of the arm");
-        faults.wrong("ros.joints", &ros.joints, &expected);
-    }
+    joint_names("ros.joints", &ros.joints, chain, faults);
     if settings.driver == DriverKind::Trajectory && ros.trajectory.is_none() {
         faults.missing("`driver` is `trajectory`", "`ros.trajectory`");
     }
     if is_topic {
-        for (key, topic) in [
-            ("color", &ros.color),
-            ("depth", &ros.depth),
-            ("info", &ros.info),
+        let topics = [&ros.color, &ros.depth, &ros.info];
+        camera_topics("ros", topics, faults);
+    }
+}
+
+/// Checks that names of joints, if they are stated, are as many as the arm's joints.
+fn joint_names(key: &str, names: &[String], chain: Option<&Chain>, faults: &mut Faults) {
+    let n_joints = chain.map_or(names.len(), |chain| chain.joints().len());
+    if !names.is_empty() && names.len() != n_joints {
+        let expected = format!("{n_joints} names, one for each joint of the arm");
+        faults.wrong(key, &names, &expected);
+    }
+}
+
+/// Checks that `[ros2]` has everything that the driver and the camera need.
+fn ros2(settings: &Settings, chain: Option<&Chain>, faults: &mut Faults) {
+    let is_driver = settings.driver == DriverKind::Ros2;
+    let is_topic = settings.camera.source == CameraSource::Ros2;
+    let Some(ros2) = &settings.ros2 else {
+        match (is_driver, is_topic) {
+            (true, _) => faults.missing("`driver` is `ros2`", "a part `[ros2]`"),
+            (_, true) => faults.missing("`camera.source` is `ros2`", "a part `[ros2]`"),
+            _ => {}
+        }
+        return;
+    };
+    if let Some(address) = &ros2.interface
+        && address.parse::<Ipv4Addr>().is_err()
+    {
+        let expected = "an IPv4 address of this machine, e.g. `192.168.1.10`";
+        faults.wrong("ros2.interface", address, expected);
+    }
+    joint_names("ros2.joints", &ros2.joints, chain, faults);
+    if is_driver {
+        for (key, is_missing) in [
+            ("trajectory", ros2.trajectory.is_none()),
+            ("gripper", ros2.gripper.is_none()),
+            (
+                "joints",
+                ros2.joints.is_empty() && chain.is_some_and(|chain| chain.names().is_empty()),
+            ),
+            ("gripper_joints", ros2.gripper_joints.is_empty()),
         ] {
-            if topic.is_none() {
-                faults.missing("`camera.source` is `ros`", &format!("`ros.{key}`"));
+            if is_missing {
+                faults.missing("`driver` is `ros2`", &format!("`ros2.{key}`"));
             }
+        }
+        let (found, count) = (ros2.gripper_joints.len(), settings.fingers.count);
+        if found > 1 && found != count {
+            let expected = format!("one name, or one for each finger of `fingers.count`, {count}");
+            faults.wrong("ros2.gripper_joints", &ros2.gripper_joints, &expected);
+        }
+    }
+    if is_topic {
+        let topics = [&ros2.color, &ros2.depth, &ros2.info];
+        camera_topics("ros2", topics, faults);
+    }
+}
+
+/// Checks that a camera has its topics: colour, depth, projection.
+fn camera_topics(source: &str, topics: [&Option<String>; 3], faults: &mut Faults) {
+    for (key, topic) in ["color", "depth", "info"].into_iter().zip(topics) {
+        if topic.is_none() {
+            let who = format!("`camera.source` is `{source}`");
+            faults.missing(&who, &format!("`{source}.{key}`"));
         }
     }
 }

@@ -122,11 +122,11 @@ pub(super) const KEYS: &[Key] = &[
     ),
     key(
         "driver",
-        OneOf(&["kinova", "trajectory", "simulated"]),
+        OneOf(&["kinova", "trajectory", "ros2", "simulated"]),
         "",
         Refused,
         "`kinova`: the vendor's node, tool poses. `trajectory`: a `FollowJointTrajectory` \
-         controller beside the vendor's node. `simulated`: an arm that `fabc` simulates",
+         controller beside the vendor's node. `ros2`: such a controller of ROS 2, and a gripper. `simulated`: an arm that `fabc` simulates",
     ),
     key(
         "calibration",
@@ -541,10 +541,10 @@ pub(super) const KEYS: &[Key] = &[
     ),
     key(
         "camera.source",
-        OneOf(&["ros", "directory", "simulated"]),
+        OneOf(&["ros", "ros2", "directory", "simulated"]),
         "",
         Refused,
-        "`ros`: topics. `directory`: a folder into which another program writes pictures. \
+        "`ros`, `ros2`: topics. `directory`: a folder into which another program writes pictures. \
          `simulated`: with the driver `simulated` alone",
     ),
     key(
@@ -691,6 +691,121 @@ pub(super) const KEYS: &[Key] = &[
     ),
     key(
         "ros.info",
+        Text("/"),
+        "",
+        Nothing,
+        "the topic of the camera's `CameraInfo`",
+    ),
+    key(
+        "ros2",
+        Section,
+        "",
+        Nothing,
+        "the connection over ROS 2, with the keys below; needed for the driver and the camera \
+         `ros2`",
+    ),
+    key(
+        "ros2.domain",
+        Whole(0, 232),
+        "",
+        Is("0"),
+        "the DDS domain of the other nodes, their `ROS_DOMAIN_ID`; a higher one has no port",
+    ),
+    key(
+        "ros2.rmw",
+        OneOf(&["fastrtps", "cyclonedds"]),
+        "",
+        Is("\"fastrtps\""),
+        "the middleware of the other nodes, their `RMW_IMPLEMENTATION`: each has its own way to \
+         ask services. `fastrtps` is the default of Humble, Jazzy and Kilted",
+    ),
+    key(
+        "ros2.interface",
+        Text(""),
+        "",
+        Nothing,
+        "the IPv4 address of this machine's one network interface to use, e.g. `127.0.0.1` for \
+         nodes on this machine; without it all",
+    ),
+    key(
+        "ros2.joint_states",
+        Text("/"),
+        "",
+        Is("\"/joint_states\""),
+        "the topic of the joints' states",
+    ),
+    key(
+        "ros2.joints",
+        Texts,
+        "",
+        Is("[]"),
+        "the joints' names in states and trajectories, from the base to the hand; needed for \
+         the driver `ros2`",
+    ),
+    key(
+        "ros2.trajectory",
+        Text("/"),
+        "",
+        Nothing,
+        "the controller's action, e.g. `/joint_trajectory_controller/follow_joint_trajectory`; \
+         needed for the driver `ros2`",
+    ),
+    key(
+        "ros2.gripper",
+        Text("/"),
+        "",
+        Nothing,
+        "the gripper's action, e.g. `/gripper_controller/gripper_cmd`; needed for the driver \
+         `ros2`",
+    ),
+    key(
+        "ros2.gripper_action",
+        OneOf(&["gripper_command", "parallel_gripper_command"]),
+        "",
+        Is("\"gripper_command\""),
+        "its type of `control_msgs`",
+    ),
+    key(
+        "ros2.gripper_joints",
+        Texts,
+        "",
+        Is("[]"),
+        "the joints whose positions tell where the fingers are: one for each finger, or one \
+         that all follow; needed for the driver `ros2`. With `parallel_gripper_command` these \
+         are moved",
+    ),
+    key(
+        "ros2.gripper_effort",
+        Number(from(0.0, 1e4)),
+        "the gripper's",
+        Is("0.0"),
+        "the largest effort of a gripper's goal; 0 leaves it to the controller",
+    ),
+    key(
+        "ros2.stop",
+        Text("/"),
+        "",
+        Nothing,
+        "a service of the type `std_srvs/Trigger` that stops the arm, called before all goals \
+         are cancelled; without it they are only cancelled",
+    ),
+    key(
+        "ros2.color",
+        Text("/"),
+        "",
+        Nothing,
+        "for the camera `ros2`: the topic of the colour picture",
+    ),
+    key(
+        "ros2.depth",
+        Text("/"),
+        "",
+        Nothing,
+        "the topic of the depth picture, aligned with it, in whole millimetres (`16UC1`) or in \
+         metres (`32FC1`)",
+    ),
+    key(
+        "ros2.info",
         Text("/"),
         "",
         Nothing,

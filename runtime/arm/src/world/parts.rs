@@ -98,7 +98,7 @@ pub(super) fn code(driver: DriverKind) -> String {
     let version = env!("CARGO_PKG_VERSION");
     match driver {
         DriverKind::Simulated => format!("{version} {}", ClothTable::code()),
-        DriverKind::Kinova | DriverKind::Trajectory => version.to_owned(),
+        DriverKind::Kinova | DriverKind::Trajectory | DriverKind::Ros2 => version.to_owned(),
     }
 }
 

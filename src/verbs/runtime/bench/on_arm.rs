@@ -37,7 +37,7 @@ pub fn check(arguments: &BenchArguments, suite: &Suite, io: &Io) -> Result<Optio
     let settings = Settings::load(arguments.arm.robot()).map_err(Failure::environment)?;
     let cloths = match settings.driver {
         DriverKind::Simulated => Cloths::Simulated,
-        DriverKind::Kinova | DriverKind::Trajectory => Cloths::ByHand,
+        DriverKind::Kinova | DriverKind::Trajectory | DriverKind::Ros2 => Cloths::ByHand,
     };
     cloths.check(suite).map_err(Failure::environment)?;
     let settings = setting::arm::check(&arguments.arm, ArmMode::Execute, io)?;

@@ -188,7 +188,7 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<(Calibration, Accura
     let is_simulated = settings.camera.source == CameraSource::Simulated;
     let picture = match (is_simulated, settings.camera.source) {
         (true, _) => "",
-        (_, CameraSource::Ros) => " --shoot",
+        (_, CameraSource::Ros | CameraSource::Ros2) => " --shoot",
         _ => " --image PNG",
     };
     let calibrate = format!(

@@ -10,9 +10,11 @@ use clap::Args;
 pub use process::Process;
 use std::path::PathBuf;
 
+use super::connect;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use fab_arm::settings::Settings;
+use fab_arm::port::Port;
+use fab_arm::settings::{DriverKind, Settings};
 use std::io::{BufRead, BufReader, Read};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
@@ -70,16 +72,13 @@ pub fn run(arguments: &WatchdogArguments, io: &Io) -> Result<Exit, Failure> {
 }
 
 /// Connects to the arm, and returns a function that stops it.
-#[cfg(feature = "ros")]
 fn stopper(settings: &Settings) -> Result<Stop, String> {
-    use fab_arm::port::Port;
     const CONNECT_S: f64 = 10.0;
-    let Some(ros) = settings.ros.clone() else {
+    if settings.driver == DriverKind::Simulated {
         return Err("an arm that this program simulates cannot be stopped from outside".to_owned());
-    };
-    let model = settings.model.clone();
-    let connect =
-        move || fab_arm_ros::connect(&ros, &model, CONNECT_S).map_err(|error| error.to_string());
+    }
+    let settings = settings.clone();
+    let connect = move || connect::port(&settings, CONNECT_S);
     let mut port = connect()?;
     Ok(Box::new(move || {
         let stopped = port.stop().map_err(|error| error.to_string());
@@ -91,17 +90,6 @@ fn stopper(settings: &Settings) -> Result<Stop, String> {
         }
         stopped
     }))
-}
-
-/// Fails: this build cannot stop an arm.
-#[cfg(not(feature = "ros"))]
-fn stopper(settings: &Settings) -> Result<Stop, String> {
-    Err(match settings.ros {
-        Some(_) => {
-            "this program was built without the feature `ros`, and cannot stop an arm".to_owned()
-        }
-        None => "an arm that this program simulates cannot be stopped from outside".to_owned(),
-    })
 }
 
 /// How a watch ended.

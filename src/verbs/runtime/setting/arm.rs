@@ -96,9 +96,7 @@ pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Setting
     if mode == ArmMode::PlanOnly {
         return Ok(settings);
     }
-    if moves_real && !cfg!(feature = "ros") {
-        return Err(Failure::environment(connect::without_ros(robot)));
-    }
+    connect::check_built(&settings, robot).map_err(Failure::environment)?;
     supervisor(arguments, &settings, io)?;
     Ok(settings)
 }

@@ -311,6 +311,16 @@ fn what_one_part_needs_of_another_is_said() {
             "`camera.source` is `ros`, which needs `ros.depth`",
         ),
         (
+            "driver",
+            "'ros2'",
+            "`driver` is `ros2`, which needs a part `[ros2]`",
+        ),
+        (
+            "camera.source",
+            "'ros2'",
+            "`camera.source` is `ros2`, which needs a part `[ros2]`",
+        ),
+        (
             "camera.source",
             "'directory'",
             "`camera.source` is `directory`, which needs `camera.folder`, the folder with the pictures",
@@ -333,4 +343,59 @@ fn what_one_part_needs_of_another_is_said() {
     ] {
         assert_eq!(with(ROBOT, &[(key, value)]).unwrap_err(), expected);
     }
+}
+
+/// The example of the documentation, with what it may not lack.
+#[test]
+fn the_settings_for_ros_2_say_what_they_need() {
+    let page = include_str!("../../../../../docs/arm.md");
+    let (_, example) = page.split_once("```toml file=ros2.toml\n").unwrap();
+    let (example, _) = example.split_once("```").unwrap();
+    let ros2 = with(example, &[]).unwrap().ros2.unwrap();
+    assert_eq!((ros2.joints.len(), ros2.rmw.name()), (6, "fastrtps"));
+    for (key, value, expected) in [
+        (
+            "ros2.trajectory",
+            "-",
+            "`driver` is `ros2`, which needs `ros2.trajectory`",
+        ),
+        (
+            "ros2.gripper",
+            "-",
+            "`driver` is `ros2`, which needs `ros2.gripper`",
+        ),
+        (
+            "ros2.joints",
+            "-",
+            "`driver` is `ros2`, which needs `ros2.joints`",
+        ),
+        (
+            "ros2.gripper_joints",
+            "-",
+            "`driver` is `ros2`, which needs `ros2.gripper_joints`",
+        ),
+        (
+            "ros2.info",
+            "-",
+            "`camera.source` is `ros2`, which needs `ros2.info`",
+        ),
+        (
+            "ros2.gripper_joints",
+            "['a', 'b', 'c']",
+            "`ros2.gripper_joints` is `[\"a\", \"b\", \"c\"]`; expected one name, or one for each finger of \
+             `fingers.count`, 2",
+        ),
+        (
+            "ros2.interface",
+            "'eth0'",
+            "`ros2.interface` is `\"eth0\"`; expected an IPv4 address of this machine, e.g. `192.168.1.10`",
+        ),
+    ] {
+        assert_eq!(with(example, &[(key, value)]).unwrap_err(), expected);
+    }
+    let domain = with(example, &[("ros2.domain", "233")]).unwrap_err();
+    assert!(
+        domain.contains("`ros2.domain` is `233`; expected a whole number, 0 to 232"),
+        "{domain}"
+    );
 }

@@ -3,8 +3,7 @@
 //! In: messages with stamps, in any order. Out: a colour picture with the depth nearest in time; and for rejected
 //! pictures, how far their stamps were off.
 
-use super::messages::sensor_msgs::{CameraInfo, Image};
-use super::messages::std_msgs::Header;
+use super::topics::{CameraInfo, Image};
 use std::collections::VecDeque;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -101,7 +100,7 @@ pub(super) fn store(
     let Some(from_ns) = buffer.requested_at_ns else {
         return;
     };
-    let (stamp_ns, now_ns) = (stamp_ns(&image.header), now_ns());
+    let (stamp_ns, now_ns) = (image.stamp_ns, now_ns());
     let arrived = place(buffer);
     if stamp_ns < from_ns {
         arrived.refused = Some(Refused::Old {
@@ -124,12 +123,6 @@ pub(super) fn now_ns() -> i64 {
         .duration_since(UNIX_EPOCH)
         .unwrap_or_default();
     i64::try_from(since_epoch.as_nanos()).unwrap_or(i64::MAX / 2)
-}
-
-/// ROS counts seconds unsigned, as in the message's type.
-fn stamp_ns(header: &Header) -> i64 {
-    let stamp = &header.stamp;
-    i64::from(stamp.secs as u32) * 1_000_000_000 + i64::from(stamp.nsecs as u32)
 }
 
 #[cfg(test)]
@@ -185,14 +178,9 @@ mod tests {
     #[test]
     fn only_pictures_that_were_taken_since_are_kept() {
         let mut buffer = PairBuffer::default();
-        let shift = |by_ms: i64| {
-            let stamp_ns = now_ns() + by_ms * MS;
-            let mut image = image(by_ms);
-            (image.header.stamp.secs, image.header.stamp.nsecs) = (
-                (stamp_ns / 1_000_000_000) as i32,
-                (stamp_ns % 1_000_000_000) as i32,
-            );
-            image
+        let shift = |by_ms: i64| Image {
+            stamp_ns: now_ns() + by_ms * MS,
+            ..image(by_ms)
         };
         store(&mut buffer, shift(0), |buffer| &mut buffer.colors);
         assert!(buffer.colors.pictures.is_empty() && buffer.colors.refused.is_none());

@@ -2,8 +2,8 @@
 //!
 //! In: untrusted `sensor_msgs` messages. Out: pictures in the crate's own types, or why a message cannot be used.
 
-use super::messages::sensor_msgs::{CameraInfo, Image};
-use fab_arm::rgbd::Intrinsics;
+use super::Intrinsics;
+use super::topics::{CameraInfo, Image};
 use fab_picture::DepthImage;
 use image::{Rgb, RgbImage};
 
@@ -38,7 +38,7 @@ pub(super) fn color(message: &Image) -> Result<RgbImage, String> {
 
 /// Reads a depth picture, metres: `16UC1` in millimetres or `32FC1` in metres; missing readings become 0.
 pub(super) fn depth(message: &Image) -> Result<DepthImage, String> {
-    let is_big = message.is_bigendian != 0;
+    let is_big = message.is_bigendian;
     let read: fn(&[u8], bool) -> f32 = match message.encoding.as_str() {
         "16UC1" | "mono16" => |pixel, is_big| {
             let bytes = [pixel[0], pixel[1]];
@@ -90,18 +90,18 @@ pub(super) fn intrinsics(
             "its `camera_info` is for {found:?} pixels, and its picture has {size_px:?}"
         ));
     }
-    let (binned, part) = ([message.binning_x, message.binning_y], &message.roi);
-    if binned.iter().any(|n_pixels| *n_pixels > 1) || part.x_offset != 0 || part.y_offset != 0 {
+    let is_binned = message.binning.iter().any(|n_pixels| *n_pixels > 1);
+    if is_binned || message.offset_px != [0, 0] {
         return Err("its `camera_info` has a region of interest or binning: set the camera to full frames without \
             binning".to_owned());
     }
-    let [focal_x, _, middle_x, _, focal_y, middle_y, ..] = message.K;
+    let [focal_x, _, middle_x, _, focal_y, middle_y, ..] = message.k;
     if focal_x == 0.0 {
         return Ok(None);
     }
-    let distortion: Vec<f64> = match message.D.iter().all(|coefficient| *coefficient == 0.0) {
+    let distortion: Vec<f64> = match message.d.iter().all(|coefficient| *coefficient == 0.0) {
         true => Vec::new(),
-        false => message.D.clone(),
+        false => message.d.clone(),
     };
     if !distortion.is_empty() && (message.distortion_model != PLUMB_BOB || distortion.len() != 5) {
         let model = &message.distortion_model;
@@ -213,7 +213,7 @@ mod tests {
         let millimetres = message("16UC1", 3, 6, &[0, 0, 0xe8, 3, 0xff, 0xff]);
         assert_eq!(depth(&millimetres).unwrap().into_raw(), [0.0, 1.0, 65.535]);
         let swapped = Image {
-            is_bigendian: 1,
+            is_bigendian: true,
             ..message("16UC1", 1, 2, &[3, 0xe8])
         };
         assert_eq!(depth(&swapped).unwrap().into_raw(), [1.0]);
@@ -261,8 +261,8 @@ mod tests {
         CameraInfo {
             width: 640,
             height: 480,
-            K: [600.0, 0.0, 319.5, 0.0, 610.0, 239.5, 0.0, 0.0, 1.0],
-            D: vec![0.0; 8],
+            k: [600.0, 0.0, 319.5, 0.0, 610.0, 239.5, 0.0, 0.0, 1.0],
+            d: vec![0.0; 8],
             ..CameraInfo::default()
         }
     }
@@ -281,24 +281,24 @@ mod tests {
     fn a_projection_that_is_not_understood_is_refused() {
         let wide = CameraInfo {
             distortion_model: "equidistant".to_owned(),
-            D: vec![0.1; 4],
+            d: vec![0.1; 4],
             ..info()
         };
         let bent = CameraInfo {
             distortion_model: PLUMB_BOB.to_owned(),
-            D: vec![0.1; 5],
+            d: vec![0.1; 5],
             ..info()
         };
         let part = CameraInfo {
-            binning_x: 2,
+            binning: [2, 1],
             ..info()
         };
         let blind = CameraInfo {
-            K: [0.0; 9],
+            k: [0.0; 9],
             ..info()
         };
         let broken = CameraInfo {
-            K: [f64::NAN; 9],
+            k: [f64::NAN; 9],
             ..info()
         };
         assert!(
@@ -322,7 +322,7 @@ mod tests {
         fn any_message_is_read_or_refused(
             encoding in prop::sample::select(vec!["rgb8", "bgra8", "mono8", "16UC1", "32FC1", "mono16", "", "bayer"]),
             size in prop::array::uniform3(prop_oneof![0_u32..20, any::<u32>()]),
-            is_bigendian: u8,
+            is_bigendian: bool,
             data in prop::collection::vec(any::<u8>(), 0..400),
         ) {
             let [width, height, step] = size;

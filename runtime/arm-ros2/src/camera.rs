@@ -1,0 +1,86 @@
+//! A camera behind ROS 2: colour, aligned depth and intrinsics, from three topics.
+//!
+//! In: topics. Out: their messages, in the inbox of a [`TopicCamera`], which judges them.
+
+use super::Ros2Error;
+use super::link::{Link, Quality, bounded_wait, topic_name};
+use super::messages::{CameraInfo, Image, Message};
+use fab_arm::rgbd::topics::{self, CameraTopics, Inbox, TopicCamera};
+use fab_arm::settings::Ros2Settings;
+use serde::de::DeserializeOwned;
+
+/// Subscribes to the camera's topics of the settings; whether anything is published shows with the first picture.
+///
+/// Each picture takes at most `timeout_s` seconds. Without a depth topic the depth is 0 everywhere, which means no
+/// reading; without an info topic the projection is unknown.
+pub fn subscribe(
+    settings: &Ros2Settings,
+    timeout_s: f64,
+) -> Result<TopicCamera<impl Send + use<>>, Ros2Error> {
+    let Some(color) = settings.color.clone() else {
+        return Err(Ros2Error::Setting(
+            "`[ros2]` names no topic `color`".to_owned(),
+        ));
+    };
+    let names = CameraTopics {
+        color,
+        depth: settings.depth.clone(),
+        info: settings.info.clone(),
+    };
+    let (link, inbox) = (Link::open(settings)?, Inbox::default());
+    let colors = inbox.clone();
+    follow(&link, &names.color, move |message| {
+        colors.color(image(message));
+    })?;
+    if let Some(depth) = &names.depth {
+        let depths = inbox.clone();
+        follow(&link, depth, move |message| depths.depth(image(message)))?;
+    }
+    if let Some(info) = &names.info {
+        let infos = inbox.clone();
+        follow(&link, info, move |message| infos.info(projection(message)))?;
+    }
+    Ok(TopicCamera::new(
+        names,
+        bounded_wait(timeout_s),
+        inbox,
+        link,
+    ))
+}
+
+fn follow<T: Message + DeserializeOwned + Send + 'static>(
+    link: &Link,
+    topic: &str,
+    take: impl Fn(T) + Send + 'static,
+) -> Result<(), Ros2Error> {
+    link.listen::<T>(&topic_name(topic), T::TYPE, Quality::Sensor, move |heard| {
+        // A picture that cannot be read is one that did not come; the camera says so when it waited in vain.
+        if let Ok((message, _)) = heard {
+            take(message);
+        }
+    })
+}
+
+fn image(message: Image) -> topics::Image {
+    topics::Image {
+        stamp_ns: message.header.stamp.nanoseconds(),
+        width: message.width,
+        height: message.height,
+        encoding: message.encoding,
+        is_bigendian: message.is_bigendian != 0,
+        step: message.step,
+        data: message.data.0,
+    }
+}
+
+fn projection(message: CameraInfo) -> topics::CameraInfo {
+    topics::CameraInfo {
+        width: message.width,
+        height: message.height,
+        distortion_model: message.distortion_model,
+        d: message.d,
+        k: message.k,
+        binning: [message.binning_x, message.binning_y],
+        offset_px: [message.roi.x_offset, message.roi.y_offset],
+    }
+}
