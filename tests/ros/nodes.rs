@@ -163,7 +163,7 @@ impl Ros {
     pub fn arm(&self, settings: &Settings) -> PortArm<RosPort> {
         PortArm::by_poses(
             self.connect(),
-            Guard::level(settings).unwrap(),
+            Guard::level(settings),
             settings.fingers,
             settings.tolerance,
         )
