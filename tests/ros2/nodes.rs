@@ -122,7 +122,7 @@ impl Ros {
     pub fn arm(&self, settings: &Settings) -> PortArm<Ros2Port> {
         PortArm::by_trajectories(
             self.connect(),
-            Guard::level(settings).unwrap(),
+            Guard::level(settings),
             settings.fingers,
             settings.tolerance,
         )

@@ -22,7 +22,7 @@ struct Member {
 }
 
 /// Every member; `fabc` at the root may use all.
-const MEMBERS: [Member; 18] = [
+const MEMBERS: [Member; 19] = [
     member("grammar", "fab-grammar", &[], &[]),
     member("compiler/program", "fab-program", &[], &[]),
     member(
@@ -151,7 +151,7 @@ const SYSTEM: [&str; 8] = [
 ];
 
 /// Names reserved for one place: the name, where the rule applies, the only place where it may occur.
-const RESERVED: [(Name, &str, &str); 9] = [
+const RESERVED: [(Name, &str, &str); 10] = [
     (Name::Word("opencv"), "", "runtime/vision/src/"),
     (
         Name::Crate("fab_sim"),
