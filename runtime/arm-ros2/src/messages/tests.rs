@@ -1,3 +1,5 @@
+//! Tests of messages: bytes of any message are read back or refused, and are those of `rosbags`.
+
 #![allow(clippy::unwrap_used)]
 
 use super::*;

@@ -348,7 +348,8 @@ fn what_one_part_needs_of_another_is_said() {
 /// The example of the documentation, with what it may not lack.
 #[test]
 fn the_settings_for_ros_2_say_what_they_need() {
-    let page = include_str!("../../../../../docs/arm.md");
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/arm.md");
+    let page = std::fs::read_to_string(page).unwrap();
     let (_, example) = page.split_once("```toml file=ros2.toml\n").unwrap();
     let (example, _) = example.split_once("```").unwrap();
     let ros2 = with(example, &[]).unwrap().ros2.unwrap();
