@@ -3,6 +3,7 @@
 //! In: the sentences of an answer, and where its last claim stands. Out: for each kind of field, why its values are not
 //! those that the answer means. Each remark is a row of a table.
 
+use super::doubt;
 use super::lexer::{Gap, Kind, Token};
 use super::point;
 use super::value;
@@ -18,6 +19,8 @@ pub(super) enum About {
     Lengths,
     /// The whole action.
     Action,
+    /// The whole action, if nothing else is wrong with it.
+    Doubt,
 }
 
 impl About {
@@ -27,12 +30,12 @@ impl About {
             About::Pixels => field.is_point(),
             About::Directions => matches!(field.choices, Choices::Directions { .. }),
             About::Lengths => matches!(field.choices, Choices::Lengths { .. }),
-            About::Action => true,
+            About::Action | About::Doubt => true,
         }
     }
 }
 
-use About::{Action, Directions, Lengths, Pixels};
+use About::{Action, Directions, Doubt, Lengths, Pixels};
 
 /// A kind of remark: a sentence is one if it says a phrase of each group and none of `unless`. Phrases of a group are
 /// separated by `|`; signs are words of their own.
@@ -133,7 +136,7 @@ const ROWS: &[Row] = &[
     after(WITHDRAWN, &["not allowed to answer|not permitted to answer|can't recommend this|cannot recommend this|advise against it|advise against this"], ""),
     after("the answer names another value under a condition", &["^ if|^ should|^ otherwise", "use|take|try|choose|pick", "instead"], ""),
     after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
-    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|mirrored|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|it"], "not|no|will|would|to avoid"),
+    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|mirrored|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|it"], "not|no|will|would|to avoid|double - checked|double - check|double checked"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
     after(CHANGED, &["^ sorry|^ oops|^ hold on|^ wait|^ apologies|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience"),
     after(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
@@ -153,10 +156,11 @@ const MAX_SENTENCE: usize = 300;
 
 /// Returns the remarks of an answer: what each is about, and the reason why those values cannot be used.
 ///
-/// - `last_claim`: where the last claim begins.
+/// - `first_claim`, `last_claim`: where the first and the last claim begin.
 pub(super) fn of(
     tokens: &[Token<'_>],
     notation: &Notation,
+    first_claim: Option<usize>,
     last_claim: Option<usize>,
 ) -> Vec<(About, String)> {
     let mut found: Vec<(About, String)> = Vec::new();
@@ -190,12 +194,25 @@ pub(super) fn of(
                 && !says(&words, row.unless)
         });
         found.extend(rows.map(|row| (row.about, row.why.to_owned())));
+        if is_after && doubt::is_cast_by(sentence) {
+            found.push((
+                Doubt,
+                "the answer puts itself in doubt afterwards".to_owned(),
+            ));
+        }
         found.extend(another_size(sentence, notation).map(|why| (Pixels, why)));
         if !says(&words, NOT) && another_order(sentence, notation) {
             found.push((Pixels, OTHER_ORDER.to_owned()));
         }
     }
     found.retain(|(about, _)| *about != Pixels || notation.is_native());
+    let before = first_claim.map_or(0, |claim| tokens.partition_point(|token| token.at < claim));
+    if doubt::is_announced_by(&tokens[..before]) {
+        found.push((
+            Doubt,
+            "the answer says that its values are for another picture or another time".to_owned(),
+        ));
+    }
     if has_condition(tokens, last_claim) {
         found.push((Action, "the answer holds only under a condition".to_owned()));
     }
