@@ -67,7 +67,8 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let mut claims = Vec::new();
     let points = data::tagged_points(reader, &text, &mut claims);
     text = aside::blanked(&text, &points);
-    let beside = data::beside(reader, &text);
+    // Its first sentence, too, stands behind a value: the beginning.
+    let beside = format!("\n{}", data::beside(reader, &text));
     let objects = data::objects(reader, &text, &mut claims);
     text = aside::blanked(&text, &objects);
     let tables = data::tables(reader, &text, &mut claims);

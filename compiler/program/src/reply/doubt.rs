@@ -51,14 +51,24 @@ const HARMLESS_REQUESTS: &[&str] = words!(
 const LACKING: &[&str] =
     words!("must need needs ought require requires want wants would could belong refer");
 
+/// What an order to leave the action begins with.
+const HALTING: &[&str] = words!("stop halt abort cancel skip discard delete");
+
+/// What values may do: `They lie on the cloth`.
+const THEY: &[&str] = words!(
+    "agree are bring can come correspond do end fall fold follow form give have keep lead leave lie make match may meet
+    might mark move overlap point put reach show should sit stay use were will"
+);
+
 /// What it must not be.
 const UNFIT: &[&str] =
     words!("arbitrary fictional fictitious invalid invented made mistaken off random too wrong");
 
 /// What takes back or regrets, in languages that models drift into.
 const REGRETS: &[&str] = words!(
-    "alas apologies oops regrettably sadly sorry unfortunately whoops falsch verwechselt vertan stimmt entschuldigung
-    perdón equivoqué equivocado erreur désolé trompé sbagliato scusa errado errei desculpe"
+    "alas apologies oops regrettably sadly sorry unfortunately whoops falsch verwechselt vertauscht vertan nein stimmt entschuldigung
+    perdón equivoqué equivocado erreur désolé trompé inversé sbagliato scusa scusate
+    invertita invertito invertida invertido errado errei desculpe"
 );
 
 /// The same, in languages without blanks between words.
@@ -66,7 +76,7 @@ const REGRETS_WITHIN: [&str; 7] = ["不对", "错", "等等", "間違", "违", "
 
 /// What begins a sentence that objects to what stands before it.
 const CONTRASTING: &[&str] =
-    words!("but however yet although except unless nevertheless nonetheless");
+    words!("but however yet although except unless nevertheless nonetheless whereas");
 
 const AGAIN: &[&str] = words!("again closer closely second twice");
 const LOOK: &[&str] = words!("look looked looking view viewing glance inspection thought");
@@ -102,7 +112,9 @@ pub(super) fn is_cast_by(sentence: &[Token<'_>]) -> bool {
         || says(REGRETS)
         || sentence
             .split(|token| matches!(token.kind, Kind::Sign(_)))
-            .any(|clause| confesses(clause) || asks_for_change(clause) || lacks(clause))
+            .any(|clause| {
+                halts(clause) || confesses(clause) || asks_for_change(clause) || lacks(clause)
+            })
 }
 
 fn is_adverb(token: &Token<'_>) -> bool {
@@ -117,6 +129,23 @@ fn is_adverb(token: &Token<'_>) -> bool {
             "still",
             "first",
         ])
+}
+
+/// `Stop`, `You had better skip this`, `They stand in for the real ones`, `further left than stated`
+fn halts(clause: &[Token<'_>]) -> bool {
+    let is_pair = |pair: &[Token<'_>]| {
+        (pair[0].is("you") && pair[1].is_any(&["had", "must", "should", "need", "ought"]))
+            || (pair[0].is("than")
+                && pair[1].is_any(&["stated", "given", "written", "said", "listed", "above", "i"]))
+    };
+    let says_pair = clause.windows(2).any(is_pair);
+    let mut words = clause.iter();
+    let first = words.next();
+    let they = first.is_some_and(|it| it.is("they"))
+        && words
+            .find(|it| !is_adverb(it))
+            .is_some_and(|it| !it.is_any(THEY));
+    says_pair || they || first.is_some_and(|it| it.is_any(HALTING))
 }
 
 /// `I counted y upwards`, `I got those two the wrong way round`
@@ -207,7 +236,8 @@ fn lacks(clause: &[Token<'_>]) -> bool {
 }
 
 /// What makes a line an introduction of what is right elsewhere, later or in somebody else's words.
-const ELSEWHERE: &[&str] = words!("if unless once until could might had were said wrote answered");
+const ELSEWHERE: &[&str] =
+    words!("after before later if unless once until could might had were said wrote answered");
 
 /// What an answer of another turn, or of another picture, is introduced with.
 const OTHER: &[&str] = words!("last previous earlier first other former old");
