@@ -48,11 +48,15 @@ const HARMLESS_REQUESTS: &[&str] = words!(
 );
 
 /// What tells that the answer is not as it should be.
-const LACKING: &[&str] =
-    words!("must need needs ought require requires want wants would could belong refer");
+const LACKING: &[&str] = words!(
+    "must mustn't shouldn't shouldn’t need needs ought require requires want wants belong refer"
+);
+
+/// What may stand before an order.
+const JOINING: &[&str] = words!("please kindly and so but then just");
 
 /// What an order to leave the action begins with.
-const HALTING: &[&str] = words!("stop halt abort cancel skip discard delete");
+const HALTING: &[&str] = words!("stop halt abort cancel skip discard delete better instead");
 
 /// What values may do: `They lie on the cloth`.
 const THEY: &[&str] = words!(
@@ -74,16 +78,16 @@ const REGRETS: &[&str] = words!(
 /// The same, in languages without blanks between words.
 const REGRETS_WITHIN: [&str; 7] = ["不对", "错", "等等", "間違", "违", "違", "잘못"];
 
-/// What begins a sentence that objects to what stands before it.
+/// What begins a sentence that objects to what stands before it: `However, …`, `Come to think of it, …`.
 const CONTRASTING: &[&str] =
-    words!("but however yet although except unless nevertheless nonetheless whereas");
+    words!("but however yet although except unless nevertheless nonetheless whereas come");
 
 const AGAIN: &[&str] = words!("again closer closely second twice");
 const LOOK: &[&str] = words!("look looked looking view viewing glance inspection thought");
 
 /// What says that a second look changed nothing.
 const CONFIRMING: &[&str] = words!(
-    "also unchanged stays same confirm confirms confirmed confirming correct right fine consistent agrees matches okay"
+    "also unchanged stays same confirm confirms confirmed confirming correct fine consistent agrees matches okay"
 );
 
 /// Returns whether a sentence behind the values may change what they mean.
@@ -92,10 +96,11 @@ pub(super) fn is_cast_by(sentence: &[Token<'_>]) -> bool {
     let regrets = sentence
         .iter()
         .any(|token| REGRETS_WITHIN.iter().any(|it| token.text.contains(it)));
-    if regrets {
+    let thinks_again = sentence.len() > 1 && sentence[0].is("then") && sentence[1].is("again");
+    if regrets || thinks_again {
         return true;
     }
-    if says(CONFIRMING) || says(&["if", "?"]) {
+    if says(CONFIRMING) || says(&["if"]) {
         return false;
     }
     let contrasts = sentence[0].is_any(CONTRASTING)
@@ -117,18 +122,10 @@ pub(super) fn is_cast_by(sentence: &[Token<'_>]) -> bool {
             })
 }
 
+const ADVERBS: &[&str] = words!("also just then now only therefore still first");
+
 fn is_adverb(token: &Token<'_>) -> bool {
-    token.text.ends_with("ly")
-        || token.is_any(&[
-            "also",
-            "just",
-            "then",
-            "now",
-            "only",
-            "therefore",
-            "still",
-            "first",
-        ])
+    token.text.ends_with("ly") || token.is_any(ADVERBS)
 }
 
 /// `Stop`, `You had better skip this`, `They stand in for the real ones`, `further left than stated`
@@ -139,13 +136,19 @@ fn halts(clause: &[Token<'_>]) -> bool {
                 && pair[1].is_any(&["stated", "given", "written", "said", "listed", "above", "i"]))
     };
     let says_pair = clause.windows(2).any(is_pair);
-    let mut words = clause.iter();
+    // `go gentler`
+    let compares = clause.windows(2).any(|pair| {
+        pair[0].is("go")
+            && pair[1].text.ends_with("er")
+            && !pair[1].is_any(&["over", "under", "after"])
+    });
+    let mut words = clause.iter().skip_while(|it| it.is_any(JOINING));
     let first = words.next();
     let they = first.is_some_and(|it| it.is("they"))
         && words
             .find(|it| !is_adverb(it))
             .is_some_and(|it| !it.is_any(THEY));
-    says_pair || they || first.is_some_and(|it| it.is_any(HALTING))
+    says_pair || compares || they || first.is_some_and(|it| it.is_any(HALTING))
 }
 
 /// `I counted y upwards`, `I got those two the wrong way round`
@@ -177,12 +180,15 @@ fn confesses(clause: &[Token<'_>]) -> bool {
 
 /// `Scratch it`, `Treat the above as a guess`, `Hold off executing this`
 fn asks_for_change(clause: &[Token<'_>]) -> bool {
-    let mut clause = clause
-        .iter()
-        .skip_while(|it| it.is_any(&["please", "kindly", "and", "so", "but", "then", "just"]));
+    let mut clause = clause.iter().skip_while(|it| it.is_any(JOINING));
     let Some(verb) = clause.next() else {
         return false;
     };
+    let is_forbidding = verb.is_any(&["don't", "don’t", "never"])
+        || (verb.is("do") && clause.clone().next().is_some_and(|next| next.is("not")));
+    if is_forbidding {
+        return clause.any(|it| it.is_any(REFERRING));
+    }
     let is_verb = verb.kind == Kind::Word
         && !verb.is_any(HARMLESS_REQUESTS)
         && !verb.is_any(PARTS)
@@ -211,24 +217,27 @@ fn asks_for_change(clause: &[Token<'_>]) -> bool {
 
 /// `Both ought to sit lower`, `The direction needs turning`, `The arm cannot reach this spot`
 fn lacks(clause: &[Token<'_>]) -> bool {
-    let mut rest = clause.iter().skip_while(|it| {
-        it.is_any(&["and", "but", "so", "since", "because", "the", "my"]) || is_adverb(it)
-    });
-    let is_subject = rest
-        .next()
-        .is_some_and(|it| it.is_any(REFERRING) || it.is_any(PARTS));
-    let verb = rest.find(|it| !(it.is_any(PARTS) || is_adverb(it) || it.is_any(&["two", "all"])));
-    let is_lacking = is_subject
-        && verb.is_some_and(|it| {
-            let is_being = it.is_any(&["is", "are", "was", "were"]);
-            it.is_any(LACKING)
-                || (is_being
-                    && rest
-                        .clone()
-                        .find(|it| !is_adverb(it))
-                        .is_some_and(|it| it.is_any(UNFIT)))
-        });
     let refers = |it: &Token<'_>| it.is_any(REFERRING) || it.is_any(PARTS);
+    let mut rest = clause.iter().skip_while(|it| {
+        it.is_any(JOINING) || it.is_any(&["since", "because", "the", "my"]) || is_adverb(it)
+    });
+    let subject = rest.next().filter(|it| refers(it));
+    let is_part = subject.is_some_and(|it| it.is_any(PARTS))
+        || rest.clone().next().is_some_and(|it| it.is_any(PARTS));
+    let mut rest = rest
+        .skip_while(|it| it.is_any(PARTS) || is_adverb(it) || it.is_any(&["two", "all", "above"]));
+    let verb = subject.and_then(|_| rest.next());
+    let next = rest.find(|it| !is_adverb(it));
+    let is_lacking = verb.is_some_and(|verb| {
+        let says = |verbs: &[&str], words: &[&str]| {
+            verb.is_any(verbs) && next.is_some_and(|next| next.is_any(words))
+        };
+        verb.is_any(LACKING)
+            || (is_part && verb.is_any(&["would", "could"]))
+            || says(&["has", "have"], &["to"])
+            || (is_part && says(&["should"], &["be"]))
+            || says(&["is", "are", "was", "were"], UNFIT)
+    });
     let cannot = clause
         .iter()
         .position(|it| it.is_any(&["cannot", "can't", "can’t", "unable", "impossible", "fails"]));
