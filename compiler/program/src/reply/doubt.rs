@@ -21,7 +21,7 @@ const HARMLESS_DEEDS: &[&str] = words!(
     chose chosen confirm confirmed consider considered continue decided did do double estimate estimated expect expected
     find fold folded followed found give go grab grabbed grasp guide have help hope hoped ignore ignored interpret
     interpreted judge keep kept know lay leave left let lift limit lower made make measured move moved need note pick
-    picked place placed plan prefer preferred propose proposed provide pull put recommend recommended repeat see select
+    picked place placed plan prefer preferred propose proposed provide pull put read recommend recommended repeat see select
     selected send set shift shorten skipped start stay stayed suggest suggested take target targeted think took tried
     trust try understand use used verified verify want went will work"
 );
@@ -60,9 +60,13 @@ const HALTING: &[&str] = words!("stop halt abort cancel skip discard delete bett
 
 /// What values may do: `They lie on the cloth`.
 const THEY: &[&str] = words!(
-    "agree are bring can come correspond do end fall fold follow form give have keep lead leave lie make match may meet
+    "agree allow are bring can coincide come correspond cover define do end fall fold follow form give have keep lead leave lie make match may meet
     might mark move overlap point put reach show should sit stay use were will"
 );
+
+/// What a robot may be unable to do with the answer.
+const REACHING: &[&str] =
+    words!("reach get go grip grasp grab execute executed perform carry carried run do move");
 
 /// What it must not be.
 const UNFIT: &[&str] =
@@ -80,7 +84,7 @@ const REGRETS_WITHIN: [&str; 7] = ["不对", "错", "等等", "間違", "违", "
 
 /// What begins a sentence that objects to what stands before it: `However, …`, `Come to think of it, …`.
 const CONTRASTING: &[&str] =
-    words!("but however yet although except unless nevertheless nonetheless whereas come");
+    words!("but however yet except unless nevertheless nonetheless whereas come");
 
 const AGAIN: &[&str] = words!("again closer closely second twice");
 const LOOK: &[&str] = words!("look looked looking view viewing glance inspection thought");
@@ -171,7 +175,9 @@ fn confesses(clause: &[Token<'_>]) -> bool {
             Some(verb) if is_being => !verb.is_any(SURE),
             Some(verb) => {
                 let denies = ["haven't", "haven’t", "didn't", "didn’t"];
-                !verb.is_any(HARMLESS_DEEDS) && !clause[at + 1].is_any(&denies)
+                // `we then have a triangle`
+                let is_thing = verb.is_any(&["a", "an", "the", "no", "two", "only"]);
+                !verb.is_any(HARMLESS_DEEDS) && !is_thing && !clause[at + 1].is_any(&denies)
             }
             None => false,
         }
@@ -232,7 +238,13 @@ fn lacks(clause: &[Token<'_>]) -> bool {
         let says = |verbs: &[&str], words: &[&str]| {
             verb.is_any(verbs) && next.is_some_and(|next| next.is_any(words))
         };
-        verb.is_any(LACKING)
+        // `it needs one hand only`
+        let is_help = verb.is_any(&["needs", "requires"])
+            && !is_part
+            && next.is_some_and(|next| {
+                !next.text.ends_with("ing") && !next.is_any(&["to", "more", "less", "another"])
+            });
+        (verb.is_any(LACKING) && !is_help)
             || (is_part && verb.is_any(&["would", "could"]))
             || says(&["has", "have"], &["to"])
             || (is_part && says(&["should"], &["be"]))
@@ -241,7 +253,10 @@ fn lacks(clause: &[Token<'_>]) -> bool {
     let cannot = clause
         .iter()
         .position(|it| it.is_any(&["cannot", "can't", "can’t", "unable", "impossible", "fails"]));
-    is_lacking || cannot.is_some_and(|at| clause[at..].iter().any(refers))
+    let reaches = |it: &Token<'_>| it.is_any(REACHING);
+    is_lacking
+        || cannot
+            .is_some_and(|at| clause[at..].iter().any(refers) && clause[at..].iter().any(reaches))
 }
 
 /// What makes a line an introduction of what is right elsewhere, later or in somebody else's words.
@@ -270,11 +285,11 @@ pub(super) fn is_announced_by(before: &[Token<'_>]) -> bool {
     let start = line.iter().rposition(ends).map_or(0, |end| end + 1);
     let sentence = &line[start..];
     let says = |words: &[&str]| sentence.iter().any(|token| token.is_any(words));
-    let begins =
-        sentence[0].is_any(&["if", "unless", "once", "until", "had", "draft"]) && !says(&["more"]);
+    let begins = sentence[0].is_any(&["if", "unless", "once", "until", "had", "draft"])
+        && !says(&["more", "again"]);
     let is_other = |pair: &[Token<'_>]| {
         (pair[0].is_any(OTHER) && pair[1].is_any(OTHERS))
-            || pair[1].is_any(ELSEWHERE)
+            || (pair[1].is_any(ELSEWHERE) && !sentence[0].is("as"))
             || (pair[1].is("would") && !says(&["i", "we"]))
             || (pair[1].is("used")
                 && !pair[0].is_any(&["is", "are", "convention", "format", "units"]))
