@@ -12,39 +12,41 @@ const REFERRING: &[&str] = words!("this that it these those they them both");
 
 /// What names the answer or a part of it.
 const PARTS: &[&str] = words!(
-    "answer answers values value numbers point points coordinates pick place direction distance grip angle action lines"
+    "answer answers values value numbers point points coordinates pick place direction distance grip angle action
+    lines"
 );
 
 /// What a model may have done with its answer without changing it.
 const HARMLESS_DEEDS: &[&str] = words!(
-    "adjust agree answer answered anticipate assume assumed avoid avoided based be believe change check checked choose
-    chose chosen confirm confirmed consider considered continue decided did do double estimate estimated expect expected
-    find fold folded followed found give go grab grabbed grasp guide have help hope hoped ignore ignored interpret
-    interpreted judge keep kept know lay leave left let lift limit lower made make measured move moved need note pick
-    picked place placed plan prefer preferred propose proposed provide pull put read recommend recommended repeat see select
-    selected send set shift shorten skipped start stay stayed suggest suggested take target targeted think took tried
-    trust try understand use used verified verify want went will work"
+    "adjust agree answer answered anticipate assume assumed avoid avoided based be believe change check checked
+    choose chose chosen confirm confirmed consider considered continue decided did do double estimate estimated
+    expect expected find fold folded followed found give go grab grabbed grasp guide have help hope hoped ignore
+    ignored interpret interpreted judge keep kept know lay leave left let lift limit lower made make measured move
+    moved need note pick picked place placed plan prefer preferred propose proposed provide pull put read recommend
+    recommended repeat see select selected send set shift shorten skipped start stay stayed suggest suggested take
+    target targeted think took tried trust try understand use used verified verify want went will work"
 );
 
 /// How sure a model may be.
 const SURE: &[&str] = words!(
-    "absolutely also aiming assuming certain confident fairly folding following glad going happy highly keeping moving
-    moderately picking placing pretty pulling quite ready reasonably sure taking using very"
+    "absolutely also aiming assuming certain confident fairly folding following glad going happy highly keeping
+    moving moderately picking placing pretty pulling quite ready reasonably sure taking using very"
 );
 
 const AUXILIARY: &[&str] = words!(
-    "am can can't cannot could couldn't did didn't do don't had have haven't may might not shall should will won't would
-    wouldn't"
+    "am can can't cannot could couldn't did didn't do don't had have haven't may might not shall should will won't
+    would wouldn't"
 );
 
 /// What may be asked for without changing the answer, and what is no request.
 const HARMLESS_REQUESTS: &[&str] = words!(
-    "a about above all each every my your our its no after afterwards and any apply as at because before both bring but by calibrate can carry check
-    confirm convert could did do does drag drop during ensure execute expect expected explanation final fold for from
-    given grab grasp guide hold hope how i if in into is it keep lay let lift like lower make may means might move no
-    not note of on once onto or over perform pick place press pull put reason release remember repeat result run see
-    send shall should since slide smooth so than that the then these they this those though to try under until was we
-    were what when where whether which while why will with within would you yes"
+    "a about above all each every my your our its no after afterwards and any apply as at because before both bring
+    but by calibrate can carry check confirm convert could did do does drag drop during ensure execute expect
+    expected explanation final fold for from given grab grasp guide hold hope how i if in into is it keep lay let
+    lift like lower make may means might move no not note of on once onto or over perform pick place press pull put
+    reason release remember repeat result run see send shall should since slide smooth so than that the then these
+    they this those though to try under until was we were what when where whether which while why will with within
+    would you yes"
 );
 
 /// What tells that the answer is not as it should be.
@@ -60,8 +62,8 @@ const HALTING: &[&str] = words!("stop halt abort cancel skip discard delete bett
 
 /// What values may do: `They lie on the cloth`.
 const THEY: &[&str] = words!(
-    "agree allow are bring can coincide come correspond cover define do end fall fold follow form give have keep lead leave lie make match may meet
-    might mark move overlap point put reach show should sit stay use were will"
+    "agree allow are bring can coincide come correspond cover define do end fall fold follow form give have keep lead
+    leave lie make match may meet might mark move overlap point put reach show should sit stay use were will"
 );
 
 /// What a robot may be unable to do with the answer.
@@ -74,9 +76,9 @@ const UNFIT: &[&str] =
 
 /// What takes back or regrets, in languages that models drift into.
 const REGRETS: &[&str] = words!(
-    "alas apologies oops regrettably sadly sorry unfortunately whoops falsch verwechselt vertauscht vertan nein stimmt entschuldigung
-    perdón equivoqué equivocado erreur désolé trompé inversé sbagliato scusa scusate
-    invertita invertito invertida invertido errado errei desculpe"
+    "alas apologies oops regrettably sadly sorry unfortunately whoops falsch verwechselt vertauscht vertan nein
+    stimmt entschuldigung perdón equivoqué equivocado erreur désolé trompé inversé sbagliato scusa scusate invertita
+    invertito invertida invertido errado errei desculpe"
 );
 
 /// The same, in languages without blanks between words.
@@ -285,12 +287,13 @@ pub(super) fn is_announced_by(before: &[Token<'_>]) -> bool {
     let start = line.iter().rposition(ends).map_or(0, |end| end + 1);
     let sentence = &line[start..];
     let says = |words: &[&str]| sentence.iter().any(|token| token.is_any(words));
+    let is_own = says(&["i", "we"]);
     let begins = sentence[0].is_any(&["if", "unless", "once", "until", "had", "draft"])
         && !says(&["more", "again"]);
     let is_other = |pair: &[Token<'_>]| {
         (pair[0].is_any(OTHER) && pair[1].is_any(OTHERS))
             || (pair[1].is_any(ELSEWHERE) && !sentence[0].is("as"))
-            || (pair[1].is("would") && !says(&["i", "we"]))
+            || (pair[1].is("would") && !is_own)
             || (pair[1].is("used")
                 && !pair[0].is_any(&["is", "are", "convention", "format", "units"]))
     };
