@@ -23,7 +23,7 @@ const HARMLESS_DEEDS: &[&str] = words!(
     expect expected find fold folded followed found give go grab grabbed grasp guide have help hope hoped ignore
     ignored interpret interpreted judge keep kept know lay leave left let lift limit lower made make measured move
     moved need note pick picked place placed plan prefer preferred propose proposed provide pull put read recommend
-    recommended repeat see select selected send set shift shorten skipped start stay stayed suggest suggested take
+    recommended repeat see select selected send set settled shift shorten skipped start stay stayed suggest suggested take
     target targeted think took tried trust try understand use used verified verify want went will work"
 );
 
@@ -34,7 +34,7 @@ const SURE: &[&str] = words!(
 );
 
 const AUXILIARY: &[&str] = words!(
-    "am can can't cannot could couldn't did didn't do don't had have haven't may might not shall should will won't
+    "am are was were can can't cannot could couldn't did didn't do don't had have haven't may might not shall should will won't
     would wouldn't"
 );
 
@@ -51,7 +51,7 @@ const HARMLESS_REQUESTS: &[&str] = words!(
 
 /// What tells that the answer is not as it should be.
 const LACKING: &[&str] = words!(
-    "must mustn't shouldn't shouldn’t need needs ought require requires want wants belong refer"
+    "got must mustn't shouldn't shouldn’t need needs ought require requires want wants belong refer"
 );
 
 /// What may stand before an order.
@@ -174,7 +174,7 @@ fn confesses(clause: &[Token<'_>]) -> bool {
                 .get(at + 1)
                 .is_some_and(|next| next.is_any(&["am", "are", "was", "were"]));
         match rest.next() {
-            Some(verb) if is_being => !verb.is_any(SURE),
+            Some(verb) if is_being => !verb.is_any(SURE) && !verb.is_any(&["one", "a", "the"]),
             Some(verb) => {
                 let denies = ["haven't", "haven’t", "didn't", "didn’t"];
                 // `we then have a triangle`
