@@ -57,6 +57,8 @@ const VERBS: [(&str, &[&str], Form); 8] = [
             "dropping",
             "release",
             "releasing",
+            "lay",
+            "laying",
         ],
         Form::Verb,
     ),
