@@ -405,7 +405,7 @@ fn take_less_than(limit: Duration, length: usize) {
 
 #[test]
 fn long_answers_take_moments() {
-    take_less_than(Duration::from_secs(5), 1 << 13);
+    take_less_than(Duration::from_secs(30), 1 << 13);
 }
 
 #[test]

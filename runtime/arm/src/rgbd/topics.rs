@@ -1,6 +1,6 @@
 //! A camera whose pictures arrive as messages: colour, aligned depth and intrinsics, each on a topic of its own.
 //!
-//! In: messages, from whatever brings them ([`TopicCamera::inbox`]). Out: pictures that were taken after the request,
+//! In: messages, from whatever brings them (an [`Inbox`]). Out: pictures that were taken after the request,
 //! judged by the camera's own stamps. These are compared with this machine's clock, so a camera whose machine has
 //! another time is refused with an explanation.
 
