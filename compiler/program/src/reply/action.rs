@@ -74,9 +74,7 @@ pub fn read_fields(
         ));
         proposal.fields.push((declared.name.clone(), taken.value));
     }
-    let doubt = found.doubt.as_ref().zip(actions.first());
-    let doubted = doubt.map(|(why, first)| (first, format!("Your answer cannot be used: {why}.")));
-    if let Some((declared, why)) = unreadable.or(doubted) {
+    if let Some((declared, why)) = unreadable {
         return Err(Malformed {
             field: declared.name.clone(),
             message: complaint(&why, actions, declared, notation),

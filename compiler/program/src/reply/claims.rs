@@ -6,7 +6,7 @@
 use super::aside::{self, Aside, Cleared};
 use super::data;
 use super::lexer::{self, Kind, Token};
-use super::remarks::{self, About};
+use super::remarks;
 use super::sentences::{Claim, Claimed, Reader};
 use std::ops::Range;
 
@@ -16,8 +16,6 @@ pub(super) struct Claims {
     /// Where the answer takes something back: `no wait`, `final answer`.
     pub turns: Vec<usize>,
     pub cleared: Cleared,
-    /// Why the answer is in doubt as a whole.
-    pub doubt: Option<String>,
 }
 
 /// An answer without what states nothing, for readers of other forms than an action's.
@@ -67,8 +65,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let mut claims = Vec::new();
     let points = data::tagged_points(reader, &text, &mut claims);
     text = aside::blanked(&text, &points);
-    // Its first sentence, too, stands behind a value: the beginning.
-    let beside = format!("\n{}", data::beside(reader, &text));
+    let beside = data::beside(reader, &text);
     let objects = data::objects(reader, &text, &mut claims);
     text = aside::blanked(&text, &objects);
     let tables = data::tables(reader, &text, &mut claims);
@@ -82,19 +79,13 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     }
     let turns = turns(&tokens);
     let last = claims.iter().map(|claim| claim.span.start).max();
-    let first = claims.iter().map(|claim| claim.span.start).min();
     let at = reply.len();
     let beside = lexer::tokens(&beside);
-    let remarks = remarks::of(&tokens, reader.notation, first, last);
+    let remarks = remarks::of(&tokens, reader.notation, last);
     let remarks = remarks
         .into_iter()
-        .chain(remarks::of(&beside, reader.notation, None, Some(0)));
-    let mut doubt = None;
+        .chain(remarks::of(&beside, reader.notation, None));
     for (about, why) in remarks {
-        if about == About::Doubt {
-            doubt.get_or_insert(why);
-            continue;
-        }
         for (field, declared) in reader.fields.iter().enumerate() {
             if about.concerns(declared) {
                 claims.push(Claim {
@@ -109,7 +100,6 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         claims,
         turns,
         cleared,
-        doubt,
     }
 }
 

@@ -10,7 +10,6 @@ mod choice;
 mod claims;
 mod cursor;
 mod data;
-mod doubt;
 mod lexer;
 mod names;
 mod object;

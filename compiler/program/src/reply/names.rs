@@ -57,8 +57,6 @@ const VERBS: [(&str, &[&str], Form); 8] = [
             "dropping",
             "release",
             "releasing",
-            "lay",
-            "laying",
         ],
         Form::Verb,
     ),

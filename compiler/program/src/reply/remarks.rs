@@ -3,7 +3,6 @@
 //! In: the sentences of an answer, and where its last claim stands. Out: for each kind of field, why its values are not
 //! those that the answer means. Each remark is a row of a table.
 
-use super::doubt;
 use super::lexer::{Gap, Kind, Token};
 use super::point;
 use super::value;
@@ -19,8 +18,6 @@ pub(super) enum About {
     Lengths,
     /// The whole action.
     Action,
-    /// The whole action, if nothing else is wrong with it.
-    Doubt,
 }
 
 impl About {
@@ -30,12 +27,12 @@ impl About {
             About::Pixels => field.is_point(),
             About::Directions => matches!(field.choices, Choices::Directions { .. }),
             About::Lengths => matches!(field.choices, Choices::Lengths { .. }),
-            About::Action | About::Doubt => true,
+            About::Action => true,
         }
     }
 }
 
-use About::{Action, Directions, Doubt, Lengths, Pixels};
+use About::{Action, Directions, Lengths, Pixels};
 
 /// A kind of remark: a sentence is one if it says a phrase of each group and none of `unless`. Phrases of a group are
 /// separated by `|`; signs are words of their own.
@@ -102,7 +99,6 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_UNIT, &["grid|patches|cells", "column|columns|row|rows|cell", "name|count|divided|number"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["not in pixels|not pixels|not px|not in px|not pixel", POINTS], ""),
     anywhere(Pixels, OTHER_ORDER, &["row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
-    anywhere(Pixels, OTHER_ORDER, &["first entry|first number|first value|first one", "lines|rows|row|vertical|from the top"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|from the goal image|from the depth|in the depth image|half the resolution|half resolution"], NOT),
@@ -130,12 +126,22 @@ const ROWS: &[Row] = &[
     anywhere(Action, WITHDRAWN, &["^ error :|, error :"], "error : null|error : false|error : none|error : no|error : 0|error : ,"),
     anywhere(Action, "the answer calls itself a draft", &["not my final|not the final|not final|isn't final"], ""),
     after("the answer calls itself wrong", &["answer is incorrect|answer is wrong|would be wrong|is not correct|isn't correct|is invalid|not valid|isn't valid|is not allowed|cannot be carried out|cannot be executed|are wrong|are incorrect|is mistaken|was a mistake|mixed up|mixed left|wrong corner|i confused|got confused|wrong way round|wrong way around|them backwards|it backwards|are backwards"], "if|otherwise|previous|earlier|first|else|instead|not to|make sure|avoid|moving (|picking (|grasping (|choosing (|using (|folding ("),
+    after(WITHDRAWN, &["do not execute|don't execute|not be executed|none of these should|none of this should|do not perform|don't perform|do not carry out|don't carry out|do not run|don't use this|do not use this|shouldn't be used|should not be used|disagree with it|disagree with this"], ""),
+    after(WITHDRAWN, &["don't|do not|never", "carry this out|carry it out|carry that out|execute this|execute it|execute that|run this|run it|perform this|perform it|apply this|apply it"], ""),
+    after(WITHDRAWN, &["cancel that|cancel this|cancel it|never mind|undo this|undo that|undo it|undo these|start again|start over|start anew"], NOT),
     after(WITHDRAWN, &["disregard|ignore|forget|withdraw|retract", "those|these|above|two|both|points|lines|answer|that|it"], "no|without|don't|do not|not disregard|not ignore|not forget|not withdraw|not retract"),
+    after(WITHDRAWN, &["not allowed to answer|not permitted to answer|can't recommend this|cannot recommend this|advise against it|advise against this"], ""),
     after("the answer names another value under a condition", &["^ if|^ should|^ otherwise", "use|take|try|choose|pick", "instead"], ""),
     after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
-    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|mirrored|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|it"], "not|no|will|would|to avoid|double - checked|double - check|double checked"),
+    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|mirrored|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|it"], "not|no|will|would|to avoid"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
     after(CHANGED, &["^ sorry|^ oops|^ hold on|^ wait|^ apologies|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience"),
+    after(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
+    after(CHANGED, &["scratch that|scratch this|strike that|take that back|take it back|let me correct|let me revise|let me reconsider|let me rethink|let me redo|i misjudged|i misread|i misidentified|i miscounted|i have misread|i've misread"], "previous|previously|earlier|last|first"),
+    after(CHANGED, &["must be|has to be|have to be|should be|needs to be|need to be", "mirrored|reversed|swapped|exchanged|inverted|doubled|halved|adjusted|corrected"], NOT),
+    after(CHANGED, &["should say|should read|should have been|should be the one|ought to be|should rather be|should instead be"], NOT),
+    after(CHANGED, &["hmm"], "no need|also|unchanged|stays|fine|okay|correct|right|same"),
+    after(CHANGED, &["then again|on reflection|on second thought|come to think of it|i'd rather|i would rather|better to grab|better to use|better choose|make that|one step lower|one step higher|one level|opposite way|than i wrote|so i take|let's halve|let's double|actually , shift|actually , the"], "no need|also|unchanged|stays"),
 ];
 
 /// What says that values of another picture were converted.
@@ -147,11 +153,10 @@ const MAX_SENTENCE: usize = 300;
 
 /// Returns the remarks of an answer: what each is about, and the reason why those values cannot be used.
 ///
-/// - `first_claim`, `last_claim`: where the first and the last claim begin.
+/// - `last_claim`: where the last claim begins.
 pub(super) fn of(
     tokens: &[Token<'_>],
     notation: &Notation,
-    first_claim: Option<usize>,
     last_claim: Option<usize>,
 ) -> Vec<(About, String)> {
     let mut found: Vec<(About, String)> = Vec::new();
@@ -185,25 +190,12 @@ pub(super) fn of(
                 && !says(&words, row.unless)
         });
         found.extend(rows.map(|row| (row.about, row.why.to_owned())));
-        if is_after && doubt::is_cast_by(sentence) {
-            found.push((
-                Doubt,
-                "the answer puts itself in doubt afterwards".to_owned(),
-            ));
-        }
         found.extend(another_size(sentence, notation).map(|why| (Pixels, why)));
         if !says(&words, NOT) && another_order(sentence, notation) {
             found.push((Pixels, OTHER_ORDER.to_owned()));
         }
     }
     found.retain(|(about, _)| *about != Pixels || notation.is_native());
-    let before = first_claim.map_or(0, |claim| tokens.partition_point(|token| token.at < claim));
-    if doubt::is_announced_by(&tokens[..before]) {
-        found.push((
-            Doubt,
-            "the answer says that its values are for another picture or another time".to_owned(),
-        ));
-    }
     if has_condition(tokens, last_claim) {
         found.push((Action, "the answer holds only under a condition".to_owned()));
     }
