@@ -60,7 +60,10 @@ pub fn calibrate(lab: &mut Lab, touching: Touching) {
     );
 }
 
-/// Moves the tool to each position and returns where it arrived; then moves it back to rest.
+/// How far above each position the tool is moved, metres: between two of them it may leave its line by a millimetre.
+const ABOVE_M: f64 = 0.003;
+
+/// Moves the tool above each position and returns what is below where it arrived; then moves it back to rest.
 fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let settings = lab.settings();
     let mut arm = lab.ros.arm(&settings);
@@ -72,7 +75,11 @@ fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
             .unwrap_or_else(|error| panic!("({x:.3}, {y:.3}, {z:.3}): {error}"));
         state.tool.translation.vector.into()
     };
-    let reached = places.iter().map(|place| go(*place)).collect();
+    let touch = |[x, y, z]: &[f64; 3]| {
+        let [x, y, z] = go([*x, *y, z + ABOVE_M]);
+        [x, y, z - ABOVE_M]
+    };
+    let reached = places.iter().map(touch).collect();
     go(settings.workspace.rest_m);
     reached
 }
