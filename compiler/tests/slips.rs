@@ -256,10 +256,10 @@ fn a_misspelt_keyword_is_named_wherever_it_stands() {
 
 #[test]
 #[ignore = "long"]
-fn every_misspelt_keyword_is_named_wherever_it_stands() {
+fn many_misspelt_keywords_are_named_wherever_they_stand() {
     let mut cases = shipped();
     cases.extend(files("tests/fixtures/faults"));
-    let share = share_named(&misspell_keywords(&cases, 1));
+    let share = share_named(&misspell_keywords(&cases, 3));
     assert!(share >= LEAST_NAMED, "{share}");
 }
 

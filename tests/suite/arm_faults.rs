@@ -354,11 +354,11 @@ fn a_rollout_in_which_anything_goes_wrong_ends_in_a_named_outcome() {
 #[test]
 #[ignore = "long"]
 fn rollouts_in_which_anything_goes_wrong_end_in_named_outcomes() {
-    survive(1000..1060);
+    survive(1000..1030);
 }
 
 #[test]
 #[ignore = "long"]
 fn further_rollouts_in_which_anything_goes_wrong_end_in_named_outcomes() {
-    survive(1500..1560);
+    survive(1500..1530);
 }
