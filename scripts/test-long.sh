@@ -114,7 +114,7 @@ export FABC_PEER_PYTHON
 
 over_ros() {
     # shellcheck disable=SC2086  # words without spaces
-    run "over ROS, each part" $ros --package fabc --locked --no-fail-fast $ros_tests -- --include-ignored $without_python
+    run "over ROS, each part" $ros --package fabc $ros_features --locked --no-fail-fast $ros_tests -- --include-ignored $without_python
     # shellcheck disable=SC2086  # words without spaces
     run "over ROS" $ros --locked --lib -- --include-ignored $without_python
 }
@@ -135,11 +135,13 @@ if [ -z "$missing" ] && [ ! -e "$rclpy/installed.txt" ]; then
 fi
 if [ -z "$without_ros" ]; then
     selected="--workspace --features fabc/ros,fabc/ros2"
-    ros="--package fab-arm-ros --package fab-arm-ros2 --features fabc/ros,fabc/ros2"
+    ros="--package fab-arm-ros --package fab-arm-ros2"
+    ros_features="--features fabc/ros,fabc/ros2"
     ros_tests="--test ros --test ros2"
 else
     selected="--workspace --exclude fab-arm-ros --features fabc/ros2"
-    ros="--package fab-arm-ros2 --features fabc/ros2"
+    ros="--package fab-arm-ros2"
+    ros_features="--features fabc/ros2"
     ros_tests="--test ros2"
     leave_out peer_ros_ "$without_ros"
 fi
