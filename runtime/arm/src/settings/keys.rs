@@ -740,7 +740,7 @@ pub(super) const KEYS: &[Key] = &[
         "",
         Is("[]"),
         "the joints' names in states and trajectories, from the base to the hand; needed for \
-         the driver `ros2`",
+         the driver `ros2`, except with `[arm]`, whose URDF names them",
     ),
     key(
         "ros2.trajectory",
