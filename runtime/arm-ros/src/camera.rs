@@ -3,8 +3,9 @@
 //! In: topics. Out: their messages, in the inbox of a [`TopicCamera`], which judges them.
 
 use super::RosError;
-use super::link::{Link, bounded_wait};
+use super::link::Link;
 use super::messages::sensor_msgs;
+use fab_arm::port::goals::bounded_wait;
 use fab_arm::rgbd::topics::{CameraInfo, CameraTopics, Image, Inbox, TopicCamera};
 use fab_arm::settings::RosSettings;
 use roslibrust::RosMessageType;

@@ -4,9 +4,10 @@
 
 use super::RosError;
 use super::action::ActionClient;
-use super::link::{Link, bounded_wait};
+use super::link::Link;
 use super::port::{RosPort, SERVICE_TIMEOUT, Servers};
 use super::topics::{Names, Topics};
+use fab_arm::port::goals::bounded_wait;
 use fab_arm::settings::RosSettings;
 use roslibrust::ros1::{NodeError, NodeHandle};
 use std::time::{Duration, Instant};

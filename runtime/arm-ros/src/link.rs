@@ -17,9 +17,6 @@ use tokio::runtime::{Builder, Runtime};
 /// The longest that unregistering from the master may delay the end of the process.
 const LEAVE_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// The longest wait, so that no sum of times overflows.
-const LONGEST_S: f64 = 86_400.0;
-
 /// A ROS node of this program.
 pub(super) struct Link {
     /// `None` only while this is dropped.
@@ -164,29 +161,10 @@ pub(super) fn unique_number() -> String {
     format!("{}_{}_{call}", std::process::id(), since_epoch.as_millis())
 }
 
-/// Converts seconds to a duration; accepts any number, and limits it to 0 to [`LONGEST_S`].
-pub(super) fn bounded_wait(seconds: f64) -> Duration {
-    Duration::try_from_secs_f64(seconds.min(LONGEST_S)).unwrap_or_default()
-}
-
 /// Returns the output of a future that never waits.
 pub(super) fn at_once<F: Future>(work: F) -> Option<F::Output> {
     match pin!(work).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(output) => Some(output),
         Poll::Pending => None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::time::Instant;
-
-    #[test]
-    fn no_number_of_seconds_is_too_much_for_a_clock() {
-        for seconds in [f64::NAN, f64::INFINITY, -1.0, 1e300, 0.0, 5.0] {
-            let _ = Instant::now() + bounded_wait(seconds);
-        }
-        assert_eq!(bounded_wait(1.5), Duration::from_millis(1500));
     }
 }

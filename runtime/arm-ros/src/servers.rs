@@ -14,6 +14,7 @@ use super::messages::kinova_msgs::{
 };
 use super::messages::trajectory_msgs::JointTrajectoryPoint;
 use fab_arm::port::Waypoint;
+use fab_arm::port::goals::{check_count, check_finite, check_trajectory};
 use nalgebra::Isometry3;
 use roslibrust::codegen::integral_types::Duration;
 
@@ -101,36 +102,7 @@ pub(super) fn trajectory(
     points: &[Waypoint],
     joints: &[String],
 ) -> Result<impl FnOnce(GoalID) -> FollowJointTrajectoryActionGoal + use<>, String> {
-    if points.len() < 2 {
-        return Err(format!(
-            "it has {} points, and needs at least 2",
-            points.len()
-        ));
-    }
-    let mut before_s = -1.0;
-    for (index, point) in points.iter().enumerate() {
-        for values in [
-            &point.joints_rad,
-            &point.speeds_rad_s,
-            &point.accelerations_rad_s2,
-        ] {
-            check_count(values.len(), joints.len(), "joints")?;
-            check_finite(values)?;
-        }
-        check_finite([&point.at_s])?;
-        let is_later = if index == 0 {
-            point.at_s >= 0.0
-        } else {
-            point.at_s > before_s
-        };
-        if !is_later || point.at_s > f64::from(i32::MAX) {
-            return Err(format!(
-                "point {index} is at `{}` s, not after the one before",
-                point.at_s
-            ));
-        }
-        before_s = point.at_s;
-    }
+    check_trajectory(points, joints.len())?;
     let messages: Vec<_> = points.iter().map(point_message).collect();
     let joints = joints.to_vec();
     Ok(move |id| {
@@ -145,15 +117,14 @@ pub(super) fn trajectory(
 }
 
 fn point_message(point: &Waypoint) -> JointTrajectoryPoint {
-    // Rounded as a whole, so that the nanoseconds never reach a full second.
-    let nanoseconds = (point.at_s * 1e9).round() as i64;
+    let (sec, nanoseconds) = point.time_from_start();
     JointTrajectoryPoint {
         positions: point.joints_rad.clone(),
         velocities: point.speeds_rad_s.clone(),
         accelerations: point.accelerations_rad_s2.clone(),
         time_from_start: Duration {
-            sec: (nanoseconds / 1_000_000_000) as i32,
-            nsec: (nanoseconds % 1_000_000_000) as i32,
+            sec,
+            nsec: nanoseconds as i32,
         },
         ..Default::default()
     }
@@ -168,22 +139,6 @@ fn padded<const N: usize>(values: &[f64], n_values: usize, what: &str) -> Result
     }
     check_finite(numbers.map(f64::from).iter())?;
     Ok(numbers)
-}
-
-fn check_count(found: usize, expected: usize, what: &str) -> Result<(), String> {
-    if found == expected {
-        return Ok(());
-    }
-    Err(format!(
-        "it names {found} {what}, and the arm has {expected}"
-    ))
-}
-
-fn check_finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> Result<(), String> {
-    match values.into_iter().find(|value| !value.is_finite()) {
-        Some(value) => Err(format!("it holds `{value}`, which is not a number")),
-        None => Ok(()),
-    }
 }
 
 #[cfg(test)]
@@ -215,18 +170,6 @@ mod tests {
             (
                 fingers(&[0.0; 3], 2).err(),
                 "it names 3 fingers, and the arm has 2",
-            ),
-            (
-                trajectory(&[waypoint(0.0, 1.0)], &names()).err(),
-                "it has 1 points, and needs at least 2",
-            ),
-            (
-                trajectory(&[waypoint(1.0, 1.0), waypoint(1.0, 2.0)], &names()).err(),
-                "point 1 is at `1` s, not after the one before",
-            ),
-            (
-                trajectory(&[waypoint(0.0, 1.0), waypoint(1e12, 2.0)], &names()).err(),
-                "point 1 is at `1000000000000` s, not after the one before",
             ),
         ];
         for (found, expected) in faults {

@@ -3,8 +3,9 @@
 //! In: topics. Out: their messages, in the inbox of a [`TopicCamera`], which judges them.
 
 use super::Ros2Error;
-use super::link::{Link, Quality, bounded_wait, topic_name};
+use super::link::{Link, Quality, topic_name};
 use super::messages::{CameraInfo, Image, Message};
+use fab_arm::port::goals::bounded_wait;
 use fab_arm::rgbd::topics::{self, CameraTopics, Inbox, TopicCamera};
 use fab_arm::settings::Ros2Settings;
 use serde::de::DeserializeOwned;

@@ -4,12 +4,13 @@
 
 use super::Ros2Error;
 use super::action::ActionClient;
-use super::link::{Link, bounded_wait, topic_name};
+use super::link::{Link, topic_name};
 use super::messages::{JointState, Message};
 use super::port::{GripperClient, Ros2Port, StopService};
 use super::readings::{JointStates, Names};
 use super::service::Client;
 use fab_arm::kinematics::chain::Chain;
+use fab_arm::port::goals::bounded_wait;
 use fab_arm::settings::{GripperAction, Rmw, Ros2Settings};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};

@@ -10,6 +10,7 @@ use super::messages::{
     ParallelGripperCommandGoal, ParallelGripperCommandResult,
 };
 use fab_arm::port::Waypoint;
+use fab_arm::port::goals::{check_finite, check_trajectory};
 
 /// Declares an action of `control_msgs`.
 macro_rules! action {
@@ -57,35 +58,7 @@ pub(crate) fn trajectory(
     points: &[Waypoint],
     joints: &[String],
 ) -> Result<FollowJointTrajectoryGoal, String> {
-    if points.len() < 2 {
-        return Err(format!(
-            "it has {} points, and needs at least 2",
-            points.len()
-        ));
-    }
-    let mut before_s = -1.0;
-    for (index, point) in points.iter().enumerate() {
-        let (found, expected) = (point.joints_rad.len(), joints.len());
-        if found != expected {
-            return Err(format!(
-                "it names {found} joints, and the arm has {expected}"
-            ));
-        }
-        let rates = point.speeds_rad_s.iter().chain(&point.accelerations_rad_s2);
-        check_finite(point.joints_rad.iter().chain(rates).chain([&point.at_s]))?;
-        let is_later = if index == 0 {
-            point.at_s >= 0.0
-        } else {
-            point.at_s > before_s
-        };
-        if !is_later || point.at_s > f64::from(i32::MAX) {
-            return Err(format!(
-                "point {index} is at `{}` s, not after the one before",
-                point.at_s
-            ));
-        }
-        before_s = point.at_s;
-    }
+    check_trajectory(points, joints.len())?;
     let messages = points.iter().map(point_message);
     Ok(FollowJointTrajectoryGoal {
         trajectory: JointTrajectory {
@@ -98,16 +71,12 @@ pub(crate) fn trajectory(
 }
 
 fn point_message(point: &Waypoint) -> JointTrajectoryPoint {
-    // Rounded as a whole, so that the nanoseconds never reach a full second.
-    let nanoseconds = (point.at_s * 1e9).round() as i64;
+    let (sec, nanosec) = point.time_from_start();
     JointTrajectoryPoint {
         positions: point.joints_rad.clone(),
         velocities: point.speeds_rad_s.clone(),
         accelerations: point.accelerations_rad_s2.clone(),
-        time_from_start: Duration {
-            sec: (nanoseconds / 1_000_000_000) as i32,
-            nanosec: (nanoseconds % 1_000_000_000) as u32,
-        },
+        time_from_start: Duration { sec, nanosec },
         ..JointTrajectoryPoint::default()
     }
 }
@@ -153,13 +122,6 @@ fn together(positions: &[f64]) -> Result<f64, String> {
     }
 }
 
-fn check_finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> Result<(), String> {
-    match values.into_iter().find(|value| !value.is_finite()) {
-        Some(value) => Err(format!("it holds `{value}`, which is not a number")),
-        None => Ok(()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -176,28 +138,7 @@ mod tests {
 
     #[test]
     fn what_a_message_cannot_carry_is_refused_in_words() {
-        let points = |points: &[Waypoint]| trajectory(points, &names()).err();
         let faults = [
-            (
-                points(&[waypoint(0.0, 1.0)]),
-                "it has 1 points, and needs at least 2",
-            ),
-            (
-                points(&[waypoint(0.0, f64::NAN), waypoint(1.0, 2.0)]),
-                "it holds `NaN`, which is not a number",
-            ),
-            (
-                points(&[waypoint(1.0, 1.0), waypoint(1.0, 2.0)]),
-                "point 1 is at `1` s, not after the one before",
-            ),
-            (
-                points(&[waypoint(0.0, 1.0), waypoint(1e12, 2.0)]),
-                "point 1 is at `1000000000000` s, not after the one before",
-            ),
-            (
-                trajectory(&[waypoint(0.0, 1.0), waypoint(1.0, 2.0)], &names()[..1]).err(),
-                "it names 2 joints, and the arm has 1",
-            ),
             (
                 gripper(&[0.1, 0.2], 5.0).err(),
                 "it has the positions `[0.1, 0.2]`, and a gripper's fingers move together",

@@ -24,9 +24,6 @@ const NOTICE: Duration = Duration::from_millis(100);
 /// The longest that writing may wait for a slow reader.
 const BLOCKING: rustdds::Duration = rustdds::Duration::from_millis(100);
 
-/// The longest wait, so that no sum of times overflows.
-const LONGEST_S: f64 = 86_400.0;
-
 /// What is asked of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Quality {
@@ -198,23 +195,4 @@ fn refused(name: &str, why: String) -> Ros2Error {
 /// Returns the name in DDS of a topic of ROS.
 pub(crate) fn topic_name(name: &str) -> String {
     format!("rt{name}")
-}
-
-/// Converts seconds to a wait, whatever their value.
-pub(crate) fn bounded_wait(seconds: f64) -> Duration {
-    Duration::try_from_secs_f64(seconds.min(LONGEST_S)).unwrap_or_default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::time::Instant;
-
-    #[test]
-    fn no_number_of_seconds_is_too_much_for_a_clock() {
-        for seconds in [f64::NAN, f64::INFINITY, -1.0, 1e300, 0.0, 5.0] {
-            let _ = Instant::now() + bounded_wait(seconds);
-        }
-        assert_eq!(bounded_wait(1.5), Duration::from_millis(1500));
-    }
 }

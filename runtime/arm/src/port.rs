@@ -3,6 +3,7 @@
 //! In: goals, cancellations, stops. Out: the state of each goal, and the arm's last readings. A port only sends and
 //! receives: the driver decides what a lost message or an aborted goal means.
 
+pub mod goals;
 mod stamps;
 
 pub use stamps::Stamps;
