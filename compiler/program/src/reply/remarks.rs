@@ -3,6 +3,7 @@
 //! In: the sentences of an answer, and where its last claim stands. Out: for each kind of field, why its values are not
 //! those that the answer means. Each remark is a row of a table.
 
+use super::doubt::{self, Place};
 use super::lexer::{Gap, Kind, Token};
 use super::point;
 use super::value;
@@ -151,29 +152,28 @@ const CONVERTED: &str =
 /// The most tokens of a sentence that is a remark.
 const MAX_SENTENCE: usize = 300;
 
+/// Where the claims of an answer stand, bytes.
+#[derive(Clone, Copy)]
+pub(super) struct Stated {
+    /// Where the first one begins.
+    pub first: usize,
+    /// Where the last one begins.
+    pub last: usize,
+    /// Where the last one ends.
+    pub end: usize,
+}
+
 /// Returns the remarks of an answer: what each is about, and the reason why those values cannot be used.
 ///
-/// - `last_claim`: where the last claim begins.
+/// - `stated`: the claims that stand among the tokens; none if the tokens are remarks beside them.
 pub(super) fn of(
     tokens: &[Token<'_>],
     notation: &Notation,
-    last_claim: Option<usize>,
+    stated: Option<Stated>,
 ) -> Vec<(About, String)> {
+    let last_claim = stated.map(|stated| stated.last);
     let mut found: Vec<(About, String)> = Vec::new();
-    let mut start = 0;
-    for index in 0..tokens.len() {
-        let goes_on = tokens.get(index + 1).is_some_and(|next| {
-            // The last value ends with its line.
-            let states_last =
-                last_claim.is_some_and(|at| (tokens[start].at..=tokens[index].at).contains(&at));
-            let least = if states_last { Gap::Line } else { Gap::Item };
-            !value::ends_sentence(tokens, index) && next.gap < least
-        });
-        if goes_on {
-            continue;
-        }
-        let sentence = &tokens[start..=index];
-        start = index + 1;
+    for sentence in sentences(tokens, last_claim) {
         // Nobody writes sentences of this length; looking for every phrase in them would only take time.
         if sentence.len() > MAX_SENTENCE {
             continue;
@@ -200,6 +200,53 @@ pub(super) fn of(
         found.push((Action, "the answer holds only under a condition".to_owned()));
     }
     found
+}
+
+/// Cuts a text into sentences; the last value ends with its line.
+fn sentences<'a, 't>(tokens: &'a [Token<'t>], last_claim: Option<usize>) -> Vec<&'a [Token<'t>]> {
+    let mut found = Vec::new();
+    let mut start = 0;
+    for index in 0..tokens.len() {
+        let goes_on = tokens.get(index + 1).is_some_and(|next| {
+            let states_last =
+                last_claim.is_some_and(|at| (tokens[start].at..=tokens[index].at).contains(&at));
+            let least = if states_last { Gap::Line } else { Gap::Item };
+            !value::ends_sentence(tokens, index) && next.gap < least
+        });
+        if !goes_on {
+            found.push(&tokens[start..=index]);
+            start = index + 1;
+        }
+    }
+    found
+}
+
+/// Returns why an answer is in doubt; of the sentence that states the last value, only what follows it is read.
+///
+/// - `stated`: the claims that stand among the tokens.
+/// - `place`: where the tokens stand if there are none.
+pub(super) fn doubt(
+    tokens: &[Token<'_>],
+    stated: Option<Stated>,
+    place: Place,
+) -> Option<&'static str> {
+    let last = stated.map(|stated| stated.last);
+    sentences(tokens, last).into_iter().find_map(|sentence| {
+        let Some(Stated { first, last, end }) = stated else {
+            return doubt::cast_by(sentence, place);
+        };
+        let (begins, ends) = (sentence.first()?.at, sentence.last()?.at);
+        let place = match () {
+            () if ends > last => Place::After,
+            () if begins > first => Place::Beside,
+            () => Place::Before,
+        };
+        let behind = match begins > last || place != Place::After {
+            true => 0,
+            false => sentence.partition_point(|token| token.at < end),
+        };
+        doubt::cast_by(&sentence[behind..], place)
+    })
 }
 
 /// Returns whether a line such as `If it has to be pulled:` stands above a claim.

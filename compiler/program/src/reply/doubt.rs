@@ -1,0 +1,1375 @@
+//! Finds sentences that put the answer in doubt, withdraw it, or tell somebody to do something else.
+//!
+//! In: a sentence, and where it stands. Out: why the answer cannot be used. Each clause is read as a statement: who it
+//! speaks of, what it says, and whether it denies that. Doubt counts where it is said of the answer, by its author, or
+//! of nobody (`a wild guess`); orders count where they are given to whoever carries the answer out. What is said of
+//! the cloth and the picture is free.
+
+use super::lexer::{Gap, Kind, Token};
+use super::wordlist::words;
+
+/// Where a sentence stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// Before the last value. Other ways to fold are weighed here, and the picture is described.
+    Before,
+    /// In a member of an object beside the values. It may explain why the values are better than others.
+    Beside,
+    /// After the last value.
+    After,
+}
+
+const DOUBTED: &str = "the answer doubts its own values";
+const HALTED: &str = "the answer says that it is not to be carried out";
+const OTHERWISE: &str = "the answer proposes something else than its values";
+const CONDITIONAL: &str = "the answer holds only under a condition";
+const CHANGED: &str = "the answer changes its values afterwards";
+
+/// What stands for the answer.
+const PRONOUNS: &[&str] = words!("this that it these those they them");
+
+/// What names the answer or a part of it.
+const PARTS: &[&str] = words!(
+    "answer answers value values number numbers coordinate coordinates coords pixels point points pick place
+    direction distance grip angle action move choice result output entry entries estimate estimates pair suggestion
+    proposal response json fold plan figures data spot lines two three above following x y"
+);
+
+/// What counts parts of the answer: `none of that`, `both`.
+const QUANTIFIERS: &[&str] =
+    words!("all both each either neither none most some much everything anything nothing half one");
+
+/// What may stand between an article and its noun.
+const QUALIFIERS: &[&str] = words!(
+    "above two three last final whole entire given stated next previous proposed suggested chosen same"
+);
+
+/// Who carries the answer out.
+const AGENTS: &[&str] = words!(
+    "you we robot robots arm arms gripper grippers manipulator machine controller effector hand one nobody"
+);
+
+/// Who would decide in the model's place.
+const PEOPLE: &[&str] = words!(
+    "human humans person operator operators somebody someone supervisor expert experts technician colleague engineer
+    people anybody anyone"
+);
+
+const ARTICLES: &[&str] = words!("the a an my our your his its their any every");
+const BE: &[&str] = words!("is are was were be been being am");
+const MODALS: &[&str] = words!(
+    "should must ought need needs have has had may might can could will would shall do does did"
+);
+const DUTIES: &[&str] = words!("should must ought need needs have has had");
+const SUPPOSING: &[&str] = words!("would might may could");
+const NEGATIONS: &[&str] =
+    words!("not never no nothing none neither nor hardly barely scarcely without little few");
+
+/// What softens doubt to its opposite: `less risky`.
+const DIMINISHING: &[&str] = words!(
+    "less not no without never least avoid avoids avoiding reduce reduces any beyond hardly prevent prevents"
+);
+
+/// Verbs beside `be` that join a judgement to its subject.
+const SEEMING: &[&str] = words!(
+    "seem seems seemed look looks looked feel feels felt remain remains sound sounds came come comes turned turns
+    ended proved got stay stays"
+);
+
+/// What may begin a clause without being part of its statement.
+const OPENING: &[&str] = words!(
+    "please kindly honestly frankly but and or so well actually also just maybe perhaps possibly however still though
+    yet sadly unfortunately somehow simply anyway note warning caution disclaimer caveat important oh okay ok really
+    personally arguably admittedly again therefore thus hence basically mind remember ah alas importantly ps nb
+    overall sorry as that for now today
+    reason reasoning explanation rationale comment remark notes message thought thoughts status description why
+    justification info"
+);
+
+/// What tells of a later step.
+const SEQUEL: &[&str] = words!(
+    "then next afterwards afterward later finally once after when subsequently second following thereafter done if
+    should future further"
+);
+
+/// What begins a clause that gives a reason or describes something.
+const EXPLAINING: &[&str] =
+    words!("because since which who where whereas while when if than although though whether how");
+
+/// What begins any other clause.
+const JOINING: &[&str] = words!("and but so or before until unless yet");
+
+/// Doubt, as nouns, adjectives and participles.
+const DOUBTS: &[&str] = words!(
+    "guess guesses guessed guessing guesswork guesstimate guesstimates eyeballed hunch stab dice gamble lottery
+    random randomly arbitrary arbitrarily haphazard hallucinated hallucination hallucinations fabricated fabrication
+    invented fictional fictitious imaginary imagined fake faked bogus dummy placeholder placeholders filler fillers
+    nonsense nonsensical garbage gibberish rubbish junk trash meaningless worthless useless pointless unreliable
+    untrustworthy dubious doubtful doubt doubts questionable iffy shaky sketchy fishy flimsy speculative speculation
+    tentative provisional premature unverified untested unconfirmed unchecked unmeasured unsure uncertain unknown void
+    null invalid retracted withdrawn revoked rescinded cancelled canceled improvised joke prank hypothetical
+    hypothetically moot stale outdated obsolete expired superseded leftover leftovers recycled boilerplate mistaken
+    mistake mistakes erroneous error faulty flawed incorrect inaccurate imprecise wrong wrongly backwards backward
+    mixed swapped transposed garbled botched unsafe dangerous risky hazardous unusable untenable inadvisable unwise
+    foolish reckless makeshift stopgap blind blindly nominal suspect suspicious crude sloppy careless debatable
+    disputable unfounded baseless unsupported unjustified inconclusive insufficient unacceptable unworkable infeasible
+    impossible unrealistic implausible unlikely misguided misplaced misjudged mistyped typo bluff fiction fantasy
+    premise draft scribble improbable ungrounded unreal doomed hopeless off outside nowhere anywhere unfinished
+    incomplete untrue false illusory worse worst defective unfit unsuitable inappropriate vague
+    exaggerated overestimated underestimated contrived fluke shot gibberish non-binding nonbinding"
+);
+
+/// Doubt that also describes places and sides, and so counts only in a judgement of the answer.
+const WEAK_DOUBTS: &[&str] = words!(
+    "off outside nowhere anywhere backwards backward mixed swapped blind blindly unknown draft error mistake mistakes
+    premise null shot worse worst wrong incorrect impossible incomplete unlikely false risky suspect nominal unsafe
+    insufficient invalid misplaced incorrectly wrongly unfinished dangerous crude imprecise inaccurate vague"
+);
+
+/// Trust, which is doubt where it is denied.
+const TRUSTED: &[&str] = words!(
+    "reliable trustworthy real final accurate certain sure correct right valid usable safe trusted verified measured
+    meant serious binding official authoritative definitive conclusive sound suitable ready feasible reachable
+    executable intended recommended advisable wise useful worth dependable confident grounded based checked tested
+    confirmed credible sensible good mine settled true possible workable sane solid convinced comfortable allowed
+    permitted acceptable happy satisfied convincing plausible believable guaranteed"
+);
+
+/// What the author may do to doubt the answer: `I doubt`, `I made it up`.
+const AUTHOR_DOUBTS: &[&str] = words!(
+    "guess guessed doubt doubted regret retract retracted withdraw withdrew revoke rescind hesitate distrust mistrust
+    eyeballed improvised invented fabricated hallucinated bluffed gambled faked lied erred misjudged misread miscounted
+    misidentified misplaced copied pasted recycled borrowed pretended rushed botched fumbled dislike apologise
+    apologize disagree question object refuse decline worry fear dread suspect abstain reconsider recant"
+);
+
+/// What the author feels in doubt: `I am unsure`.
+const AUTHOR_FEELINGS: &[&str] = words!(
+    "unsure uncertain hesitant reluctant sceptical skeptical doubtful wary uneasy uncomfortable confused lost torn
+    guessing bluffing joking kidding pretending improvising worried afraid sorry unhappy unconvinced clueless stumped
+    speculating inventing wrong mistaken retracting withdrawing dubious nervous unwilling unable"
+);
+
+/// What the author may lack.
+const AUTHOR_LACKS: &[&str] = words!(
+    "idea clue faith confidence trust inkling basis evidence way grounds certainty conviction"
+);
+
+/// What the author may have too much of.
+const AUTHOR_HAS: &[&str] =
+    words!("doubts doubt misgivings reservations qualms concerns second hunch suspicion");
+
+/// What the author does with an answer that is meant.
+const COMMITTING: &[&str] = words!(
+    "trust vouch guarantee recommend rely stand advise endorse bet go risk execute act commit promise believe count
+    use do send follow swear attest defend support suggest bank carry run perform mean say know
+    assume propose want"
+);
+
+/// What the author would prefer to the answer.
+const PREFERRING: &[&str] =
+    words!("rather sooner prefer opt hold wait leave skip want love start begin");
+
+/// Orders that stop what is going on, whatever follows them.
+const HALTS: &[&str] = words!(
+    "wait stop pause halt abort postpone delay defer refrain desist freeze reconsider rethink replan retake rescan
+    remeasure recheck recalibrate rewind"
+);
+
+/// The same as verbal nouns.
+const HALTINGS: &[&str] = words!(
+    "waiting stopping pausing halting aborting postponing delaying deferring refraining reconsidering rethinking
+    replanning holding skipping cancelling canceling leaving discarding ignoring against another not
+    something otherwise instead caution patience"
+);
+
+/// Orders that dismiss or change what they name.
+const DISMISSALS: &[&str] = words!(
+    "skip ignore discard disregard scrap toss bin drop forget reject delete erase strike scratch cancel void overwrite
+    undo redo revert treat consider regard take view see verify check confirm double-check adjust correct fix shift swap
+    change replace revise nudge raise lower reverse mirror flip abandon shelve dismiss trash dump revisit repeat ditch
+    distrust mistrust doubt question unsee rub suspend hold refuse veto override round scale rotate invert exchange
+    interchange switch turn drop bump tweak modify amend edit reinterpret reread keep call file postpone strike burn"
+);
+
+/// Orders that may name the answer without dismissing it: `Keep it flat`, `Check it in the next image`.
+const HARMLESS_ORDERS: &[&str] =
+    words!("take see view keep call lower raise turn repeat check verify confirm consider hold");
+
+/// Orders that carry something out, which are doubt where they are forbidden.
+const ACTS: &[&str] = words!(
+    "act execute move do go run use follow trust rely send start try pick grasp grab grip fold lift apply perform carry
+    believe proceed take count put pull drag touch begin place tackle choose select commit fire press rush bother
+    unfold smooth flatten flip turn stack straighten"
+);
+
+/// Orders that are no business of the robot.
+const CALMING: &[&str] = words!("worry mind hesitate forget need want think let be expect");
+
+/// What a later look would do to the answer.
+const REVISED: &[&str] = words!(
+    "ignored discarded skipped scrapped checked verified confirmed measured treated taken adjusted corrected shifted
+    moved swapped raised lowered nudged rounded increased decreased reduced extended shortened flipped reversed rotated
+    scaled replaced changed revised reconsidered rechecked double-checked re-measured reviewed disregarded dismissed
+    dropped deleted cancelled canceled overwritten redone revisited mirrored exchanged inverted doubled halved
+    subtracted added multiplied divided offset approved validated remeasured refined postponed delayed amended retaken
+    turned tweaked trimmed bumped put interpreted considered regarded viewed seen higher further farther
+    smaller larger bigger shorter longer closer left"
+);
+
+/// What is done to an answer that is meant.
+const USED: &[&str] = words!(
+    "used executed trusted followed carried relied taken run performed sent believed considered acted treated applied
+    tried done read counted attempted quoted implemented happen counted"
+);
+
+/// What an answer may demand instead of being carried out.
+const DEMANDING: &[&str] =
+    words!("need needs require requires want wants deserve deserves call calls");
+const DEMANDED: &[&str] = words!(
+    "checking measuring verification review confirmation adjusting turning correcting approval supervision testing
+    validation shifting care caution rethinking work revision adjustment correction double-checking refinement another
+    attention salt"
+);
+
+/// What an answer may do that makes it unfit.
+const FAILING: &[&str] = words!(
+    "ruin ruins wreck wrecks damage damages spoil spoils lack lacks fail fails misses backfire backfires mislead
+    misleads clash clashes contradict contradicts violate violates defeat defeats undermine destroy destroys hurt harm
+    harms worsen worsens collide collides"
+);
+
+/// What an answer does that is meant.
+const WORKING: &[&str] = words!(
+    "work works hold holds count counts matter matters apply applies stand stands exist convince convinces represent reflect mean help helps add make makes"
+);
+
+/// What makes an answer conditional.
+const PRESUPPOSING: &[&str] = words!(
+    "presuppose presupposes presume presumes assume assumes suppose supposes hinge hinges depend depends hold holds
+    apply applies work works count counts"
+);
+
+/// Verbs that tell where an answer is from or what it is for.
+const ORIGINATING: &[&str] = words!(
+    "belong belongs refer refers stem stems come comes date dates meant intended taken copied borrowed left from for
+    lifted quoted cribbed pertain pertains describe describes correspond corresponds apply applies concern concerns"
+);
+
+/// What is not this answer's picture, step or robot.
+const ELSEWHERE: &[&str] = words!(
+    "previous earlier another other old different second example examples format prompt template tomorrow later
+    demonstration yesterday somebody someone memory nowhere wrong previous"
+);
+
+/// What praises another way: `It would be wiser to`.
+const BETTER: &[&str] = words!(
+    "better best wise wiser prudent sensible advisable preferable good safer smarter smart cleverer nicer easier
+    simpler saner sounder preferred worthwhile reasonable appropriate fairer ideal more worth"
+);
+
+/// What the author offers in place of the answer.
+const COUNSELS: &[&str] = words!(
+    "advice recommendation suggestion preference gut instinct hunch vote bet counsel hope wish request plea intuition
+    inclination urge feeling worry concern fear doubt verdict warning"
+);
+
+/// What another choice is called.
+const RIVALS: &[&str] = words!(
+    "better real true proper actual safer smarter wiser other opposite intended alternative cleverer"
+);
+
+/// Sayings that doubt or halt, whatever they are said of; separated by `|`.
+const SAYINGS: &str = "the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
+    |coin flip|coin toss|flip of a coin|toss of a coin|second opinion|need a closer look|needs a closer look|deserves a closer look\
+    |take it back|take that back|take this back|strike that|my gut|top of my head|at face value|this one out|stay put\
+    |staying put|stays put|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
+    |drawing board|not so fast|too soon|think twice|think again|who knows|your guess|no way to know|own risk|no promises\
+    |no guarantee|no guarantees|no warranty|for what it is worth|made up|made it up|made them up|making this up|making it up\
+    |had better|would better|up to you|your call|your discretion|had i|never said|never happened|out of thin air\
+    |on a whim|on a hunch|not mine|not my|do nothing|do not act|not act on|not act upon|better not|rather not|best not\
+    |of no use|good for nothing|blind guess|filled in the blanks|fill in the blanks|i see now|now i see|i now see|i realise now\
+    |i now realise|i realize now|i now realize|i just noticed|i just realised|i just realized|i notice now|i now notice|out of reach\
+    |ask me again|ask again|try again|start over|start afresh|come back later|another photo|another picture|another image|new photo\
+    |sharper photo|better photo|clearer photo|sharper image|better image|clearer image|sharper picture|better picture\
+    |clearer picture|fresh photo|fresh image|fresh picture|closer photo|higher resolution|leave well alone|leave it alone\
+    |leave it be|leave everything|leave things|do not trust|do not rely|not rely on|do not quote|with caution|to be safe\
+    |in hindsight|in retrospect|changed my mind|change my mind\
+    |for lack of|for want of|just in case|not this one|not this time|not this corner|not these|not this|not that|over this|over these\
+    |instead of this|instead of these|rather than this|rather than these|than this|than these|before any of|before this|before that\
+    |before doing this|before anything|before you|on condition|as long as|so long as|provided that|providing that|only valid\
+    |valid only|valid provided|only works if|only if|only once|only after|only when|in case of doubt|contingent on|subject to\
+    |purely to|merely to|only to satisfy|just to satisfy|satisfy the format|satisfy the parser|satisfy the schema|to fill the\
+    |because i had to|because you insist|you insist|against my better|second thoughts|cold feet";
+
+/// Returns why a sentence puts the answer in doubt, if it does.
+pub(super) fn cast_by(sentence: &[Token<'_>], place: Place) -> Option<&'static str> {
+    let text = plain(sentence);
+    let words: Vec<&str> = text.split_whitespace().collect();
+    // `Were the sleeve flat, I would say:`
+    let supposes = words
+        .first()
+        .is_some_and(|it| matches!(*it, "were" | "had"));
+    if supposes && place == Place::Before && words.last() == Some(&":") {
+        return Some(CONDITIONAL);
+    }
+    let mut start = 0;
+    let mut joint = "";
+    let mut is_sequel = false;
+    for end in 0..=words.len() {
+        let word = words.get(end).copied().unwrap_or(".");
+        let is_sign = word.len() <= 3 && !word.starts_with(char::is_alphanumeric);
+        if !(is_sign || EXPLAINING.contains(&word) || JOINING.contains(&word)) {
+            continue;
+        }
+        let mut clause = Clause::new(&words[start..end], joint, place, is_sequel);
+        clause.names_value = word == "(";
+        if let Some(why) = clause.doubt() {
+            return Some(why);
+        }
+        is_sequel |= clause.opens_sequel();
+        (start, joint) = (end + 1, if is_sign { "" } else { word });
+    }
+    None
+}
+
+/// Writes a sentence in lower case, with its contractions written out.
+fn plain(sentence: &[Token<'_>]) -> String {
+    const SHORT: [(&str, &str); 8] = [
+        ("n't", " not"),
+        ("'m", " am"),
+        ("'re", " are"),
+        ("'ve", " have"),
+        ("'ll", " will"),
+        ("'d", " would"),
+        ("'s", " is"),
+        ("cannot", "can not"),
+    ];
+    let mut text = String::new();
+    for token in sentence {
+        let is_hyphen = token.is_sign('-') && token.gap == Gap::None;
+        match token.kind {
+            _ if is_hyphen => {}
+            Kind::Sign(sign) => text.extend([' ', sign]),
+            Kind::Word | Kind::Number => {
+                let word = token.text.to_lowercase().replace('’', "'");
+                let word = match word.as_str() {
+                    "won't" => "will not".to_owned(),
+                    "can't" => "can not".to_owned(),
+                    "let's" => "let us".to_owned(),
+                    _ => SHORT
+                        .iter()
+                        .find_map(|(short, long)| {
+                            word.strip_suffix(short).map(|stem| format!("{stem}{long}"))
+                        })
+                        .unwrap_or(word),
+                };
+                text.push(' ');
+                text.push_str(&word);
+            }
+        }
+    }
+    text
+}
+
+/// Whom a clause speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Subject {
+    /// The answer or a part of it.
+    Answer,
+    /// The model.
+    Author,
+    /// Whoever carries the answer out.
+    Agent,
+    /// Somebody who would have to decide.
+    Person,
+    /// The cloth, the picture, anything else.
+    World,
+    /// Nobody: an order, or a phrase without a verb.
+    Nobody,
+}
+
+/// A clause of a sentence.
+struct Clause<'a> {
+    /// Its words, without those that only open it.
+    words: &'a [&'a str],
+    joint: &'a str,
+    place: Place,
+    /// Whether it tells of a later step.
+    is_sequel: bool,
+    /// Whether a value in brackets follows: `do not pick (10, 20)`.
+    names_value: bool,
+    subject: Subject,
+    /// What is said of the subject.
+    predicate: &'a [&'a str],
+    /// Whether the subject denies it: `none of them`.
+    is_none: bool,
+}
+
+impl<'a> Clause<'a> {
+    fn new(words: &'a [&'a str], joint: &'a str, place: Place, was_sequel: bool) -> Clause<'a> {
+        let opened = words.iter().take_while(|it| {
+            OPENING.contains(it) || it.ends_with("ly") && !DOUBTS.contains(it) && **it != "only"
+        });
+        let words = &words[opened.count()..];
+        let is_sequel = was_sequel
+            || words.first().is_some_and(|it| SEQUEL.contains(it))
+            || SEQUEL.contains(&joint)
+            || words
+                .iter()
+                .any(|it| matches!(*it, "next" | "afterwards" | "later"));
+        let (subject, length) = subject(words);
+        Clause {
+            words,
+            joint,
+            place,
+            is_sequel,
+            names_value: false,
+            subject,
+            predicate: &words[length..],
+            is_none: words[..length].iter().any(|it| NEGATIONS.contains(it)),
+        }
+    }
+
+    fn opens_sequel(&self) -> bool {
+        self.is_sequel
+    }
+
+    fn says(&self, table: &[&str]) -> bool {
+        self.words.iter().any(|it| table.contains(it))
+    }
+
+    fn is_explaining(&self) -> bool {
+        EXPLAINING.contains(&self.joint)
+    }
+
+    /// Returns why the clause puts the answer in doubt.
+    fn doubt(&self) -> Option<&'static str> {
+        if self.words.is_empty() {
+            return None;
+        }
+        if self.joint == "which" {
+            let Predicate { denies, head, .. } = Predicate::of(self.words);
+            if denies && head == Some("work") {
+                return Some(DOUBTED);
+            }
+        }
+        let judged = match self.subject {
+            Subject::Answer => self.judges_answer(),
+            Subject::Author => self.confesses(),
+            Subject::Agent => self.directs(),
+            Subject::Person => self.defers(),
+            Subject::World if matches!(self.words[0], "a" | "an") => self.labels(),
+            Subject::World => None,
+            Subject::Nobody => self.orders(self.words).or_else(|| self.labels()),
+        };
+        judged
+            .or_else(|| self.proposes())
+            .or_else(|| self.quotes_saying())
+    }
+
+    fn quotes_saying(&self) -> Option<&'static str> {
+        if self.place == Place::Before || self.is_explaining() {
+            return None;
+        }
+        let text = format!(" {} ", self.words.join(" "));
+        let says = |saying: &str| text.contains(&format!(" {saying} "));
+        SAYINGS.split('|').any(says).then_some(DOUBTED)
+    }
+
+    /// `None of that is reliable`, `The pick should be shifted`, `These belong to the previous picture`
+    fn judges_answer(&self) -> Option<&'static str> {
+        let Predicate {
+            denies,
+            modal,
+            head,
+            rest,
+        } = Predicate::of(self.predicate);
+        let denies = denies != self.is_none;
+        let is_it = self.words[0] == "it";
+        let verb = head?;
+        let length = self.words.len() - self.predicate.len();
+        if self.place == Place::Before && !refers_forward(&self.words[..length]) {
+            return None;
+        }
+        let has = |table: &[&str]| rest.iter().any(|it| table.contains(it));
+        if BE.contains(&verb) || SEEMING.contains(&verb) || verb == "have" || verb == "has" {
+            let judgement = rest
+                .split(|it| matches!(*it, "to" | "that" | "for" | "by" | "from" | "on" | "in"))
+                .next()
+                .unwrap_or_default();
+            let denied = |at: usize| {
+                judgement[at.saturating_sub(3)..at]
+                    .iter()
+                    .any(|it| DIMINISHING.contains(it))
+            };
+            let is_doubt = judgement.iter().enumerate().any(|(at, it)| {
+                let is_slight = *it == "off" && rest.get(at + 1) == Some(&"by");
+                DOUBTS.contains(it)
+                    && !denied(at)
+                    && !is_slight
+                    && !(is_it && WEAK_DOUBTS.contains(it))
+            });
+            if is_doubt && !denies {
+                return Some(DOUBTED);
+            }
+            let trusts = judgement.iter().any(|it| TRUSTED.contains(it));
+            if trusts && denies && !is_it {
+                return Some(DOUBTED);
+            }
+            let revised = rest.first().is_some_and(|it| REVISED.contains(it));
+            if revised && !denies && modal.is_some_and(|it| DUTIES.contains(&it)) && !is_it {
+                return Some(CHANGED);
+            }
+            let used = judgement.iter().any(|it| USED.contains(it));
+            if used && denies && modal.is_some() {
+                return Some(HALTED);
+            }
+            let from = rest.iter().position(|it| ORIGINATING.contains(it));
+            if from.is_some_and(|at| rest[at..].iter().take(6).any(|it| ELSEWHERE.contains(it)))
+                && !denies
+                && !is_it
+            {
+                return Some(DOUBTED);
+            }
+            return None;
+        }
+        if FAILING.contains(&verb) && !denies && !self.is_explaining() {
+            return Some(DOUBTED);
+        }
+        if WORKING.contains(&verb) && denies && !is_it {
+            return Some(DOUBTED);
+        }
+        if PRESUPPOSING.contains(&verb)
+            && (has(&["only", "if", "provided"])
+                || verb.starts_with("presup")
+                || verb.starts_with("presum")
+                || verb.starts_with("assum")
+                || verb.starts_with("depend")
+                || verb.starts_with("hinge"))
+            && !denies
+        {
+            return Some(CONDITIONAL);
+        }
+        if ORIGINATING.contains(&verb) && has(ELSEWHERE) && !denies {
+            return Some(DOUBTED);
+        }
+        if DEMANDING.contains(&verb)
+            && (has(DEMANDED) || (has(REVISED) && rest.first() == Some(&"to")))
+            && !denies
+            && !is_it
+        {
+            return Some(CHANGED);
+        }
+        // `it needs to move up`, `both want raising`
+        if USED.contains(&verb) && denies {
+            return Some(HALTED);
+        }
+        (is_duty(modal) && REVISED.contains(&verb) && !denies && !is_it).then_some(CHANGED)
+    }
+
+    /// `I doubt it`, `I am not sure`, `I have no idea`, `I would not trust it`, `I'd rather wait`
+    fn confesses(&self) -> Option<&'static str> {
+        let Predicate {
+            denies,
+            modal,
+            head,
+            rest,
+        } = Predicate::of(self.predicate);
+        if self.words[0] == "we"
+            && let Some(why) = self.directs()
+        {
+            return Some(why);
+        }
+        let verb = head?;
+        let refers = refers(rest);
+        let first = rest.first().copied().unwrap_or_default();
+        if BE.contains(&verb) || verb == "feel" || verb == "felt" {
+            let feels = rest.iter().take(4).any(|it| AUTHOR_FEELINGS.contains(it));
+            let trusts = rest.iter().take(3).any(|it| TRUSTED.contains(it));
+            let weighs = self.place == Place::Before || self.is_explaining();
+            return ((feels && !denies || trusts && denies) && !weighs).then_some(DOUBTED);
+        }
+        if verb == "have" || verb == "had" {
+            let lacks = rest.iter().take(4).any(|it| NEGATIONS.contains(it)) || denies;
+            let lacking = lacks && rest.iter().take(5).any(|it| AUTHOR_LACKS.contains(it));
+            let has = !lacks && rest.iter().take(4).any(|it| AUTHOR_HAS.contains(it));
+            return (lacking || has).then_some(DOUBTED);
+        }
+        if AUTHOR_DOUBTS.contains(&verb) && !denies {
+            let is_free = matches!(
+                verb,
+                "apologise"
+                    | "apologize"
+                    | "suspect"
+                    | "worry"
+                    | "fear"
+                    | "question"
+                    | "misplaced"
+                    | "object"
+            ) && self.place == Place::Before;
+            return (!is_free).then_some(DOUBTED);
+        }
+        if matches!(verb, "made" | "make" | "making") && rest.contains(&"up") && !denies {
+            return Some(DOUBTED);
+        }
+        if COMMITTING.contains(&verb)
+            && denies
+            && (refers
+                || rest.is_empty() && !self.names_value
+                || matches!(first, "for" | "by" | "behind"))
+        {
+            return Some(DOUBTED);
+        }
+        let denies_sight = denies
+            && matches!(
+                verb,
+                "tell"
+                    | "find"
+                    | "see"
+                    | "locate"
+                    | "identify"
+                    | "determine"
+                    | "recognise"
+                    | "recognize"
+                    | "know"
+                    | "measure"
+                    | "say"
+                    | "verify"
+                    | "check"
+                    | "make"
+                    | "judge"
+                    | "pinpoint"
+            )
+            && self.place != Place::Before
+            && (rest.is_empty()
+                || rest.iter().take(3).any(|it| {
+                    matches!(
+                        *it,
+                        "corner"
+                            | "cloth"
+                            | "which"
+                            | "whether"
+                            | "where"
+                            | "what"
+                            | "exactly"
+                            | "much"
+                            | "clearly"
+                            | "anything"
+                            | "it"
+                            | "this"
+                            | "these"
+                            | "point"
+                    )
+                }))
+            && !rest.iter().any(|it| {
+                matches!(
+                    *it,
+                    "better" | "other" | "wrinkle" | "any" | "more" | "need" | "reason"
+                )
+            });
+        if denies_sight {
+            return Some(DOUBTED);
+        }
+        if self.place != Place::After {
+            return None;
+        }
+        let would = modal.is_some_and(|it| it == "would");
+        if would && PREFERRING.contains(&verb) && !self.is_sequel {
+            return Some(OTHERWISE);
+        }
+        let counsels = matches!(
+            verb,
+            "recommend"
+                | "suggest"
+                | "advise"
+                | "propose"
+                | "urge"
+                | "advocate"
+                | "vote"
+                | "prefer"
+                | "ask"
+                | "request"
+                | "insist"
+                | "plead"
+        );
+        let otherwise = rest.iter().take(3).any(|it| {
+            HALTINGS.contains(it)
+                || HALTS.contains(it)
+                || matches!(*it, "instead" | "first" | "else" | "rather")
+        }) || rest
+            .iter()
+            .any(|it| matches!(*it, "instead" | "else" | "otherwise"));
+        (counsels && otherwise && !self.is_sequel && !denies).then_some(OTHERWISE)
+    }
+
+    /// `You had better not use this`, `The robot should stay where it is`
+    fn directs(&self) -> Option<&'static str> {
+        if self.is_explaining() || self.is_sequel {
+            return None;
+        }
+        let Predicate {
+            denies,
+            modal,
+            head,
+            rest,
+        } = Predicate::of(self.predicate);
+        let verb = head?;
+        if !modal.is_some_and(|it| !matches!(it, "do" | "does" | "did" | "have" | "has")) {
+            return None;
+        }
+        let denies = denies || self.is_none;
+        if denies {
+            let is_whole = rest.is_empty() && !self.names_value
+                || refers(rest)
+                || rest
+                    .iter()
+                    .any(|it| matches!(*it, "yet" | "now" | "anything" | "today"));
+            return (ACTS.contains(&verb)
+                && is_whole
+                && !modal.is_some_and(|it| matches!(it, "will" | "would" | "need" | "can")))
+            .then_some(HALTED);
+        }
+        let may = modal.is_some_and(|it| it != "will");
+        let rests = matches!(
+            verb,
+            "rest" | "stay" | "sit" | "remain" | "idle" | "park" | "stand"
+        ) && !matches!(self.words[0], "you");
+        if may && (HALTS.contains(&verb) || rests) {
+            return Some(HALTED);
+        }
+        if may && verb == "better" {
+            return Some(OTHERWISE);
+        }
+        if may && DISMISSALS.contains(&verb) && !HARMLESS_ORDERS.contains(&verb) && refers(rest) {
+            return Some(CHANGED);
+        }
+        let other = rest
+            .windows(2)
+            .any(|pair| pair[0] == "instead" && pair[1] != "of")
+            || rest
+                .last()
+                .is_some_and(|it| matches!(*it, "instead" | "first" | "else"));
+        (may && other && self.place == Place::After).then_some(OTHERWISE)
+    }
+
+    /// `A human should look at this`, `until the operator nods`
+    fn defers(&self) -> Option<&'static str> {
+        let modal =
+            self.predicate.iter().take(3).any(|it| {
+                DUTIES.contains(it) || self.place == Place::After && SUPPOSING.contains(it)
+            });
+        let waits = matches!(self.joint, "until" | "unless" | "before" | "once");
+        let like = self.words.iter().any(|it| matches!(*it, "like" | "as"));
+        ((modal || waits) && !like && !(self.is_none && !waits)).then_some(HALTED)
+    }
+
+    /// `Wait`, `Disregard this`, `Do not let the arm act on it`
+    fn orders(&self, words: &[&str]) -> Option<&'static str> {
+        if self.is_explaining() {
+            return None;
+        }
+        let first = *words.first()?;
+        let rest = &words[1..];
+        let next = rest.first().copied().unwrap_or_default();
+        let forbids = first == "never" || (first == "do" && next == "not");
+        if forbids {
+            let rest = if first == "do" { &rest[1..] } else { rest };
+            let verb = rest.first().copied().unwrap_or_default();
+            let object = rest.get(1..).unwrap_or_default();
+            let lets = matches!(verb, "let" | "allow" | "have" | "make")
+                && object.iter().any(|it| AGENTS.contains(it));
+            let is_whole = object.is_empty() && !self.names_value
+                || refers(object)
+                || object
+                    .iter()
+                    .any(|it| matches!(*it, "yet" | "anything" | "today" | "now"));
+            let is_order = lets
+                || ACTS.contains(&verb)
+                || DISMISSALS.contains(&verb)
+                    && !matches!(verb, "change" | "discard" | "ignore" | "forget");
+            return (is_order && is_whole && !CALMING.contains(&verb) || lets).then_some(HALTED);
+        }
+        if self.place == Place::Before && !refers_forward(rest) {
+            return None;
+        }
+        if self.is_sequel {
+            return None;
+        }
+        if HALTS.contains(&first)
+            && !matches!(
+                next,
+                "at" | "short" | "before" | "just" | "when" | "in" | "once" | "where" | "over"
+            )
+        {
+            return Some(HALTED);
+        }
+        if first == "hold"
+            && matches!(
+                next,
+                "on" | "off" | "back" | "fire" | "your" | "everything" | "it" | "that" | "until"
+            )
+        {
+            return Some(HALTED);
+        }
+        let summons =
+            matches!(first, "ask" | "consult" | "contact") && !matches!(next, "" | "for" | "if");
+        if summons || first == "call" && rest.iter().any(|it| PEOPLE.contains(it)) {
+            return Some(HALTED);
+        }
+        let whole = matches!(
+            next,
+            "it" | "this" | "that" | "everything" | "things" | "them" | "be"
+        ) || rest.iter().take(2).any(|it| {
+            matches!(
+                *it,
+                "cloth" | "fabric" | "garment" | "towel" | "shirt" | "textile" | "arm" | "robot"
+            )
+        });
+        if matches!(first, "leave" | "let" | "keep")
+            && whole
+            && rest.iter().skip(1).any(|it| {
+                matches!(
+                    *it,
+                    "alone"
+                        | "be"
+                        | "as"
+                        | "settle"
+                        | "rest"
+                        | "dry"
+                        | "untouched"
+                        | "cool"
+                        | "parked"
+                        | "still"
+                        | "where"
+                )
+            })
+        {
+            return Some(HALTED);
+        }
+        if first == "let"
+            && (PEOPLE.contains(&next) || rest.iter().take(2).any(|it| PEOPLE.contains(it)))
+        {
+            return Some(HALTED);
+        }
+        if first == "let" && next == "us" && self.place == Place::After {
+            let verb = rest.get(1).copied().unwrap_or_default();
+            let object = rest.get(2..).unwrap_or_default();
+            let own = refers(object) || matches!(verb, "see" | "fold" | "bring" | "say");
+            return (!own || matches!(verb, "not") || HALTS.contains(&verb)).then_some(OTHERWISE);
+        }
+        if DISMISSALS.contains(&first) {
+            let object_refers = rest.iter().take(4).position(|it| {
+                PRONOUNS.contains(it)
+                    || matches!(
+                        *it,
+                        "above"
+                            | "everything"
+                            | "answer"
+                            | "values"
+                            | "numbers"
+                            | "coordinates"
+                            | "lines"
+                            | "both"
+                            | "all"
+                    )
+            });
+            let harmless = HARMLESS_ORDERS.contains(&first)
+                && !rest.iter().any(|it| {
+                    matches!(
+                        *it,
+                        "salt" | "first" | "as" | "before" | "guess" | "lightly" | "loosely"
+                    ) || DOUBTS.contains(it)
+                });
+            if (object_refers.is_some() || rest.is_empty()) && !harmless {
+                return Some(CHANGED);
+            }
+        }
+        if matches!(first, "rather" | "preferably")
+            && self.place != Place::Before
+            && !matches!(next, "" | "than" | "a" | "the" | "large" | "small")
+            && !next.ends_with("ing")
+        {
+            return Some(OTHERWISE);
+        }
+        let is_act = |it: &str| {
+            ACTS.contains(&it)
+                || HALTS.contains(&it)
+                || DISMISSALS.contains(&it)
+                || matches!(it, "to" | "not" | "if" | "let" | "leave" | "stay")
+        };
+        if matches!(
+            first,
+            "better" | "best" | "safest" | "safer" | "wiser" | "wisest" | "smarter"
+        ) && is_act(next)
+            && self.place == Place::After
+        {
+            return Some(OTHERWISE);
+        }
+        let other = words
+            .windows(2)
+            .any(|pair| pair[0] == "instead" && pair[1] != "of")
+            || words
+                .last()
+                .is_some_and(|it| matches!(*it, "instead" | "else"))
+            || rest
+                .iter()
+                .take(2)
+                .any(|it| matches!(*it, "something" | "somewhere" | "another"));
+        if (ACTS.contains(&first) || HARMLESS_ORDERS.contains(&first) || first == "consider")
+            && other
+            && self.place == Place::After
+        {
+            return Some(OTHERWISE);
+        }
+        let invites = first == "feel"
+            && next == "free"
+            && !rest.iter().take(4).any(|it| {
+                matches!(
+                    *it,
+                    "ask"
+                        | "send"
+                        | "share"
+                        | "let"
+                        | "reach"
+                        | "contact"
+                        | "upload"
+                        | "request"
+                        | "tell"
+                )
+            });
+        if invites && self.place == Place::After {
+            return Some(DOUBTED);
+        }
+        if matches!(first, "pretend" | "imagine" | "suppose") {
+            return Some(DOUBTED);
+        }
+        if first == "only"
+            && matches!(
+                next,
+                "if" | "once" | "when" | "after" | "go" | "proceed" | "act" | "execute" | "run"
+            )
+        {
+            return Some(CONDITIONAL);
+        }
+        let photo = |it: &&str| {
+            matches!(
+                *it,
+                "photo" | "image" | "picture" | "view" | "shot" | "angle"
+            )
+        };
+        (matches!(
+            first,
+            "show" | "send" | "give" | "provide" | "take" | "upload" | "share" | "get" | "shoot"
+        ) && rest.iter().any(|it| photo(&it))
+            && self.place == Place::After)
+            .then_some(HALTED)
+    }
+
+    /// `a wild guess`, `not a real answer`
+    fn labels(&self) -> Option<&'static str> {
+        if self.is_explaining() {
+            return None;
+        }
+        let mut denies = false;
+        for (at, word) in self.words.iter().enumerate().take(5) {
+            if NEGATIONS.contains(word) {
+                denies = true;
+            } else if DOUBTS.contains(word) && !denies && !WEAK_DOUBTS.contains(word) {
+                return Some(DOUBTED);
+            } else if TRUSTED.contains(word) && denies {
+                return (self.place != Place::Before).then_some(DOUBTED);
+            } else if ORIGINATING.contains(word)
+                && at < 2
+                && !denies
+                && !matches!(*word, "from" | "for")
+            {
+                let other = self.words[at..]
+                    .iter()
+                    .take(6)
+                    .any(|it| ELSEWHERE.contains(it));
+                return (other && self.place != Place::Before).then_some(DOUBTED);
+            } else if !(ARTICLES.contains(word)
+                || word.ends_with("ly")
+                || matches!(
+                    *word,
+                    "just"
+                        | "wild"
+                        | "pure"
+                        | "rough"
+                        | "complete"
+                        | "total"
+                        | "very"
+                        | "quite"
+                        | "some"
+                        | "somewhat"
+                        | "rather"
+                        | "best"
+                        | "educated"
+                        | "bit"
+                        | "of"
+                        | "really"
+                        | "here"
+                        | "is"
+                        | "are"
+                        | "this"
+                        | "all"
+                        | "only"
+                        | "be"
+                        | "been"
+                        | "too"
+                ))
+            {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// `It would be wiser to`, `The left sleeve might be better`, `My advice is to`, `The better pick is`
+    fn proposes(&self) -> Option<&'static str> {
+        if self.place != Place::After || self.is_sequel || self.is_explaining() {
+            return None;
+        }
+        let words = self.words;
+        let be = words.iter().position(|it| BE.contains(it));
+        if let Some(at) = be {
+            let supposes = words[at.saturating_sub(3)..at]
+                .iter()
+                .any(|it| SUPPOSING.contains(it));
+            let denies = words[at.saturating_sub(2)..at].contains(&"not");
+            let praise = words[at + 1..]
+                .iter()
+                .take(4)
+                .position(|it| BETTER.contains(it));
+            let to = words[at + 1..]
+                .iter()
+                .take(8)
+                .any(|it| matches!(*it, "to" | "if"));
+            let is_it = words[0] == "it";
+            let halts = words[at + 1..]
+                .iter()
+                .any(|it| HALTS.contains(it) || matches!(*it, "not" | "leave" | "skip"));
+            if praise.is_some()
+                && !denies
+                && (supposes
+                    && (to && is_it || self.subject == Subject::World || words[0] == "there")
+                    || is_it && to && halts)
+            {
+                return Some(OTHERWISE);
+            }
+        }
+        let speaks = |it: &&str| {
+            BE.contains(it)
+                || matches!(
+                    *it,
+                    "tells" | "says" | "goes" | "would" | "remains" | "lies" | "sits" | "stands"
+                )
+        };
+        if ARTICLES.contains(&words[0])
+            && let Some(noun) = words[1..]
+                .iter()
+                .take(3)
+                .position(|it| COUNSELS.contains(it))
+        {
+            let behind = &words[noun + 2..];
+            let own = behind
+                .iter()
+                .any(|it| matches!(*it, "based" | "follows" | "matches"))
+                || refers(behind) && !behind.contains(&"leave");
+            let mine = matches!(words[0], "my" | "our");
+            if mine && (behind.first().is_some_and(|it| speaks(&it)) || behind.is_empty()) && !own {
+                return Some(OTHERWISE);
+            }
+        }
+        let rival = words[0] == "the"
+            && RIVALS.contains(words.get(1).unwrap_or(&""))
+            && words[2..]
+                .iter()
+                .take(2)
+                .any(|it| PARTS.contains(it) || *it == "corner")
+            && words.iter().skip(3).take(3).any(|it| BE.contains(it));
+        if rival && words[1] != "other" && words[1] != "opposite" {
+            return Some(OTHERWISE);
+        }
+        let deserves = words
+            .iter()
+            .any(|it| matches!(*it, "deserves" | "deserve" | "merits" | "beckons"));
+        deserves.then_some(OTHERWISE)
+    }
+}
+
+/// What a clause says of its subject.
+struct Predicate<'a> {
+    denies: bool,
+    modal: Option<&'a str>,
+    /// Its main verb, or `be`.
+    head: Option<&'a str>,
+    rest: &'a [&'a str],
+}
+
+impl<'a> Predicate<'a> {
+    fn of(words: &'a [&'a str]) -> Predicate<'a> {
+        let mut denies = false;
+        let mut modal = None;
+        let mut head = None;
+        let mut perfect = None;
+        let mut at = 0;
+        while let Some(word) = words.get(at) {
+            if matches!(
+                *word,
+                "not" | "never" | "hardly" | "barely" | "scarcely" | "neither" | "nor"
+            ) {
+                denies = !denies;
+            } else if matches!(*word, "have" | "has" | "had")
+                && words.get(at + 1).is_none_or(|it| *it != "to")
+                && modal.is_none()
+            {
+                perfect = Some(*word);
+            } else if MODALS.contains(word) && head.is_none() {
+                modal = Some(
+                    modal
+                        .filter(|it: &&str| *it == "would" || DUTIES.contains(it))
+                        .unwrap_or(*word),
+                );
+            } else if BE.contains(word) {
+                head = Some(*word);
+            } else if !(word.ends_with("ly")
+                || matches!(
+                    *word,
+                    "to" | "also"
+                        | "just"
+                        | "now"
+                        | "really"
+                        | "still"
+                        | "all"
+                        | "both"
+                        | "only"
+                        | "then"
+                        | "therefore"
+                        | "each"
+                        | "even"
+                        | "well"
+                        | "rather"
+                        | "sooner"
+                        | "much"
+                        | "quite"
+                        | "very"
+                        | "too"
+                        | "so"
+                        | "indeed"
+                ))
+                || DOUBTS.contains(word)
+            {
+                break;
+            }
+            // `I would rather`
+            if matches!(*word, "rather" | "sooner") && modal == Some("would") && head.is_none() {
+                head = Some(*word);
+                at += 1;
+                break;
+            }
+            at += 1;
+        }
+        if head.is_none() {
+            // `It has doubts`: what looked like an auxiliary is the verb.
+            let has = perfect
+                .or(modal.filter(|it| matches!(*it, "have" | "has" | "had" | "need" | "needs")));
+            let is_participle = words.get(at).is_some_and(|it| {
+                it.ends_with("ed") || it.ends_with('t') || it.ends_with("n") || it.ends_with("d")
+            });
+            match has {
+                Some(verb) if !is_participle && !words[..at].contains(&"to") => head = Some(verb),
+                _ => {
+                    head = words.get(at).copied();
+                    at += usize::from(head.is_some());
+                }
+            }
+        }
+        Predicate {
+            denies,
+            modal,
+            head,
+            rest: &words[at.min(words.len())..],
+        }
+    }
+}
+
+fn is_duty(modal: Option<&str>) -> bool {
+    modal.is_some_and(|it| DUTIES.contains(&it))
+}
+
+/// Returns whether words name the answer: `this`, `the above`, `my answer`, `these numbers`.
+fn refers(words: &[&str]) -> bool {
+    words.iter().enumerate().any(|(at, it)| {
+        let next = words.get(at + 1).copied().unwrap_or_default();
+        match *it {
+            "it" | "them" | "these" | "those" => true,
+            "this" | "that" => {
+                next.is_empty()
+                    || PARTS.contains(&next)
+                    || matches!(
+                        next,
+                        "one"
+                            | "yet"
+                            | "now"
+                            | "before"
+                            | "at"
+                            | "as"
+                            | "for"
+                            | "on"
+                            | "way"
+                            | "corner"
+                    )
+            }
+            "above" => at > 0 && matches!(words[at - 1], "the" | "all"),
+            "answer" | "answers" | "values" | "numbers" | "coordinates" | "pixels" => true,
+            _ => false,
+        }
+    })
+}
+
+/// Returns whether words name what follows them: `the following`, `what comes next`.
+fn refers_forward(words: &[&str]) -> bool {
+    words.iter().any(|it| {
+        matches!(
+            *it,
+            "following"
+                | "follows"
+                | "below"
+                | "here"
+                | "next"
+                | "comes"
+                | "values"
+                | "numbers"
+                | "coordinates"
+                | "pixels"
+                | "answer"
+                | "lines"
+        )
+    })
+}
+
+/// Returns whether a word may begin an order.
+fn orders(word: &str) -> bool {
+    [HALTS, DISMISSALS, ACTS, MODALS, NEGATIONS]
+        .iter()
+        .any(|table| table.contains(&word))
+        || matches!(
+            word,
+            "let"
+                | "leave"
+                | "keep"
+                | "only"
+                | "better"
+                | "best"
+                | "rather"
+                | "ask"
+                | "pretend"
+                | "feel"
+                | "send"
+                | "show"
+                | "give"
+        )
+}
+
+/// Returns whom a clause speaks of, and how many words name them.
+fn subject(words: &[&str]) -> (Subject, usize) {
+    let word = |at: usize| words.get(at).copied().unwrap_or_default();
+    let is_verb = |it: &str| BE.contains(&it) || MODALS.contains(&it) || SEEMING.contains(&it);
+    match word(0) {
+        "i" => return (Subject::Author, 1),
+        "we" => return (Subject::Author, 1),
+        "you" => return (Subject::Agent, 1),
+        "nobody" => return (Subject::Agent, 0),
+        it if PEOPLE.contains(&it) => return (Subject::Person, 1),
+        "below" | "here" | "above" if BE.contains(&word(1)) => return (Subject::Answer, 1),
+        "what" | "whatever" => {
+            let tells = |it: &&str| {
+                matches!(
+                    *it,
+                    "i" | "follows" | "comes" | "stands" | "above" | "below"
+                )
+            };
+            if words.iter().skip(1).take(2).any(|it| tells(&it)) {
+                let verb = words
+                    .iter()
+                    .skip(2)
+                    .position(|it| BE.contains(it) || MODALS.contains(it));
+                return (Subject::Answer, verb.map_or(words.len(), |at| at + 2));
+            }
+            return (Subject::World, 1);
+        }
+        _ => {}
+    }
+    let mut at = 0;
+    if QUANTIFIERS.contains(&word(0)) || (word(0) == "not" && word(1) == "one") {
+        at += 1;
+        if word(at) == "of" {
+            at += 1;
+        } else if is_verb(word(at)) || word(0) == "both" {
+            let counts = !matches!(
+                word(0),
+                "nothing" | "everything" | "anything" | "one" | "half" | "some"
+            );
+            return (
+                if counts {
+                    Subject::Answer
+                } else {
+                    Subject::World
+                },
+                at,
+            );
+        }
+    }
+    if PRONOUNS.contains(&word(at)) {
+        let demonstrative = matches!(word(at), "this" | "that" | "these" | "those");
+        at += 1;
+        if demonstrative {
+            let noun = (at..at + 3).find(|it| PARTS.contains(&word(*it)) || word(*it) == "corner");
+            let all_qualify = noun.is_some_and(|noun| {
+                (at..noun).all(|it| QUALIFIERS.contains(&word(it)) || PARTS.contains(&word(it)))
+            });
+            if let (Some(noun), true) = (noun, all_qualify) {
+                return (Subject::Answer, noun + 1);
+            }
+        }
+        return (Subject::Answer, at);
+    }
+    let begins = at;
+    if ARTICLES.contains(&word(at)) {
+        at += 1;
+    }
+    let is_named = at > begins;
+    for index in at..at + 4 {
+        let it = word(index);
+        if is_named && PEOPLE.contains(&it) {
+            return (Subject::Person, index + 1);
+        }
+        if is_named && AGENTS.contains(&it) {
+            return (Subject::Agent, index + 1);
+        }
+        let ends_name = is_verb(word(index + 1))
+            || word(index + 1).ends_with('s')
+            || word(index + 1).ends_with("ly")
+            || matches!(word(index + 1), "not" | "came" | "never" | "both");
+        if PARTS.contains(&it)
+            && !PARTS.contains(&word(index + 1))
+            && word(index + 1) != "of"
+            && (is_named && ends_name
+                || is_verb(word(index + 1))
+                || matches!(word(index + 1), "lies" | "falls" | "lands"))
+        {
+            return (Subject::Answer, index + 1);
+        }
+        if !(QUALIFIERS.contains(&it) || PARTS.contains(&it) || it == "and") {
+            break;
+        }
+    }
+    let has_verb = words.iter().skip(1).take(7).any(|it| is_verb(it));
+    if is_named || begins > 0 || (has_verb && !orders(word(0))) {
+        (Subject::World, at.max(1).min(words.len()))
+    } else {
+        (Subject::Nobody, 0)
+    }
+}
