@@ -36,8 +36,9 @@ const PARTS: &[&str] = words!(
 );
 
 /// What counts parts of the answer: `none of that`, `both`.
-const QUANTIFIERS: &[&str] =
-    words!("all both each either neither none most some much everything anything nothing half one");
+const QUANTIFIERS: &[&str] = words!(
+    "any all both each either neither none most some much everything anything nothing half one"
+);
 
 /// What may stand between an article and its noun.
 const QUALIFIERS: &[&str] = words!(
@@ -49,10 +50,11 @@ const AGENTS: &[&str] = words!(
     "you we robot robots arm arms gripper grippers manipulator machine controller effector hand one nobody"
 );
 
-/// Who would decide in the model's place.
+/// Who would decide in the model's place, or do better.
 const PEOPLE: &[&str] = words!(
-    "human humans person operator operators somebody someone supervisor expert experts technician colleague engineer
-    people anybody anyone"
+    "human humans person operator operators somebody someone supervisor expert experts technician colleague colleagues
+    engineer engineers people anybody anyone specialist manager boss novice beginner amateur professional professionals
+    tailor teacher reviewer inspector owner staff teammate coworker adult grown-up child layman everyone everybody"
 );
 
 const ARTICLES: &[&str] = words!("the a an my our your his its their any every");
@@ -116,7 +118,7 @@ const DOUBTS: &[&str] = words!(
     impossible unrealistic implausible unlikely misguided misplaced misjudged mistyped typo bluff fiction fantasy
     premise draft scribble improbable ungrounded unreal doomed hopeless off outside nowhere anywhere unfinished
     incomplete untrue false illusory worse worst defective unfit unsuitable inappropriate vague
-    exaggerated overestimated underestimated contrived fluke shot gibberish non-binding nonbinding"
+    exaggerated overestimated underestimated contrived fluke shot todo tbd fixme stub stubs mock mocked fib myth mirage sham"
 );
 
 /// Doubt that also describes places and sides, and so counts only in a judgement of the answer.
@@ -203,6 +205,10 @@ const ACTS: &[&str] = words!(
     unfold smooth flatten flip turn stack straighten"
 );
 
+/// The same, of the answer alone.
+const EXECUTING: &[&str] =
+    words!("act execute run use trust rely apply perform proceed believe commit");
+
 /// Orders that are no business of the robot.
 const CALMING: &[&str] = words!("worry mind hesitate forget need want think let be expect");
 
@@ -241,8 +247,134 @@ const FAILING: &[&str] = words!(
 
 /// What an answer does that is meant.
 const WORKING: &[&str] = words!(
-    "work works hold holds count counts matter matters apply applies stand stands exist convince convinces represent reflect mean help helps add make makes"
+    "solve solves suffice suffices satisfy satisfies qualify fit fits comply please work works hold holds count counts matter matters apply applies stand stands exist convince convinces represent reflect mean help helps add make makes"
 );
+
+/// What a fold does to a cloth, and an answer to its task; stems.
+const EFFECTS: &[&str] = words!(
+    "bring brought move mov fold unfold lay laid lie lying put place plac pull lift open clos turn spread stretch
+    reach end stop stopp go goes gone come came get gets make made making take took taking align match cover uncover
+    reveal expos flatten smooth straighten leav left keep kept give gave giv reduc increas improv creat form avoid
+    allow let complet finish result produc yield maximi minimi cross meet met overlap coincid land rest sit start
+    begin began follow lead led run point correspond fit fall fell halv doubl shorten lengthen tuck hid undo unroll
+    roll repeat mirror preserv restor remov clear carr drag slid touch caus show remain stay cent agree satisf respect
+    fulfil achiev advanc free releas separat connect join extend lower rais shift bend bent creas hang hung drop
+    gather stack requir need us set fix correct resolv solv help continu work serv mark defin determin narrow widen
+    tighten loosen unwrap swing rotat reflect depict represent indicat refer describ say tell mean impl ensur
+    prevent protect hold held support prepar enabl simplif add count contribut equal total span measur differ look
+    seem appear becom have has had do does target aim address handl divid split pair pass approach exploit balanc
+    even mimic imitat reproduc resembl consist contain includ apply appl belong assum suppos presuppos presum
+    depend hing los tidy tid sav expand bound suffic favo combin concern flip push pinch grasp grip grab hit
+    underl build built tak invert revers unti release guid"
+);
+
+/// What a judgement of the answer may say without doubting it.
+const FIT: &[&str] = words!(
+    "corner corners edge edges hem sleeve sleeves cuff cuffs collar fold folds crease creases line lines middle middles
+    center centre half quarter side sides end ends tip point points place pick pixel pixels coordinates coordinate image
+    picture frame cloth fabric towel shirt garment layer layers outline border boundary mask table gripper robot answer
+    choice move step action target goal instruction instructions task demonstration way direction angle distance grip
+    degrees deg listed offered allowed free visible flat clear close near nearest closest far farthest furthest same equal
+    mirrored opposite parallel perpendicular diagonal diagonally vertical horizontal up down left right top bottom upper
+    lower inside within on at in along above below between under over to from enough sufficient necessary needed
+    best good ideal optimal correct exact exactly symmetric symmetrical aligned because why what where how due based
+    chosen given measured estimated taken counted read used made done meant first second last only next one two three
+    length width part portion spot region area location position motion pull path mirror image's result reverse
+    inverse continuation counterpart important safe stable reachable about roughly approximately around identical
+    consistent complete final straight wrinkle wrinkles shape triangle rectangle square strip midpoint mean average
+    tightest largest smallest longest shortest outermost innermost topmost lowest highest leftmost rightmost deepest
+    expected similar common typical usual standard simple simplest quick short long small large big gentle slight
+    enough all both with without of out back ready going able like as so most more less fully completely just
+    already still now then also there possible"
+);
+
+/// What the author may be.
+const COMPOSED: &[&str] = words!(
+    "confident sure certain happy glad able ready aware convinced pleased here aiming going assuming"
+);
+
+/// What the author would do without preferring something else.
+const POLITE: &[&str] =
+    words!("expect say call keep hope be like love describe estimate also continue still");
+
+/// What the author does with an answer that is meant.
+const AUTHORED: &[&str] = words!(
+    "choose chose chosen pick picked select selected verify verified check checked estimate estimated measure measured
+    compute computed calculate calculated derive derived read take took base based mark marked find found determine
+    determined confirm confirmed place placed use used set believe think expect prefer preferred recommend suggest
+    propose decide decided double-checked doublechecked traced trace follow followed consider considered see saw
+    identify identified locate located obtain obtained got infer inferred settle settled compare compared need make
+    made did do want keep kept adjust adjusted move moved fold folded hope write wrote rounded round convert converted
+    lift lifted pull pulled put get left leave let count counted describe described repeat repeated give gave given
+    copied answered answer went go tested test reflected mirrored projected matched aligned reached drew mapped"
+);
+
+/// How the author may have come by values that mean nothing.
+const CARELESSLY: &[&str] = words!(
+    "blindly randomly arbitrarily hastily carelessly wildly merely haphazardly sloppily unthinkingly"
+);
+
+/// What gives an answer weight, which it may lack.
+const WEIGHTS: &[&str] = words!(
+    "weight meaning basis validity substance foundation merit significance bearing value sense point truth"
+);
+
+/// What opens a sentence that takes something back.
+const DISCLOSING: &[&str] = &[
+    "to be honest",
+    "to be fair",
+    "to be frank",
+    "in truth",
+    "truth be told",
+    "truthfully",
+    "frankly",
+    "honestly",
+    "mind you",
+    "nope",
+    "nah",
+    "sigh",
+    "ugh",
+    "argh",
+    "nevertheless",
+    "nonetheless",
+    "but",
+    "having said that",
+    "in reality",
+    "in fairness",
+    "that being said",
+    "regrettably",
+    "alas",
+    "whoops",
+    "oops",
+    "yikes",
+    "except",
+    "come to think",
+];
+
+/// What takes back or doubts, in languages that models drift into; stems.
+const FOREIGN: &[&str] = words!(
+    "falsch verwechselt vertauscht vertan ausführen geraten erfunden platzhalter unsicher ignorier verwerf ungültig
+    entschuldigung verworfen vermutung zweifel abwarten
+    perdón equivoqu inventad adivin ignora dudos duda descart aleatori
+    équivoqu erreur désolé trompé inversé inventé ignorez exécut hasard devin deviné
+    sbagliato scusa scusate inventat ignorate invertit eseguir
+    errado errei desculpe chutei inventei
+    неверн ошиб случайн выдуман игнориру"
+);
+
+/// The same as phrases; separated by `|`.
+const FOREIGN_SAYINGS: &str = "nicht sicher|bitte nicht|no estoy|no uses|pas sûr|pas certain|pas fiable|n'est pas|ne pas|não tenho|não use|não estou|non sono|non usare|non usate|bitte warten|por favor espere|me trompe";
+
+/// The same, in languages without blanks between words.
+const FOREIGN_WITHIN: &[&str] = words!(
+    "不对 错 等等 参考 不要 不确定 随便 瞎 编的 占位 忽略 猜 作废 別 别用 無視 推測 実行しない 仮の 間違 自信が わかりません
+    適当 违 違 잘못 무시 추측 실행하지 확실하지"
+);
+
+/// What introduces values that are not meant; separated by `|`.
+const FORMALITIES: &str = "for the sake of|satisfy the|to comply|that parses|it parses|here is something|here are some|for completeness\
+    |for form|pro forma|formally|nominally|are worth|is worth|if only to|if i had to|if i were|were i|if forced|if pressed\
+    |if you insist|just to have|so as not to|to keep the parser|to please";
 
 /// What makes an answer conditional.
 const PRESUPPOSING: &[&str] = words!(
@@ -286,8 +418,8 @@ const SAYINGS: &str = "the other way round|the other way around|wrong way round|
     |staying put|stays put|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
     |drawing board|not so fast|too soon|think twice|think again|who knows|your guess|no way to know|own risk|no promises\
     |no guarantee|no guarantees|no warranty|for what it is worth|made up|made it up|made them up|making this up|making it up\
-    |had better|would better|up to you|your call|your discretion|had i|never said|never happened|out of thin air\
-    |on a whim|on a hunch|not mine|not my|do nothing|do not act|not act on|not act upon|better not|rather not|best not\
+    |had better|would better|best left|better left|up to you|your call|your discretion|never said|never happened|out of thin air\
+    |on a whim|on a hunch|not mine|not my|do nothing|strikes me|do not act|not act on|not act upon|better not|rather not|best not\
     |of no use|good for nothing|blind guess|filled in the blanks|fill in the blanks|i see now|now i see|i now see|i realise now\
     |i now realise|i realize now|i now realize|i just noticed|i just realised|i just realized|i notice now|i now notice|out of reach\
     |ask me again|ask again|try again|start over|start afresh|come back later|another photo|another picture|another image|new photo\
@@ -306,29 +438,121 @@ const SAYINGS: &str = "the other way round|the other way around|wrong way round|
 pub(super) fn cast_by(sentence: &[Token<'_>], place: Place) -> Option<&'static str> {
     let text = plain(sentence);
     let words: Vec<&str> = text.split_whitespace().collect();
-    // `Were the sleeve flat, I would say:`
-    let supposes = words
-        .first()
-        .is_some_and(|it| matches!(*it, "were" | "had"));
-    if supposes && place == Place::Before && words.last() == Some(&":") {
-        return Some(CONDITIONAL);
+    let said = format!(" {} ", words.join(" "));
+    if let Some(why) = whole(sentence, &words, &said, place) {
+        return Some(why);
     }
     let mut start = 0;
     let mut joint = "";
     let mut is_sequel = false;
     for end in 0..=words.len() {
         let word = words.get(end).copied().unwrap_or(".");
-        let is_sign = word.len() <= 3 && !word.starts_with(char::is_alphanumeric);
+        let is_sign = word != "@" && word.len() <= 3 && !word.starts_with(char::is_alphanumeric);
         if !(is_sign || EXPLAINING.contains(&word) || JOINING.contains(&word)) {
             continue;
         }
-        let mut clause = Clause::new(&words[start..end], joint, place, is_sequel);
-        clause.names_value = word == "(";
+        let clause = Clause::new(&words[start..end], joint, place, is_sequel);
+
         if let Some(why) = clause.doubt() {
             return Some(why);
         }
         is_sequel |= clause.opens_sequel();
         (start, joint) = (end + 1, if is_sign { "" } else { word });
+    }
+    None
+}
+
+/// Returns why a sentence as a whole puts the answer in doubt.
+fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Option<&'static str> {
+    let first = words.first()?;
+    let says = |sayings: &str| {
+        sayings
+            .split('|')
+            .any(|it| said.contains(&format!(" {it} ")))
+    };
+    if place == Place::Before {
+        let announces = words.last() == Some(&":");
+        // `Were the sleeve flat, I would say:`
+        if announces && matches!(*first, "were" | "had") {
+            return Some(CONDITIONAL);
+        }
+        if announces && said.contains(" i would ") && said.contains(" but ") {
+            return Some(OTHERWISE);
+        }
+        return says(FORMALITIES).then_some(DOUBTED);
+    }
+    let is_foreign = words
+        .iter()
+        .any(|it| FOREIGN.iter().any(|stem| it.starts_with(stem)))
+        || sentence
+            .iter()
+            .any(|it| FOREIGN_WITHIN.iter().any(|part| it.text.contains(part)))
+        || says(FOREIGN_SAYINGS);
+    if is_foreign || said.contains(" in doubt ") {
+        return Some(DOUBTED);
+    }
+    // `too blurry to tell`
+    let blurs = words.iter().enumerate().any(|(at, it)| {
+        *it == "too"
+            && words[at..].iter().take(5).any(|it| {
+                matches!(
+                    *it,
+                    "tell" | "judge" | "say" | "decide" | "know" | "determine" | "be"
+                )
+            })
+    });
+    let is_done = words.iter().enumerate().any(|(at, it)| {
+        *it == "already"
+            && words.get(at + 1).is_some_and(|it| {
+                matches!(
+                    *it,
+                    "matches"
+                        | "done"
+                        | "complete"
+                        | "completed"
+                        | "finished"
+                        | "solved"
+                        | "reached"
+                )
+            })
+            && words[..at].iter().rev().take(3).any(|it| {
+                matches!(
+                    *it,
+                    "cloth"
+                        | "towel"
+                        | "garment"
+                        | "shirt"
+                        | "task"
+                        | "goal"
+                        | "job"
+                        | "everything"
+                        | "fabric"
+                )
+            })
+    });
+    if blurs || is_done {
+        return Some(DOUBTED);
+    }
+    if place == Place::After {
+        if DISCLOSING.iter().any(|it| {
+            said.strip_prefix(' ')
+                .is_some_and(|it2| it2.starts_with(it) && it2[it.len()..].starts_with(' '))
+        }) {
+            return Some(DOUBTED);
+        }
+        let asks = words.last() == Some(&"?") && (MODALS.contains(first) || BE.contains(first));
+        let offers = [
+            "you like",
+            "you want",
+            "i continue",
+            "i proceed",
+            "next",
+            "want me",
+            "anything else",
+        ];
+        if asks && !offers.iter().any(|it| said.contains(it)) {
+            return Some(DOUBTED);
+        }
     }
     None
 }
@@ -346,7 +570,28 @@ fn plain(sentence: &[Token<'_>]) -> String {
         ("cannot", "can not"),
     ];
     let mut text = String::new();
-    for token in sentence {
+    let mut skipped = 0;
+    for (at, token) in sentence.iter().enumerate() {
+        if at < skipped {
+            continue;
+        }
+        let number = |at: usize| sentence.get(at).is_some_and(|it| it.kind == Kind::Number);
+        let sign = |at: usize, sign: char| sentence.get(at).is_some_and(|it| it.is_sign(sign));
+        let is_point = sign(at, '(')
+            && number(at + 1)
+            && sign(at + 2, ',')
+            && number(at + 3)
+            && sign(at + 4, ')');
+        if is_point {
+            skipped = at + 5;
+            // `The pick point (10, 20) lies`
+            let is_noun = at > 1 && sentence[at - 2].is_any(ARTICLES);
+            let is_named = at > 0
+                && (sentence[at - 1].is_any(&["point", "corner"])
+                    || is_noun && sentence[at - 1].is_any(PARTS));
+            text.push_str(if is_named { "" } else { " @" });
+            continue;
+        }
         let is_hyphen = token.is_sign('-') && token.gap == Gap::None;
         match token.kind {
             _ if is_hyphen => {}
@@ -397,8 +642,7 @@ struct Clause<'a> {
     place: Place,
     /// Whether it tells of a later step.
     is_sequel: bool,
-    /// Whether a value in brackets follows: `do not pick (10, 20)`.
-    names_value: bool,
+
     subject: Subject,
     /// What is said of the subject.
     predicate: &'a [&'a str],
@@ -424,7 +668,7 @@ impl<'a> Clause<'a> {
             joint,
             place,
             is_sequel,
-            names_value: false,
+
             subject,
             predicate: &words[length..],
             is_none: words[..length].iter().any(|it| NEGATIONS.contains(it)),
@@ -454,18 +698,74 @@ impl<'a> Clause<'a> {
                 return Some(DOUBTED);
             }
         }
+        let like = |at: usize| {
+            at > 0
+                && self.words[..at]
+                    .iter()
+                    .rev()
+                    .take(3)
+                    .any(|it| matches!(*it, "like" | "as"))
+        };
+        let people = self
+            .words
+            .iter()
+            .enumerate()
+            .any(|(at, it)| PEOPLE.contains(it) && !like(at));
+        if people && self.place != Place::Before {
+            return Some(HALTED);
+        }
+        // `We ought to unfold it before any of this`
+        let names_only = self.words.iter().all(|it| {
+            PRONOUNS.contains(it) || QUANTIFIERS.contains(it) || matches!(*it, "of" | "doing")
+        });
+        if self.joint == "before"
+            && self.place == Place::After
+            && names_only
+            && !self.words.contains(&"it")
+        {
+            return Some(OTHERWISE);
+        }
+        if self.place == Place::Before
+            && self.words.iter().any(|it| NEGATIONS.contains(it))
+            && self.announces()
+        {
+            return Some(DOUBTED);
+        }
         let judged = match self.subject {
             Subject::Answer => self.judges_answer(),
             Subject::Author => self.confesses(),
             Subject::Agent => self.directs(),
             Subject::Person => self.defers(),
+            Subject::World if self.words.iter().take(4).any(|it| *it == "nothing") => self.rests(),
             Subject::World if matches!(self.words[0], "a" | "an") => self.labels(),
             Subject::World => None,
-            Subject::Nobody => self.orders(self.words).or_else(|| self.labels()),
+            Subject::Nobody => self
+                .orders(self.words)
+                .or_else(|| self.labels())
+                .or_else(|| self.elides()),
         };
         judged
+            .or_else(|| self.embeds())
             .or_else(|| self.proposes())
             .or_else(|| self.quotes_saying())
+    }
+
+    /// Returns whether the clause names the values that follow it.
+    fn announces(&self) -> bool {
+        let said = self.words.join(" ");
+        [
+            "comes next",
+            "what follows",
+            "the following",
+            "next line",
+            "next two lines",
+            "numbers below",
+            "values below",
+            "answer below",
+            "coordinates below",
+        ]
+        .iter()
+        .any(|it| said.contains(it))
     }
 
     fn quotes_saying(&self) -> Option<&'static str> {
@@ -493,6 +793,17 @@ impl<'a> Clause<'a> {
             return None;
         }
         let has = |table: &[&str]| rest.iter().any(|it| table.contains(it));
+        let lacks = rest
+            .windows(2)
+            .any(|pair| matches!(pair[0], "no" | "little" | "zero") && WEIGHTS.contains(&pair[1]));
+        if lacks {
+            return Some(DOUBTED);
+        }
+        // `This should only be carried out with the table cleared`
+        let only = self.predicate.iter().take(3).any(|it| *it == "only");
+        if only && is_duty(modal) && rest.first().is_some_and(|it| USED.contains(it)) {
+            return Some(CONDITIONAL);
+        }
         if BE.contains(&verb) || SEEMING.contains(&verb) || verb == "have" || verb == "has" {
             let judgement = rest
                 .split(|it| matches!(*it, "to" | "that" | "for" | "by" | "from" | "on" | "in"))
@@ -532,7 +843,7 @@ impl<'a> Clause<'a> {
             {
                 return Some(DOUBTED);
             }
-            return None;
+            return self.is_unknown(rest).then_some(DOUBTED);
         }
         if FAILING.contains(&verb) && !denies && !self.is_explaining() {
             return Some(DOUBTED);
@@ -565,7 +876,58 @@ impl<'a> Clause<'a> {
         if USED.contains(&verb) && denies {
             return Some(HALTED);
         }
-        (is_duty(modal) && REVISED.contains(&verb) && !denies && !is_it).then_some(CHANGED)
+        if is_duty(modal) && REVISED.contains(&verb) && !denies && !is_it {
+            return Some(CHANGED);
+        }
+        let is_effect = EFFECTS.iter().any(|stem| verb.starts_with(stem));
+        (self.is_plain_reference() && !is_effect).then_some(DOUBTED)
+    }
+
+    /// Returns whether the subject can be nothing but the answer, and a verb must follow it.
+    fn is_plain_reference(&self) -> bool {
+        let length = self.words.len() - self.predicate.len();
+        let named = &self.words[..length];
+        let next = self.predicate.get(1).copied().unwrap_or_default();
+        let is_noun = next.ends_with('s')
+            || next.ends_with("ed")
+            || BE.contains(&next)
+            || MODALS.contains(&next);
+        self.place != Place::Before
+            && !self.is_explaining()
+            && match named {
+                [] => false,
+                ["this"] => !is_noun,
+                ["these" | "both" | "all" | "each"] => {
+                    !is_noun && !self.predicate.first().is_some_and(|it| it.ends_with('s'))
+                }
+                [
+                    ..,
+                    "x" | "y" | "line" | "lines" | "fold" | "corner" | "it" | "that" | "they"
+                    | "those" | "one" | "half",
+                ] => false,
+                _ => true,
+            }
+    }
+
+    /// Returns whether a judgement of the answer is none that is known to be harmless: `is a lie`.
+    fn is_unknown(&self, judgement: &[&str]) -> bool {
+        let excessive = judgement.iter().take(4).any(|it| *it == "too");
+        let is_word = judgement.len() == 1
+            && self.words[..self.words.len() - self.predicate.len()]
+                .last()
+                .is_some_and(|it| matches!(*it, "grip" | "direction" | "distance" | "angle"));
+        let is_fit = is_word
+            || judgement.iter().take(8).any(|it| {
+                FIT.contains(it)
+                    || it.ends_with("ing")
+                    || it.ends_with("est")
+                    || it.starts_with(|it: char| it.is_ascii_digit() || it == '@' || !it.is_ascii())
+            });
+        let length = self.words.len() - self.predicate.len();
+        self.is_plain_reference()
+            && !matches!(self.words.get(length.saturating_sub(1)), Some(&"x" | &"y"))
+            && !judgement.is_empty()
+            && (excessive || !is_fit)
     }
 
     /// `I doubt it`, `I am not sure`, `I have no idea`, `I would not trust it`, `I'd rather wait`
@@ -588,7 +950,15 @@ impl<'a> Clause<'a> {
             let feels = rest.iter().take(4).any(|it| AUTHOR_FEELINGS.contains(it));
             let trusts = rest.iter().take(3).any(|it| TRUSTED.contains(it));
             let weighs = self.place == Place::Before || self.is_explaining();
-            return ((feels && !denies || trusts && denies) && !weighs).then_some(DOUBTED);
+            let is_other = BE.contains(&verb)
+                && self.words[0] == "i"
+                && self.place == Place::After
+                && !rest
+                    .iter()
+                    .take(3)
+                    .any(|it| COMPOSED.contains(it) || it.ends_with("ing") || it.ends_with("ed"));
+            return ((feels && !denies || trusts && denies || is_other) && !weighs)
+                .then_some(DOUBTED);
         }
         if verb == "have" || verb == "had" {
             let lacks = rest.iter().take(4).any(|it| NEGATIONS.contains(it)) || denies;
@@ -615,9 +985,7 @@ impl<'a> Clause<'a> {
         }
         if COMMITTING.contains(&verb)
             && denies
-            && (refers
-                || rest.is_empty() && !self.names_value
-                || matches!(first, "for" | "by" | "behind"))
+            && (refers || rest.is_empty() || matches!(first, "for" | "by" | "behind"))
         {
             return Some(DOUBTED);
         }
@@ -671,11 +1039,36 @@ impl<'a> Clause<'a> {
         if denies_sight {
             return Some(DOUBTED);
         }
+        let careless = self.words.iter().any(|it| CARELESSLY.contains(it));
+        if careless && self.place != Place::Before {
+            return Some(DOUBTED);
+        }
         if self.place != Place::After {
             return None;
         }
+        let slight = self
+            .predicate
+            .first()
+            .is_some_and(|it| matches!(*it, "only" | "just" | "merely" | "simply"));
+        let object = rest
+            .iter()
+            .take(3)
+            .any(|it| matches!(*it, "this" | "these"));
+        if object
+            && (slight || !AUTHORED.contains(&verb) && modal.is_none())
+            && !self.is_explaining()
+            && !denies
+        {
+            return Some(DOUBTED);
+        }
         let would = modal.is_some_and(|it| it == "would");
-        if would && PREFERRING.contains(&verb) && !self.is_sequel {
+        if would
+            && !rest.contains(&"@")
+            && (PREFERRING.contains(&verb) || !POLITE.contains(&verb))
+            && !self.is_sequel
+            && !self.is_explaining()
+            && !denies
+        {
             return Some(OTHERWISE);
         }
         let counsels = matches!(
@@ -703,6 +1096,43 @@ impl<'a> Clause<'a> {
         (counsels && otherwise && !self.is_sequel && !denies).then_some(OTHERWISE)
     }
 
+    /// `Sorry to say this does not solve it`
+    fn embeds(&self) -> Option<&'static str> {
+        let speaks =
+            matches!(self.subject, Subject::Author | Subject::Nobody) || self.words[0] == "to";
+        if !speaks || self.place == Place::Before {
+            return None;
+        }
+        let begins = |at: usize| {
+            let named = matches!(self.words[at], "this" | "these" | "those")
+                || ARTICLES.contains(&self.words[at]) && PARTS.contains(&self.words[at + 1]);
+            let verb = at + 1 + usize::from(ARTICLES.contains(&self.words[at]));
+            named
+                && self.words.get(verb).is_some_and(|it| {
+                    BE.contains(it) || MODALS.contains(it) || SEEMING.contains(it)
+                })
+        };
+        let at = (1..self.words.len().saturating_sub(1)).find(|at| begins(*at))?;
+        let clause = Clause::new(&self.words[at..], self.joint, self.place, self.is_sequel);
+        (clause.subject == Subject::Answer).then(|| clause.judges_answer())?
+    }
+
+    /// `Nothing should be moved`
+    fn rests(&self) -> Option<&'static str> {
+        let duty = self.predicate.first().is_some_and(|it| DUTIES.contains(it));
+        let other = self
+            .words
+            .iter()
+            .take(3)
+            .any(|it| matches!(*it, "else" | "other" | "more" | "further"));
+        let idle = self
+            .words
+            .windows(2)
+            .any(|pair| matches!(pair, ["to", "do" | "fold" | "move"]));
+        (self.words.contains(&"nothing") && (duty || idle) && !other && !self.is_sequel)
+            .then_some(HALTED)
+    }
+
     /// `You had better not use this`, `The robot should stay where it is`
     fn directs(&self) -> Option<&'static str> {
         if self.is_explaining() || self.is_sequel {
@@ -720,7 +1150,7 @@ impl<'a> Clause<'a> {
         }
         let denies = denies || self.is_none;
         if denies {
-            let is_whole = rest.is_empty() && !self.names_value
+            let is_whole = rest.is_empty()
                 || refers(rest)
                 || rest
                     .iter()
@@ -779,16 +1209,19 @@ impl<'a> Clause<'a> {
             let object = rest.get(1..).unwrap_or_default();
             let lets = matches!(verb, "let" | "allow" | "have" | "make")
                 && object.iter().any(|it| AGENTS.contains(it));
-            let is_whole = object.is_empty() && !self.names_value
+            let is_whole = object.is_empty()
                 || refers(object)
                 || object
                     .iter()
                     .any(|it| matches!(*it, "yet" | "anything" | "today" | "now"));
+            let executes = self.place != Place::Before && EXECUTING.contains(&verb);
             let is_order = lets
+                || executes
                 || ACTS.contains(&verb)
                 || DISMISSALS.contains(&verb)
                     && !matches!(verb, "change" | "discard" | "ignore" | "forget");
-            return (is_order && is_whole && !CALMING.contains(&verb) || lets).then_some(HALTED);
+            return (is_order && (is_whole || executes) && !CALMING.contains(&verb) || lets)
+                .then_some(HALTED);
         }
         if self.place == Place::Before && !refers_forward(rest) {
             return None;
@@ -802,6 +1235,10 @@ impl<'a> Clause<'a> {
                 "at" | "short" | "before" | "just" | "when" | "in" | "once" | "where" | "over"
             )
         {
+            return Some(HALTED);
+        }
+        let is_refused = first == "not" && next == "to" && rest.iter().any(|it| USED.contains(it));
+        if is_refused || first == "do" && matches!(next, "as" | "what" | "whatever" | "nothing") {
             return Some(HALTED);
         }
         if first == "hold"
@@ -922,6 +1359,56 @@ impl<'a> Clause<'a> {
         {
             return Some(OTHERWISE);
         }
+        let is_verbal = !FIT.contains(&first)
+            && !AUTHORED.contains(&first)
+            && !EFFECTS.iter().any(|stem| first.starts_with(stem))
+            && !["ing", "ed", "s", "ly"]
+                .iter()
+                .any(|end| first.ends_with(end))
+            && !ARTICLES.contains(&first)
+            && !EXPLAINING.contains(&first)
+            && !JOINING.contains(&first)
+            && !OPENING.contains(&first)
+            && !CALMING.contains(&first)
+            && !NEGATIONS.contains(&first);
+        let object = rest.iter().find(|it| {
+            !matches!(
+                **it,
+                "about" | "off" | "out" | "on" | "with" | "to" | "up" | "all" | "of"
+            )
+        });
+        let names_answer = object
+            .is_some_and(|it| matches!(*it, "this" | "that" | "these" | "those" | "it" | "them"));
+        if is_verbal
+            && names_answer
+            && self.place == Place::After
+            && rest.len() < 8
+            && !matches!(
+                first,
+                "hope"
+                    | "enjoy"
+                    | "see"
+                    | "with"
+                    | "by"
+                    | "in"
+                    | "for"
+                    | "from"
+                    | "after"
+                    | "during"
+                    | "let"
+                    | "note"
+                    | "make"
+                    | "is"
+                    | "do"
+                    | "does"
+                    | "did"
+                    | "at"
+                    | "under"
+                    | "through"
+            )
+        {
+            return Some(DOUBTED);
+        }
         let invites = first == "feel"
             && next == "free"
             && !rest.iter().take(4).any(|it| {
@@ -940,6 +1427,9 @@ impl<'a> Clause<'a> {
             });
         if invites && self.place == Place::After {
             return Some(DOUBTED);
+        }
+        if first == "what" && self.place == Place::After {
+            return Some(OTHERWISE);
         }
         if matches!(first, "pretend" | "imagine" | "suppose") {
             return Some(DOUBTED);
@@ -1024,6 +1514,13 @@ impl<'a> Clause<'a> {
             }
         }
         None
+    }
+
+    /// `Could be anywhere`, `would need a closer look`
+    fn elides(&self) -> Option<&'static str> {
+        let is_elided =
+            MODALS.contains(&self.words[0]) && self.words[0] != "do" || BE.contains(&self.words[0]);
+        (is_elided && self.place != Place::Before).then(|| self.judges_answer())?
     }
 
     /// `It would be wiser to`, `The left sleeve might be better`, `My advice is to`, `The better pick is`
@@ -1284,6 +1781,24 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         "nobody" => return (Subject::Agent, 0),
         it if PEOPLE.contains(&it) => return (Subject::Person, 1),
         "below" | "here" | "above" if BE.contains(&word(1)) => return (Subject::Answer, 1),
+        "what"
+            if matches!(word(1), "i" | "we")
+                && words.iter().take(5).any(|it| {
+                    matches!(
+                        *it,
+                        "think"
+                            | "want"
+                            | "mean"
+                            | "meant"
+                            | "would"
+                            | "recommend"
+                            | "suggest"
+                            | "prefer"
+                    )
+                }) =>
+        {
+            return (Subject::Nobody, 0);
+        }
         "what" | "whatever" => {
             let tells = |it: &&str| {
                 matches!(
@@ -1303,7 +1818,13 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         _ => {}
     }
     let mut at = 0;
-    if QUANTIFIERS.contains(&word(0)) || (word(0) == "not" && word(1) == "one") {
+    if matches!(
+        (word(0), word(1)),
+        ("every", "one") | ("each", "one") | ("every", "single")
+    ) {
+        at += 1 + usize::from(word(2) == "one");
+    }
+    if QUANTIFIERS.contains(&word(at)) || (word(0) == "not" && word(1) == "one") {
         at += 1;
         if word(at) == "of" {
             at += 1;
@@ -1358,9 +1879,13 @@ fn subject(words: &[&str]) -> (Subject, usize) {
             && word(index + 1) != "of"
             && (is_named && ends_name
                 || is_verb(word(index + 1))
-                || matches!(word(index + 1), "lies" | "falls" | "lands"))
+                || matches!(
+                    word(index + 1),
+                    "lies" | "falls" | "lands" | "below" | "above"
+                ))
         {
-            return (Subject::Answer, index + 1);
+            let is_placed = matches!(word(index + 1), "below" | "above");
+            return (Subject::Answer, index + 1 + usize::from(is_placed));
         }
         if !(QUALIFIERS.contains(&it) || PARTS.contains(&it) || it == "and") {
             break;
