@@ -30,7 +30,7 @@ const PRONOUNS: &[&str] = words!("this that it these those they them");
 
 /// What names the answer or a part of it.
 const PARTS: &[&str] = words!(
-    "answer answers value values number numbers coordinate coordinates coords pixels point points pick place
+    "grasp answer answers value values number numbers coordinate coordinates coords pixels point points pick place
     direction distance grip angle action move choice result output entry entries estimate estimates pair suggestion
     proposal response json fold plan figures data spot lines two three above following x y"
 );
@@ -52,7 +52,7 @@ const AGENTS: &[&str] = words!(
 
 /// Who would decide in the model's place, or do better.
 const PEOPLE: &[&str] = words!(
-    "human humans person operator operators somebody someone supervisor expert experts technician colleague colleagues
+    "whoever human humans person operator operators somebody someone supervisor expert experts technician colleague colleagues
     engineer engineers people anybody anyone specialist manager boss novice beginner amateur professional professionals
     tailor teacher reviewer inspector owner staff teammate coworker adult grown-up child layman everyone everybody"
 );
@@ -103,7 +103,7 @@ const JOINING: &[&str] = words!("and but so or before until unless yet");
 
 /// Doubt, as nouns, adjectives and participles.
 const DOUBTS: &[&str] = words!(
-    "guess guesses guessed guessing guesswork guesstimate guesstimates eyeballed hunch stab dice gamble lottery
+    "illustrative symbolic notional bad pending awaiting sketch guess guesses guessed guessing guesswork guesstimate guesstimates eyeballed hunch stab dice gamble lottery
     random randomly arbitrary arbitrarily haphazard hallucinated hallucination hallucinations fabricated fabrication
     invented fictional fictitious imaginary imagined fake faked bogus dummy placeholder placeholders filler fillers
     nonsense nonsensical garbage gibberish rubbish junk trash meaningless worthless useless pointless unreliable
@@ -123,14 +123,14 @@ const DOUBTS: &[&str] = words!(
 
 /// Doubt that also describes places and sides, and so counts only in a judgement of the answer.
 const WEAK_DOUBTS: &[&str] = words!(
-    "off outside nowhere anywhere backwards backward mixed swapped blind blindly unknown draft error mistake mistakes
+    "bad off outside nowhere anywhere backwards backward mixed swapped blind blindly unknown draft error mistake mistakes
     premise null shot worse worst wrong incorrect impossible incomplete unlikely false risky suspect nominal unsafe
     insufficient invalid misplaced incorrectly wrongly unfinished dangerous crude imprecise inaccurate vague"
 );
 
 /// Trust, which is doubt where it is denied.
 const TRUSTED: &[&str] = words!(
-    "reliable trustworthy real final accurate certain sure correct right valid usable safe trusted verified measured
+    "supposed how what where reliable trustworthy real final accurate certain sure correct right valid usable safe trusted verified measured
     meant serious binding official authoritative definitive conclusive sound suitable ready feasible reachable
     executable intended recommended advisable wise useful worth dependable confident grounded based checked tested
     confirmed credible sensible good mine settled true possible workable sane solid convinced comfortable allowed
@@ -147,7 +147,7 @@ const AUTHOR_DOUBTS: &[&str] = words!(
 
 /// What the author feels in doubt: `I am unsure`.
 const AUTHOR_FEELINGS: &[&str] = words!(
-    "unsure uncertain hesitant reluctant sceptical skeptical doubtful wary uneasy uncomfortable confused lost torn
+    "leaning tempted inclined unsure uncertain hesitant reluctant sceptical skeptical doubtful wary uneasy uncomfortable confused lost torn
     guessing bluffing joking kidding pretending improvising worried afraid sorry unhappy unconvinced clueless stumped
     speculating inventing wrong mistaken retracting withdrawing dubious nervous unwilling unable"
 );
@@ -349,6 +349,13 @@ const DISCLOSING: &[&str] = &[
     "yikes",
     "except",
     "come to think",
+    "oh",
+    "dear",
+    "darn",
+    "ouch",
+    "uh",
+    "hm",
+    "good grief",
 ];
 
 /// What takes back or doubts, in languages that models drift into; stems.
@@ -390,7 +397,7 @@ const ORIGINATING: &[&str] = words!(
 
 /// What is not this answer's picture, step or robot.
 const ELSEWHERE: &[&str] = words!(
-    "previous earlier another other old different second example examples format prompt template tomorrow later
+    "similar once previous earlier another other old different second example examples format prompt template tomorrow later
     demonstration yesterday somebody someone memory nowhere wrong previous"
 );
 
@@ -412,10 +419,10 @@ const RIVALS: &[&str] = words!(
 );
 
 /// Sayings that doubt or halt, whatever they are said of; separated by `|`.
-const SAYINGS: &str = "the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
+const SAYINGS: &str = "give or take|too early|too late|from nothing|on balance|wanted to say|meant to say|would benefit|should come first|must come first|needs to come first|has to come first|ought to come first|the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
     |coin flip|coin toss|flip of a coin|toss of a coin|second opinion|need a closer look|needs a closer look|deserves a closer look\
     |take it back|take that back|take this back|strike that|my gut|top of my head|at face value|this one out|stay put\
-    |staying put|stays put|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
+    |staying put|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
     |drawing board|not so fast|too soon|think twice|think again|who knows|your guess|no way to know|own risk|no promises\
     |no guarantee|no guarantees|no warranty|for what it is worth|made up|made it up|made them up|making this up|making it up\
     |had better|would better|best left|better left|up to you|your call|your discretion|never said|never happened|out of thin air\
@@ -433,6 +440,16 @@ const SAYINGS: &str = "the other way round|the other way around|wrong way round|
     |valid only|valid provided|only works if|only if|only once|only after|only when|in case of doubt|contingent on|subject to\
     |purely to|merely to|only to satisfy|just to satisfy|satisfy the format|satisfy the parser|satisfy the schema|to fill the\
     |because i had to|because you insist|you insist|against my better|second thoughts|cold feet";
+
+/// Sayings with a word that otherwise begins a clause.
+const CONDITIONS: &str = "before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
+    |not what i meant|on condition|as long as|so long as|provided that|providing that|valid provided|works if|only if|only once|only after|only when|only until\
+    |if you ask me|if i am honest|not where|rather than this|rather than these|rather than that|might as well|may as well|unless i|until i|until it is|until you|until this|until they|before i";
+
+/// What the author sees and remembers with.
+const FACULTIES: &[&str] = words!(
+    "eyes eye camera feed vision view sight sensor memory input perception depth confidence certainty"
+);
 
 /// Returns why a sentence puts the answer in doubt, if it does.
 pub(super) fn cast_by(sentence: &[Token<'_>], place: Place) -> Option<&'static str> {
@@ -473,7 +490,7 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
     if place == Place::Before {
         let announces = words.last() == Some(&":");
         // `Were the sleeve flat, I would say:`
-        if announces && matches!(*first, "were" | "had") {
+        if announces && matches!(*first, "were" | "had") && words.get(1) != Some(&"to") {
             return Some(CONDITIONAL);
         }
         if announces && said.contains(" i would ") && said.contains(" but ") {
@@ -488,46 +505,29 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
             .iter()
             .any(|it| FOREIGN_WITHIN.iter().any(|part| it.text.contains(part)))
         || says(FOREIGN_SAYINGS);
-    if is_foreign || said.contains(" in doubt ") {
+    let is_vague = place == Place::After && words.contains(&"±");
+    if is_foreign
+        || is_vague
+        || said.contains(" in doubt ")
+        || place == Place::After && says(CONDITIONS)
+    {
         return Some(DOUBTED);
     }
     // `too blurry to tell`
     let blurs = words.iter().enumerate().any(|(at, it)| {
         *it == "too"
-            && words[at..].iter().take(5).any(|it| {
-                matches!(
-                    *it,
-                    "tell" | "judge" | "say" | "decide" | "know" | "determine" | "be"
-                )
-            })
+            && words[at..]
+                .iter()
+                .take(5)
+                .any(|it| words!("tell judge say decide know determine be").contains(it))
     });
     let is_done = words.iter().enumerate().any(|(at, it)| {
         *it == "already"
             && words.get(at + 1).is_some_and(|it| {
-                matches!(
-                    *it,
-                    "matches"
-                        | "done"
-                        | "complete"
-                        | "completed"
-                        | "finished"
-                        | "solved"
-                        | "reached"
-                )
+                words!("matches done complete completed finished solved reached").contains(it)
             })
             && words[..at].iter().rev().take(3).any(|it| {
-                matches!(
-                    *it,
-                    "cloth"
-                        | "towel"
-                        | "garment"
-                        | "shirt"
-                        | "task"
-                        | "goal"
-                        | "job"
-                        | "everything"
-                        | "fabric"
-                )
+                words!("cloth towel garment shirt task goal job everything fabric").contains(it)
             })
     });
     if blurs || is_done {
@@ -656,12 +656,17 @@ impl<'a> Clause<'a> {
             OPENING.contains(it) || it.ends_with("ly") && !DOUBTS.contains(it) && **it != "only"
         });
         let words = &words[opened.count()..];
+        let words = match words {
+            ["in", "my", _, rest @ ..] | ["to", "me" | "my", rest @ ..] => rest,
+            _ => words,
+        };
         let is_sequel = was_sequel
             || words.first().is_some_and(|it| SEQUEL.contains(it))
             || SEQUEL.contains(&joint)
             || words
                 .iter()
                 .any(|it| matches!(*it, "next" | "afterwards" | "later"));
+        let is_sequel = is_sequel && place != Place::Before;
         let (subject, length) = subject(words);
         Clause {
             words,
@@ -713,6 +718,22 @@ impl<'a> Clause<'a> {
             .any(|(at, it)| PEOPLE.contains(it) && !like(at));
         if people && self.place != Place::Before {
             return Some(HALTED);
+        }
+        let mine = self.words[0] == "my"
+            && self
+                .words
+                .iter()
+                .skip(1)
+                .take(2)
+                .any(|it| FACULTIES.contains(it));
+        let welcomes = self.words[0] == "you"
+            && self
+                .words
+                .iter()
+                .take(4)
+                .any(|it| matches!(*it, "free" | "welcome"));
+        if (mine || welcomes) && self.place == Place::After && !self.is_explaining() {
+            return Some(DOUBTED);
         }
         // `We ought to unfold it before any of this`
         let names_only = self.words.iter().all(|it| {
@@ -793,6 +814,37 @@ impl<'a> Clause<'a> {
             return None;
         }
         let has = |table: &[&str]| rest.iter().any(|it| table.contains(it));
+        let shaky = rest
+            .iter()
+            .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it));
+        let past = verb == "was"
+            && matches!(self.words[0], "that")
+            && self.place == Place::After
+            && self.words.len() - self.predicate.len() == 1;
+        let hollow =
+            WORKING.contains(&verb) && matches!(rest.first(), Some(&"nothing" | &"little"));
+        if (shaky && !denies && !is_it && !rest.iter().any(|it| DIMINISHING.contains(it)))
+            || past
+            || hollow
+        {
+            return Some(DOUBTED);
+        }
+        let spoils = rest
+            .iter()
+            .any(|it| words!("worse ruined damaged torn broken").contains(it));
+        if spoils && !denies && !is_it && !self.is_explaining() {
+            return Some(DOUBTED);
+        }
+        let grows = rest.iter().take(5).any(|it| {
+            it.len() > 4
+                && it.ends_with("er")
+                && !FIT.contains(it)
+                && !words!("under after other together upper lower finger gripper either rather")
+                    .contains(it)
+        });
+        if is_duty(modal) && BE.contains(&verb) && grows && !denies && !is_it {
+            return Some(CHANGED);
+        }
         let lacks = rest
             .windows(2)
             .any(|pair| matches!(pair[0], "no" | "little" | "zero") && WEIGHTS.contains(&pair[1]));
@@ -806,7 +858,7 @@ impl<'a> Clause<'a> {
         }
         if BE.contains(&verb) || SEEMING.contains(&verb) || verb == "have" || verb == "has" {
             let judgement = rest
-                .split(|it| matches!(*it, "to" | "that" | "for" | "by" | "from" | "on" | "in"))
+                .split(|it| words!("to that for by from on in").contains(it))
                 .next()
                 .unwrap_or_default();
             let denied = |at: usize| {
@@ -915,7 +967,7 @@ impl<'a> Clause<'a> {
         let is_word = judgement.len() == 1
             && self.words[..self.words.len() - self.predicate.len()]
                 .last()
-                .is_some_and(|it| matches!(*it, "grip" | "direction" | "distance" | "angle"));
+                .is_some_and(|it| words!("grip direction distance angle").contains(it));
         let is_fit = is_word
             || judgement.iter().take(8).any(|it| {
                 FIT.contains(it)
@@ -926,7 +978,7 @@ impl<'a> Clause<'a> {
         let length = self.words.len() - self.predicate.len();
         self.is_plain_reference()
             && !matches!(self.words.get(length.saturating_sub(1)), Some(&"x" | &"y"))
-            && !judgement.is_empty()
+            && (judgement.len() > 1 || excessive)
             && (excessive || !is_fit)
     }
 
@@ -945,18 +997,25 @@ impl<'a> Clause<'a> {
         }
         let verb = head?;
         let refers = refers(rest);
+        if words!("suppose guess presume reckon imagine fear").contains(&verb)
+            && rest.is_empty()
+            && self.place == Place::After
+        {
+            return Some(DOUBTED);
+        }
         let first = rest.first().copied().unwrap_or_default();
         if BE.contains(&verb) || verb == "feel" || verb == "felt" {
             let feels = rest.iter().take(4).any(|it| AUTHOR_FEELINGS.contains(it));
             let trusts = rest.iter().take(3).any(|it| TRUSTED.contains(it));
             let weighs = self.place == Place::Before || self.is_explaining();
-            let is_other = BE.contains(&verb)
-                && self.words[0] == "i"
-                && self.place == Place::After
-                && !rest
-                    .iter()
-                    .take(3)
-                    .any(|it| COMPOSED.contains(it) || it.ends_with("ing") || it.ends_with("ed"));
+            let recants = denies && !rest.first().is_some_and(|it| it.ends_with("ing"));
+            let is_other = recants && self.place == Place::After
+                || BE.contains(&verb)
+                    && self.words[0] == "i"
+                    && self.place == Place::After
+                    && !rest.iter().take(3).any(|it| {
+                        COMPOSED.contains(it) || it.ends_with("ing") || it.ends_with("ed")
+                    });
             return ((feels && !denies || trusts && denies || is_other) && !weighs)
                 .then_some(DOUBTED);
         }
@@ -967,17 +1026,10 @@ impl<'a> Clause<'a> {
             return (lacking || has).then_some(DOUBTED);
         }
         if AUTHOR_DOUBTS.contains(&verb) && !denies {
-            let is_free = matches!(
-                verb,
-                "apologise"
-                    | "apologize"
-                    | "suspect"
-                    | "worry"
-                    | "fear"
-                    | "question"
-                    | "misplaced"
-                    | "object"
-            ) && self.place == Place::Before;
+            let is_free =
+                words!("apologise apologize suspect worry fear question misplaced object")
+                    .contains(&verb)
+                    && self.place == Place::Before;
             return (!is_free).then_some(DOUBTED);
         }
         if matches!(verb, "made" | "make" | "making") && rest.contains(&"up") && !denies {
@@ -990,51 +1042,14 @@ impl<'a> Clause<'a> {
             return Some(DOUBTED);
         }
         let denies_sight = denies
-            && matches!(
-                verb,
-                "tell"
-                    | "find"
-                    | "see"
-                    | "locate"
-                    | "identify"
-                    | "determine"
-                    | "recognise"
-                    | "recognize"
-                    | "know"
-                    | "measure"
-                    | "say"
-                    | "verify"
-                    | "check"
-                    | "make"
-                    | "judge"
-                    | "pinpoint"
-            )
+            && words!("tell find see locate identify determine recognise recognize know measure say verify check make judge pinpoint").contains(&verb)
             && self.place != Place::Before
             && (rest.is_empty()
                 || rest.iter().take(3).any(|it| {
-                    matches!(
-                        *it,
-                        "corner"
-                            | "cloth"
-                            | "which"
-                            | "whether"
-                            | "where"
-                            | "what"
-                            | "exactly"
-                            | "much"
-                            | "clearly"
-                            | "anything"
-                            | "it"
-                            | "this"
-                            | "these"
-                            | "point"
-                    )
+                    words!("corner cloth which whether where what exactly much clearly anything it this these point").contains(it)
                 }))
             && !rest.iter().any(|it| {
-                matches!(
-                    *it,
-                    "better" | "other" | "wrinkle" | "any" | "more" | "need" | "reason"
-                )
+                words!("better other wrinkle any more need reason").contains(it)
             });
         if denies_sight {
             return Some(DOUBTED);
@@ -1043,13 +1058,19 @@ impl<'a> Clause<'a> {
         if careless && self.place != Place::Before {
             return Some(DOUBTED);
         }
+        let instead = self.place == Place::Beside
+            && modal == Some("would")
+            && self.words.last() == Some(&"instead");
+        if instead {
+            return Some(OTHERWISE);
+        }
         if self.place != Place::After {
             return None;
         }
         let slight = self
             .predicate
             .first()
-            .is_some_and(|it| matches!(*it, "only" | "just" | "merely" | "simply"));
+            .is_some_and(|it| words!("only just merely simply").contains(it));
         let object = rest
             .iter()
             .take(3)
@@ -1071,25 +1092,22 @@ impl<'a> Clause<'a> {
         {
             return Some(OTHERWISE);
         }
-        let counsels = matches!(
-            verb,
-            "recommend"
-                | "suggest"
-                | "advise"
-                | "propose"
-                | "urge"
-                | "advocate"
-                | "vote"
-                | "prefer"
-                | "ask"
-                | "request"
-                | "insist"
-                | "plead"
-        );
+        let recants = would
+            && verb == "like"
+            && rest
+                .iter()
+                .any(|it| AUTHOR_DOUBTS.contains(it) || HALTS.contains(it));
+        if recants {
+            return Some(DOUBTED);
+        }
+        let counsels = words!(
+            "recommend suggest advise propose urge advocate vote prefer ask request insist plead"
+        )
+        .contains(&verb);
         let otherwise = rest.iter().take(3).any(|it| {
             HALTINGS.contains(it)
                 || HALTS.contains(it)
-                || matches!(*it, "instead" | "first" | "else" | "rather")
+                || words!("instead first else rather").contains(it)
         }) || rest
             .iter()
             .any(|it| matches!(*it, "instead" | "else" | "otherwise"));
@@ -1124,7 +1142,7 @@ impl<'a> Clause<'a> {
             .words
             .iter()
             .take(3)
-            .any(|it| matches!(*it, "else" | "other" | "more" | "further"));
+            .any(|it| words!("else other more further").contains(it));
         let idle = self
             .words
             .windows(2)
@@ -1145,7 +1163,7 @@ impl<'a> Clause<'a> {
             rest,
         } = Predicate::of(self.predicate);
         let verb = head?;
-        if !modal.is_some_and(|it| !matches!(it, "do" | "does" | "did" | "have" | "has")) {
+        if !modal.is_some_and(|it| !words!("do does did have has").contains(&it)) {
             return None;
         }
         let denies = denies || self.is_none;
@@ -1154,17 +1172,15 @@ impl<'a> Clause<'a> {
                 || refers(rest)
                 || rest
                     .iter()
-                    .any(|it| matches!(*it, "yet" | "now" | "anything" | "today"));
+                    .any(|it| words!("yet now anything today").contains(it));
             return (ACTS.contains(&verb)
                 && is_whole
-                && !modal.is_some_and(|it| matches!(it, "will" | "would" | "need" | "can")))
+                && !modal.is_some_and(|it| words!("will would need can").contains(&it)))
             .then_some(HALTED);
         }
         let may = modal.is_some_and(|it| it != "will");
-        let rests = matches!(
-            verb,
-            "rest" | "stay" | "sit" | "remain" | "idle" | "park" | "stand"
-        ) && !matches!(self.words[0], "you");
+        let rests = words!("rest stay sit remain idle park stand").contains(&verb)
+            && !matches!(self.words[0], "you");
         if may && (HALTS.contains(&verb) || rests) {
             return Some(HALTED);
         }
@@ -1189,7 +1205,7 @@ impl<'a> Clause<'a> {
             self.predicate.iter().take(3).any(|it| {
                 DUTIES.contains(it) || self.place == Place::After && SUPPOSING.contains(it)
             });
-        let waits = matches!(self.joint, "until" | "unless" | "before" | "once");
+        let waits = words!("until unless before once").contains(&self.joint);
         let like = self.words.iter().any(|it| matches!(*it, "like" | "as"));
         ((modal || waits) && !like && !(self.is_none && !waits)).then_some(HALTED)
     }
@@ -1207,19 +1223,19 @@ impl<'a> Clause<'a> {
             let rest = if first == "do" { &rest[1..] } else { rest };
             let verb = rest.first().copied().unwrap_or_default();
             let object = rest.get(1..).unwrap_or_default();
-            let lets = matches!(verb, "let" | "allow" | "have" | "make")
+            let lets = words!("let allow have make").contains(&verb)
                 && object.iter().any(|it| AGENTS.contains(it));
             let is_whole = object.is_empty()
                 || refers(object)
                 || object
                     .iter()
-                    .any(|it| matches!(*it, "yet" | "anything" | "today" | "now"));
+                    .any(|it| words!("yet anything today now").contains(it));
             let executes = self.place != Place::Before && EXECUTING.contains(&verb);
             let is_order = lets
                 || executes
                 || ACTS.contains(&verb)
                 || DISMISSALS.contains(&verb)
-                    && !matches!(verb, "change" | "discard" | "ignore" | "forget");
+                    && !words!("change discard ignore forget").contains(&verb);
             return (is_order && (is_whole || executes) && !CALMING.contains(&verb) || lets)
                 .then_some(HALTED);
         }
@@ -1230,22 +1246,16 @@ impl<'a> Clause<'a> {
             return None;
         }
         if HALTS.contains(&first)
-            && !matches!(
-                next,
-                "at" | "short" | "before" | "just" | "when" | "in" | "once" | "where" | "over"
-            )
+            && !words!("at short before just when in once where over").contains(&next)
         {
             return Some(HALTED);
         }
         let is_refused = first == "not" && next == "to" && rest.iter().any(|it| USED.contains(it));
-        if is_refused || first == "do" && matches!(next, "as" | "what" | "whatever" | "nothing") {
+        if is_refused || first == "do" && words!("as what whatever nothing").contains(&next) {
             return Some(HALTED);
         }
         if first == "hold"
-            && matches!(
-                next,
-                "on" | "off" | "back" | "fire" | "your" | "everything" | "it" | "that" | "until"
-            )
+            && words!("on off back fire your everything it that until").contains(&next)
         {
             return Some(HALTED);
         }
@@ -1254,32 +1264,14 @@ impl<'a> Clause<'a> {
         if summons || first == "call" && rest.iter().any(|it| PEOPLE.contains(it)) {
             return Some(HALTED);
         }
-        let whole = matches!(
-            next,
-            "it" | "this" | "that" | "everything" | "things" | "them" | "be"
-        ) || rest.iter().take(2).any(|it| {
-            matches!(
-                *it,
-                "cloth" | "fabric" | "garment" | "towel" | "shirt" | "textile" | "arm" | "robot"
-            )
-        });
+        let whole = words!("it this that everything things them be").contains(&next)
+            || rest.iter().take(2).any(|it| {
+                words!("cloth fabric garment towel shirt textile arm robot gripper").contains(it)
+            });
         if matches!(first, "leave" | "let" | "keep")
             && whole
             && rest.iter().skip(1).any(|it| {
-                matches!(
-                    *it,
-                    "alone"
-                        | "be"
-                        | "as"
-                        | "settle"
-                        | "rest"
-                        | "dry"
-                        | "untouched"
-                        | "cool"
-                        | "parked"
-                        | "still"
-                        | "where"
-                )
+                words!("alone be as settle rest dry untouched cool parked still where").contains(it)
             })
         {
             return Some(HALTED);
@@ -1292,31 +1284,19 @@ impl<'a> Clause<'a> {
         if first == "let" && next == "us" && self.place == Place::After {
             let verb = rest.get(1).copied().unwrap_or_default();
             let object = rest.get(2..).unwrap_or_default();
-            let own = refers(object) || matches!(verb, "see" | "fold" | "bring" | "say");
+            let own = refers(object) || words!("see fold bring say").contains(&verb);
             return (!own || matches!(verb, "not") || HALTS.contains(&verb)).then_some(OTHERWISE);
         }
         if DISMISSALS.contains(&first) {
             let object_refers = rest.iter().take(4).position(|it| {
                 PRONOUNS.contains(it)
-                    || matches!(
-                        *it,
-                        "above"
-                            | "everything"
-                            | "answer"
-                            | "values"
-                            | "numbers"
-                            | "coordinates"
-                            | "lines"
-                            | "both"
-                            | "all"
-                    )
+                    || words!("above everything answer values numbers coordinates lines both all")
+                        .contains(it)
             });
             let harmless = HARMLESS_ORDERS.contains(&first)
                 && !rest.iter().any(|it| {
-                    matches!(
-                        *it,
-                        "salt" | "first" | "as" | "before" | "guess" | "lightly" | "loosely"
-                    ) || DOUBTS.contains(it)
+                    words!("salt first as before guess lightly loosely").contains(it)
+                        || DOUBTS.contains(it)
                 });
             if (object_refers.is_some() || rest.is_empty()) && !harmless {
                 return Some(CHANGED);
@@ -1333,12 +1313,10 @@ impl<'a> Clause<'a> {
             ACTS.contains(&it)
                 || HALTS.contains(&it)
                 || DISMISSALS.contains(&it)
-                || matches!(it, "to" | "not" | "if" | "let" | "leave" | "stay")
+                || words!("to not if let leave stay").contains(&it)
         };
-        if matches!(
-            first,
-            "better" | "best" | "safest" | "safer" | "wiser" | "wisest" | "smarter"
-        ) && is_act(next)
+        if words!("better best safest safer wiser wisest smarter").contains(&first)
+            && is_act(next)
             && self.place == Place::After
         {
             return Some(OTHERWISE);
@@ -1371,59 +1349,23 @@ impl<'a> Clause<'a> {
             && !OPENING.contains(&first)
             && !CALMING.contains(&first)
             && !NEGATIONS.contains(&first);
-        let object = rest.iter().find(|it| {
-            !matches!(
-                **it,
-                "about" | "off" | "out" | "on" | "with" | "to" | "up" | "all" | "of"
-            )
-        });
-        let names_answer = object
-            .is_some_and(|it| matches!(*it, "this" | "that" | "these" | "those" | "it" | "them"));
+        let object = rest
+            .iter()
+            .find(|it| !words!("about off out on with to up all of").contains(*it));
+        let names_answer =
+            object.is_some_and(|it| words!("this that these those it them").contains(it));
         if is_verbal
             && names_answer
             && self.place == Place::After
             && rest.len() < 8
-            && !matches!(
-                first,
-                "hope"
-                    | "enjoy"
-                    | "see"
-                    | "with"
-                    | "by"
-                    | "in"
-                    | "for"
-                    | "from"
-                    | "after"
-                    | "during"
-                    | "let"
-                    | "note"
-                    | "make"
-                    | "is"
-                    | "do"
-                    | "does"
-                    | "did"
-                    | "at"
-                    | "under"
-                    | "through"
-            )
+            && !words!("hope enjoy see with by in for from after during let note make is do does did at under through").contains(&first)
         {
             return Some(DOUBTED);
         }
         let invites = first == "feel"
             && next == "free"
             && !rest.iter().take(4).any(|it| {
-                matches!(
-                    *it,
-                    "ask"
-                        | "send"
-                        | "share"
-                        | "let"
-                        | "reach"
-                        | "contact"
-                        | "upload"
-                        | "request"
-                        | "tell"
-                )
+                words!("ask send share let reach contact upload request tell").contains(it)
             });
         if invites && self.place == Place::After {
             return Some(DOUBTED);
@@ -1434,24 +1376,44 @@ impl<'a> Clause<'a> {
         if matches!(first, "pretend" | "imagine" | "suppose") {
             return Some(DOUBTED);
         }
+        let use_that = words!("use take do pick try choose").contains(&first)
+            && matches!(next, "that" | "those")
+            && rest.len() == 1;
+        if use_that {
+            return Some(OTHERWISE);
+        }
+        let makes = first == "make" && words!("it this that them both these").contains(&next)
+            || first == "make" && next == "the" && rest.get(1).is_some_and(|it| PARTS.contains(it));
+        if makes && self.place == Place::After {
+            return Some(CHANGED);
+        }
+        let asks_leave = words!("get obtain seek await request").contains(&first)
+            && rest.iter().any(|it| {
+                words!(
+                    "confirmation approval permission clearance help advice feedback input consent"
+                )
+                .contains(it)
+            });
+        if asks_leave {
+            return Some(HALTED);
+        }
+        if first == "let" && !words!("us me it this that").contains(&next) && refers(rest) {
+            return Some(OTHERWISE);
+        }
+        if first == "consider"
+            && words!("this that it these them").contains(&next)
+            && rest.len() > 1
+        {
+            return Some(DOUBTED);
+        }
         if first == "only"
-            && matches!(
-                next,
-                "if" | "once" | "when" | "after" | "go" | "proceed" | "act" | "execute" | "run"
-            )
+            && words!("to for if once when after go proceed act execute run").contains(&next)
         {
             return Some(CONDITIONAL);
         }
-        let photo = |it: &&str| {
-            matches!(
-                *it,
-                "photo" | "image" | "picture" | "view" | "shot" | "angle"
-            )
-        };
-        (matches!(
-            first,
-            "show" | "send" | "give" | "provide" | "take" | "upload" | "share" | "get" | "shoot"
-        ) && rest.iter().any(|it| photo(&it))
+        let photo = |it: &&str| words!("photo image picture view shot angle").contains(it);
+        (words!("show send give provide take upload share get shoot").contains(&first)
+            && rest.iter().any(|it| photo(&it))
             && self.place == Place::After)
             .then_some(HALTED)
     }
@@ -1481,34 +1443,7 @@ impl<'a> Clause<'a> {
                 return (other && self.place != Place::Before).then_some(DOUBTED);
             } else if !(ARTICLES.contains(word)
                 || word.ends_with("ly")
-                || matches!(
-                    *word,
-                    "just"
-                        | "wild"
-                        | "pure"
-                        | "rough"
-                        | "complete"
-                        | "total"
-                        | "very"
-                        | "quite"
-                        | "some"
-                        | "somewhat"
-                        | "rather"
-                        | "best"
-                        | "educated"
-                        | "bit"
-                        | "of"
-                        | "really"
-                        | "here"
-                        | "is"
-                        | "are"
-                        | "this"
-                        | "all"
-                        | "only"
-                        | "be"
-                        | "been"
-                        | "too"
-                ))
+                || words!("just wild pure rough complete total very quite some somewhat rather best educated bit of really here is are this all only be been too").contains(word))
             {
                 return None;
             }
@@ -1520,7 +1455,8 @@ impl<'a> Clause<'a> {
     fn elides(&self) -> Option<&'static str> {
         let is_elided =
             MODALS.contains(&self.words[0]) && self.words[0] != "do" || BE.contains(&self.words[0]);
-        (is_elided && self.place != Place::Before).then(|| self.judges_answer())?
+        (is_elided && !self.is_explaining() && self.place != Place::Before)
+            .then(|| self.judges_answer())?
     }
 
     /// `It would be wiser to`, `The left sleeve might be better`, `My advice is to`, `The better pick is`
@@ -1556,12 +1492,16 @@ impl<'a> Clause<'a> {
                 return Some(OTHERWISE);
             }
         }
+        let supposes = words.iter().any(|it| SUPPOSING.contains(it));
+        let duty = words
+            .iter()
+            .any(|it| words!("should must ought").contains(it));
+        let world = self.subject == Subject::World;
+        if world && (supposes && words.contains(&"better") || duty && words.contains(&"first")) {
+            return Some(OTHERWISE);
+        }
         let speaks = |it: &&str| {
-            BE.contains(it)
-                || matches!(
-                    *it,
-                    "tells" | "says" | "goes" | "would" | "remains" | "lies" | "sits" | "stands"
-                )
+            BE.contains(it) || words!("tells says goes would remains lies sits stands").contains(it)
         };
         if ARTICLES.contains(&words[0])
             && let Some(noun) = words[1..]
@@ -1591,7 +1531,7 @@ impl<'a> Clause<'a> {
         }
         let deserves = words
             .iter()
-            .any(|it| matches!(*it, "deserves" | "deserve" | "merits" | "beckons"));
+            .any(|it| words!("deserves deserve merits beckons").contains(it));
         deserves.then_some(OTHERWISE)
     }
 }
@@ -1613,10 +1553,7 @@ impl<'a> Predicate<'a> {
         let mut perfect = None;
         let mut at = 0;
         while let Some(word) = words.get(at) {
-            if matches!(
-                *word,
-                "not" | "never" | "hardly" | "barely" | "scarcely" | "neither" | "nor"
-            ) {
+            if words!("not never hardly barely scarcely neither nor").contains(word) {
                 denies = !denies;
             } else if matches!(*word, "have" | "has" | "had")
                 && words.get(at + 1).is_none_or(|it| *it != "to")
@@ -1632,30 +1569,7 @@ impl<'a> Predicate<'a> {
             } else if BE.contains(word) {
                 head = Some(*word);
             } else if !(word.ends_with("ly")
-                || matches!(
-                    *word,
-                    "to" | "also"
-                        | "just"
-                        | "now"
-                        | "really"
-                        | "still"
-                        | "all"
-                        | "both"
-                        | "only"
-                        | "then"
-                        | "therefore"
-                        | "each"
-                        | "even"
-                        | "well"
-                        | "rather"
-                        | "sooner"
-                        | "much"
-                        | "quite"
-                        | "very"
-                        | "too"
-                        | "so"
-                        | "indeed"
-                ))
+                || words!("to also just now really still all both only then therefore each even well rather sooner much quite very too so indeed").contains(word))
                 || DOUBTS.contains(word)
             {
                 break;
@@ -1670,8 +1584,7 @@ impl<'a> Predicate<'a> {
         }
         if head.is_none() {
             // `It has doubts`: what looked like an auxiliary is the verb.
-            let has = perfect
-                .or(modal.filter(|it| matches!(*it, "have" | "has" | "had" | "need" | "needs")));
+            let has = perfect.or(modal.filter(|it| words!("have has had need needs").contains(it)));
             let is_participle = words.get(at).is_some_and(|it| {
                 it.ends_with("ed") || it.ends_with('t') || it.ends_with("n") || it.ends_with("d")
             });
@@ -1705,19 +1618,7 @@ fn refers(words: &[&str]) -> bool {
             "this" | "that" => {
                 next.is_empty()
                     || PARTS.contains(&next)
-                    || matches!(
-                        next,
-                        "one"
-                            | "yet"
-                            | "now"
-                            | "before"
-                            | "at"
-                            | "as"
-                            | "for"
-                            | "on"
-                            | "way"
-                            | "corner"
-                    )
+                    || words!("one yet now before at as for on way corner").contains(&next)
             }
             "above" => at > 0 && matches!(words[at - 1], "the" | "all"),
             "answer" | "answers" | "values" | "numbers" | "coordinates" | "pixels" => true,
@@ -1729,21 +1630,10 @@ fn refers(words: &[&str]) -> bool {
 /// Returns whether words name what follows them: `the following`, `what comes next`.
 fn refers_forward(words: &[&str]) -> bool {
     words.iter().any(|it| {
-        matches!(
-            *it,
-            "following"
-                | "follows"
-                | "below"
-                | "here"
-                | "next"
-                | "comes"
-                | "values"
-                | "numbers"
-                | "coordinates"
-                | "pixels"
-                | "answer"
-                | "lines"
+        words!(
+            "following follows below here next comes values numbers coordinates pixels answer lines"
         )
+        .contains(it)
     })
 }
 
@@ -1752,22 +1642,8 @@ fn orders(word: &str) -> bool {
     [HALTS, DISMISSALS, ACTS, MODALS, NEGATIONS]
         .iter()
         .any(|table| table.contains(&word))
-        || matches!(
-            word,
-            "let"
-                | "leave"
-                | "keep"
-                | "only"
-                | "better"
-                | "best"
-                | "rather"
-                | "ask"
-                | "pretend"
-                | "feel"
-                | "send"
-                | "show"
-                | "give"
-        )
+        || words!("let leave keep only better best rather ask pretend feel send show give")
+            .contains(&word)
 }
 
 /// Returns whom a clause speaks of, and how many words name them.
@@ -1784,28 +1660,13 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         "what"
             if matches!(word(1), "i" | "we")
                 && words.iter().take(5).any(|it| {
-                    matches!(
-                        *it,
-                        "think"
-                            | "want"
-                            | "mean"
-                            | "meant"
-                            | "would"
-                            | "recommend"
-                            | "suggest"
-                            | "prefer"
-                    )
+                    words!("think want mean meant would recommend suggest prefer").contains(it)
                 }) =>
         {
             return (Subject::Nobody, 0);
         }
         "what" | "whatever" => {
-            let tells = |it: &&str| {
-                matches!(
-                    *it,
-                    "i" | "follows" | "comes" | "stands" | "above" | "below"
-                )
-            };
+            let tells = |it: &&str| words!("i follows comes stands above below").contains(it);
             if words.iter().skip(1).take(2).any(|it| tells(&it)) {
                 let verb = words
                     .iter()
@@ -1816,6 +1677,12 @@ fn subject(words: &[&str]) -> (Subject, usize) {
             return (Subject::World, 1);
         }
         _ => {}
+    }
+    if QUANTIFIERS.contains(&word(0)) && word(1) == "i" && words.len() > 3 {
+        return (Subject::Answer, 3);
+    }
+    if word(0) == "this" && word(1) == "way" {
+        return (Subject::World, 2);
     }
     let mut at = 0;
     if matches!(
@@ -1828,11 +1695,8 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         at += 1;
         if word(at) == "of" {
             at += 1;
-        } else if is_verb(word(at)) || word(0) == "both" {
-            let counts = !matches!(
-                word(0),
-                "nothing" | "everything" | "anything" | "one" | "half" | "some"
-            );
+        } else if is_verb(word(at)) || word(0) == "both" && !PARTS.contains(&word(at)) {
+            let counts = !words!("nothing everything anything one half some").contains(&word(0));
             return (
                 if counts {
                     Subject::Answer
@@ -1844,7 +1708,7 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         }
     }
     if PRONOUNS.contains(&word(at)) {
-        let demonstrative = matches!(word(at), "this" | "that" | "these" | "those");
+        let demonstrative = words!("this that these those").contains(&word(at));
         at += 1;
         if demonstrative {
             let noun = (at..at + 3).find(|it| PARTS.contains(&word(*it)) || word(*it) == "corner");
@@ -1856,6 +1720,16 @@ fn subject(words: &[&str]) -> (Subject, usize) {
             }
         }
         return (Subject::Answer, at);
+    }
+    // `Executing it`
+    if word(0).ends_with("ing")
+        && words!("it this that these them").contains(&word(1))
+        && (is_verb(word(2)) || is_verb(word(3)))
+    {
+        return (Subject::Answer, 2);
+    }
+    if word(0) == "such" && word(1) == "a" && PARTS.contains(&word(2)) {
+        return (Subject::Answer, 3);
     }
     let begins = at;
     if ARTICLES.contains(&word(at)) {
@@ -1870,19 +1744,19 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         if is_named && AGENTS.contains(&it) {
             return (Subject::Agent, index + 1);
         }
+        if is_named && index > at && matches!(it, "above" | "below") {
+            return (Subject::Answer, index + 1);
+        }
         let ends_name = is_verb(word(index + 1))
             || word(index + 1).ends_with('s')
             || word(index + 1).ends_with("ly")
-            || matches!(word(index + 1), "not" | "came" | "never" | "both");
+            || words!("not came never both").contains(&word(index + 1));
         if PARTS.contains(&it)
             && !PARTS.contains(&word(index + 1))
             && word(index + 1) != "of"
             && (is_named && ends_name
                 || is_verb(word(index + 1))
-                || matches!(
-                    word(index + 1),
-                    "lies" | "falls" | "lands" | "below" | "above"
-                ))
+                || words!("lies falls lands below above").contains(&word(index + 1)))
         {
             let is_placed = matches!(word(index + 1), "below" | "above");
             return (Subject::Answer, index + 1 + usize::from(is_placed));
