@@ -139,7 +139,7 @@ const TRUSTED: &[&str] = words!(
 
 /// What the author may do to doubt the answer: `I doubt`, `I made it up`.
 const AUTHOR_DOUBTS: &[&str] = words!(
-    "guess guessed doubt doubted regret retract retracted withdraw withdrew revoke rescind hesitate distrust mistrust
+    "mixed confused guess guessed doubt doubted regret retract retracted withdraw withdrew revoke rescind hesitate distrust mistrust
     eyeballed improvised invented fabricated hallucinated bluffed gambled faked lied erred misjudged misread miscounted
     misidentified misplaced copied pasted recycled borrowed pretended rushed botched fumbled dislike apologise
     apologize disagree question object refuse decline worry fear dread suspect abstain reconsider recant"
@@ -349,6 +349,7 @@ const DISCLOSING: &[&str] = &[
     "yikes",
     "except",
     "come to think",
+    "then again",
     "oh",
     "dear",
     "darn",
@@ -419,7 +420,7 @@ const RIVALS: &[&str] = words!(
 );
 
 /// Sayings that doubt or halt, whatever they are said of; separated by `|`.
-const SAYINGS: &str = "give or take|too early|too late|from nothing|on balance|wanted to say|meant to say|would benefit|should come first|must come first|needs to come first|has to come first|ought to come first|the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
+const SAYINGS: &str = "too early|too late|from nothing|on balance|wanted to say|meant to say|would benefit|should come first|must come first|needs to come first|has to come first|ought to come first|the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
     |coin flip|coin toss|flip of a coin|toss of a coin|second opinion|need a closer look|needs a closer look|deserves a closer look\
     |take it back|take that back|take this back|strike that|my gut|top of my head|at face value|this one out|stay put\
     |staying put|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
@@ -442,7 +443,7 @@ const SAYINGS: &str = "give or take|too early|too late|from nothing|on balance|w
     |because i had to|because you insist|you insist|against my better|second thoughts|cold feet";
 
 /// Sayings with a word that otherwise begins a clause.
-const CONDITIONS: &str = "before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
+const CONDITIONS: &str = "give or take|is rough|impossible with|before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
     |not what i meant|on condition|as long as|so long as|provided that|providing that|valid provided|works if|only if|only once|only after|only when|only until\
     |if you ask me|if i am honest|not where|rather than this|rather than these|rather than that|might as well|may as well|unless i|until i|until it is|until you|until this|until they|before i";
 
@@ -496,7 +497,16 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         if announces && said.contains(" i would ") && said.contains(" but ") {
             return Some(OTHERWISE);
         }
-        return says(FORMALITIES).then_some(DOUBTED);
+        let hedges = announces
+            && words!("take treat regard consider read")
+                .iter()
+                .any(|verb| {
+                    words!("these this the")
+                        .iter()
+                        .any(|it| said.contains(&format!(" {verb} {it} ")))
+                })
+            && said.contains(" as ");
+        return (hedges || says(FORMALITIES)).then_some(DOUBTED);
     }
     let is_foreign = words
         .iter()
@@ -505,7 +515,9 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
             .iter()
             .any(|it| FOREIGN_WITHIN.iter().any(|part| it.text.contains(part)))
         || says(FOREIGN_SAYINGS);
-    let is_vague = place == Place::After && words.contains(&"±");
+    let hangs =
+        words.starts_with(&["it", "is"]) && said.contains(" whether ") && place == Place::After;
+    let is_vague = hangs || place == Place::After && words.contains(&"±");
     if is_foreign
         || is_vague
         || said.contains(" in doubt ")
@@ -1618,7 +1630,7 @@ fn refers(words: &[&str]) -> bool {
             "this" | "that" => {
                 next.is_empty()
                     || PARTS.contains(&next)
-                    || words!("one yet now before at as for on way corner").contains(&next)
+                    || words!("one instead yet now before at as for on way corner").contains(&next)
             }
             "above" => at > 0 && matches!(words[at - 1], "the" | "all"),
             "answer" | "answers" | "values" | "numbers" | "coordinates" | "pixels" => true,
