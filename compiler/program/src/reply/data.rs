@@ -110,6 +110,19 @@ fn aside_members(reader: &Reader<'_>, node: &Node, depth: usize, beside: &mut Be
             Shape::Object(_) if depth < MAX_STRINGS => {
                 aside_members(reader, value, depth + 1, beside);
             }
+            // `"warnings": ["do not execute"]`
+            Shape::List(items) => {
+                for item in items {
+                    if let Shape::Text(text) = &item.shape {
+                        let into = if is_reason {
+                            &mut beside.thought
+                        } else {
+                            &mut beside.said
+                        };
+                        into.push_str(&format!("{text}\n\n"));
+                    }
+                }
+            }
             Shape::Text(text) | Shape::Bare(text) if is_reason => {
                 beside.thought.push_str(&format!("{text}\n\n"));
             }

@@ -130,7 +130,7 @@ const WEAK_DOUBTS: &[&str] = words!(
 
 /// Trust, which is doubt where it is denied.
 const TRUSTED: &[&str] = words!(
-    "supposed how what where reliable trustworthy real final accurate certain sure correct right valid usable safe trusted verified measured
+    "instruction recommendation command solution prediction measurement supposed how what where reliable trustworthy real final accurate certain sure correct right valid usable safe trusted verified measured
     meant serious binding official authoritative definitive conclusive sound suitable ready feasible reachable
     executable intended recommended advisable wise useful worth dependable confident grounded based checked tested
     confirmed credible sensible good mine settled true possible workable sane solid convinced comfortable allowed
@@ -147,7 +147,7 @@ const AUTHOR_DOUBTS: &[&str] = words!(
 
 /// What the author feels in doubt: `I am unsure`.
 const AUTHOR_FEELINGS: &[&str] = words!(
-    "leaning tempted inclined unsure uncertain hesitant reluctant sceptical skeptical doubtful wary uneasy uncomfortable confused lost torn
+    "surprised amazed astonished shocked leaning tempted inclined unsure uncertain hesitant reluctant sceptical skeptical doubtful wary uneasy uncomfortable confused lost torn
     guessing bluffing joking kidding pretending improvising worried afraid sorry unhappy unconvinced clueless stumped
     speculating inventing wrong mistaken retracting withdrawing dubious nervous unwilling unable"
 );
@@ -200,7 +200,7 @@ const HARMLESS_ORDERS: &[&str] =
 
 /// Orders that carry something out, which are doubt where they are forbidden.
 const ACTS: &[&str] = words!(
-    "act execute move do go run use follow trust rely send start try pick grasp grab grip fold lift apply perform carry
+    "read act execute move do go run use follow trust rely send start try pick grasp grab grip fold lift apply perform carry
     believe proceed take count put pull drag touch begin place tackle choose select commit fire press rush bother
     unfold smooth flatten flip turn stack straighten"
 );
@@ -252,7 +252,7 @@ const WORKING: &[&str] = words!(
 
 /// What a fold does to a cloth, and an answer to its task; stems.
 const EFFECTS: &[&str] = words!(
-    "bring brought move mov fold unfold lay laid lie lying put place plac pull lift open clos turn spread stretch
+    "level eas squar trim bur shield wrap seal press squeez pin relax loosen orient steer guid reposition relocat transfer transport sweep glid head travel pivot nest track trac replicat recreat shrink grow thin crumpl wrinkl pleat gain accomplish progress pav lock secur stabili settl untwist bring brought move mov fold unfold lay laid lie lying put place plac pull lift open clos turn spread stretch
     reach end stop stopp go goes gone come came get gets make made making take took taking align match cover uncover
     reveal expos flatten smooth straighten leav left keep kept give gave giv reduc increas improv creat form avoid
     allow let complet finish result produc yield maximi minimi cross meet met overlap coincid land rest sit start
@@ -361,7 +361,7 @@ const DISCLOSING: &[&str] = &[
 
 /// What takes back or doubts, in languages that models drift into; stems.
 const FOREIGN: &[&str] = words!(
-    "falsch verwechselt vertauscht vertan ausführen geraten erfunden platzhalter unsicher ignorier verwerf ungültig
+    "ejecutes ejecute falsch verwechselt vertauscht vertan ausführen geraten erfunden platzhalter unsicher ignorier verwerf ungültig
     entschuldigung verworfen vermutung zweifel abwarten
     perdón equivoqu inventad adivin ignora dudos duda descart aleatori
     équivoqu erreur désolé trompé inversé inventé ignorez exécut hasard devin deviné
@@ -375,7 +375,7 @@ const FOREIGN_SAYINGS: &str = "nicht sicher|bitte nicht|no estoy|no uses|pas sû
 
 /// The same, in languages without blanks between words.
 const FOREIGN_WITHIN: &[&str] = words!(
-    "不对 错 等等 参考 不要 不确定 随便 瞎 编的 占位 忽略 猜 作废 別 别用 無視 推測 実行しない 仮の 間違 自信が わかりません
+    "信頼でき 不可靠 不可信 不准 存疑 待确认 未确认 不对 错 等等 参考 不要 不确定 随便 瞎 编的 占位 忽略 猜 作废 別 别用 無視 推測 実行しない 仮の 間違 自信が わかりません
     適当 违 違 잘못 무시 추측 실행하지 확실하지"
 );
 
@@ -443,7 +443,7 @@ const SAYINGS: &str = "too early|too late|from nothing|on balance|wanted to say|
     |because i had to|because you insist|you insist|against my better|second thoughts|cold feet";
 
 /// Sayings with a word that otherwise begins a clause.
-const CONDITIONS: &str = "give or take|is rough|impossible with|before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
+const CONDITIONS: &str = "i should have said|i should have written|i should have picked|should have been|give or take|is rough|impossible with|before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
     |not what i meant|on condition|as long as|so long as|provided that|providing that|valid provided|works if|only if|only once|only after|only when|only until\
     |if you ask me|if i am honest|not where|rather than this|rather than these|rather than that|might as well|may as well|unless i|until i|until it is|until you|until this|until they|before i";
 
@@ -496,6 +496,9 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         }
         if announces && said.contains(" i would ") && said.contains(" but ") {
             return Some(OTHERWISE);
+        }
+        if announces && *first == "what" && said.contains(" would ") {
+            return Some(DOUBTED);
         }
         let hedges = announces
             && words!("take treat regard consider read")
@@ -551,6 +554,13 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                 .is_some_and(|it2| it2.starts_with(it) && it2[it.len()..].starts_with(' '))
         }) {
             return Some(DOUBTED);
+        }
+        let offers_other = said.starts_with(" should you ")
+            && words
+                .iter()
+                .any(|it| words!("use try take prefer").contains(it));
+        if offers_other {
+            return Some(CONDITIONAL);
         }
         let asks = words.last() == Some(&"?") && (MODALS.contains(first) || BE.contains(first));
         let offers = [
@@ -841,6 +851,27 @@ impl<'a> Clause<'a> {
         {
             return Some(DOUBTED);
         }
+        let named = self.words[..length].last().copied().unwrap_or_default();
+        let supposed = modal.is_some_and(|it| SUPPOSING.contains(&it)) && BE.contains(&verb);
+        let unreal = supposed
+            && words!("these those numbers values").contains(&named)
+            && modal == Some("would");
+        let turned = supposed
+            && rest.first().is_some_and(|it| {
+                words!("reversed swapped exchanged mirrored inverted switched flipped mixed")
+                    .contains(it)
+            });
+        let other = supposed
+            && length == 0
+            && rest
+                .iter()
+                .any(|it| words!("other another different either").contains(it));
+        let corrects = self.predicate.iter().take(3).any(|it| *it == "actually")
+            && BE.contains(&verb)
+            && self.place == Place::After;
+        if (unreal || turned || other || corrects) && !denies && !self.is_explaining() {
+            return Some(DOUBTED);
+        }
         let spoils = rest
             .iter()
             .any(|it| words!("worse ruined damaged torn broken").contains(it));
@@ -984,6 +1015,7 @@ impl<'a> Clause<'a> {
             || judgement.iter().take(8).any(|it| {
                 FIT.contains(it)
                     || it.ends_with("ing")
+                    || it.ends_with("ed") && !DOUBTS.contains(it)
                     || it.ends_with("est")
                     || it.starts_with(|it: char| it.is_ascii_digit() || it == '@' || !it.is_ascii())
             });
@@ -1066,7 +1098,8 @@ impl<'a> Clause<'a> {
         if denies_sight {
             return Some(DOUBTED);
         }
-        let careless = self.words.iter().any(|it| CARELESSLY.contains(it));
+        let careless =
+            self.words.contains(&"mixing") || self.words.iter().any(|it| CARELESSLY.contains(it));
         if careless && self.place != Place::Before {
             return Some(DOUBTED);
         }
@@ -1394,7 +1427,14 @@ impl<'a> Clause<'a> {
         if use_that {
             return Some(OTHERWISE);
         }
-        let makes = first == "make" && words!("it this that them both these").contains(&next)
+        let slowly = rest
+            .iter()
+            .any(|it| it.ends_with("ly") || matches!(*it, "slow"));
+        let makes = words!("move shift nudge slide").contains(&first)
+            && words!("it them both").contains(&next)
+            && rest.len() > 1
+            && !slowly
+            || first == "make" && words!("it this that them both these").contains(&next)
             || first == "make" && next == "the" && rest.get(1).is_some_and(|it| PARTS.contains(it));
         if makes && self.place == Place::After {
             return Some(CHANGED);
@@ -1509,7 +1549,10 @@ impl<'a> Clause<'a> {
             .iter()
             .any(|it| words!("should must ought").contains(it));
         let world = self.subject == Subject::World;
-        if world && (supposes && words.contains(&"better") || duty && words.contains(&"first")) {
+        if world
+            && (supposes && words.contains(&"better")
+                || duty && (words.contains(&"first") || words.contains(&"beforehand")))
+        {
             return Some(OTHERWISE);
         }
         let speaks = |it: &&str| {
@@ -1581,7 +1624,7 @@ impl<'a> Predicate<'a> {
             } else if BE.contains(word) {
                 head = Some(*word);
             } else if !(word.ends_with("ly")
-                || words!("to also just now really still all both only then therefore each even well rather sooner much quite very too so indeed").contains(word))
+                || words!("to also just now really still all both only then therefore each even well rather sooner much quite very so indeed").contains(word))
                 || DOUBTS.contains(word)
             {
                 break;
@@ -1689,6 +1732,13 @@ fn subject(words: &[&str]) -> (Subject, usize) {
             return (Subject::World, 1);
         }
         _ => {}
+    }
+    // `The corner I gave`
+    if ARTICLES.contains(&word(0))
+        && word(2) == "i"
+        && words!("gave wrote named said chose picked stated listed").contains(&word(3))
+    {
+        return (Subject::Answer, 4);
     }
     if QUANTIFIERS.contains(&word(0)) && word(1) == "i" && words.len() > 3 {
         return (Subject::Answer, 3);
