@@ -103,7 +103,7 @@ const JOINING: &[&str] = words!("and but so or before until unless yet");
 
 /// Doubt, as nouns, adjectives and participles.
 const DOUBTS: &[&str] = words!(
-    "illustrative symbolic notional bad pending awaiting sketch guess guesses guessed guessing guesswork guesstimate guesstimates eyeballed hunch stab dice gamble lottery
+    "pretended fallback fallbacks illustrative symbolic notional bad pending awaiting sketch guess guesses guessed guessing guesswork guesstimate guesstimates eyeballed hunch stab dice gamble lottery
     random randomly arbitrary arbitrarily haphazard hallucinated hallucination hallucinations fabricated fabrication
     invented fictional fictitious imaginary imagined fake faked bogus dummy placeholder placeholders filler fillers
     nonsense nonsensical garbage gibberish rubbish junk trash meaningless worthless useless pointless unreliable
@@ -139,7 +139,7 @@ const TRUSTED: &[&str] = words!(
 
 /// What the author may do to doubt the answer: `I doubt`, `I made it up`.
 const AUTHOR_DOUBTS: &[&str] = words!(
-    "mixed confused guess guessed doubt doubted regret retract retracted withdraw withdrew revoke rescind hesitate distrust mistrust
+    "admit confess concede wonder ponder mixed confused guess guessed doubt doubted regret retract retracted withdraw withdrew revoke rescind hesitate distrust mistrust
     eyeballed improvised invented fabricated hallucinated bluffed gambled faked lied erred misjudged misread miscounted
     misidentified misplaced copied pasted recycled borrowed pretended rushed botched fumbled dislike apologise
     apologize disagree question object refuse decline worry fear dread suspect abstain reconsider recant"
@@ -214,7 +214,7 @@ const CALMING: &[&str] = words!("worry mind hesitate forget need want think let 
 
 /// What a later look would do to the answer.
 const REVISED: &[&str] = words!(
-    "ignored discarded skipped scrapped checked verified confirmed measured treated taken adjusted corrected shifted
+    "determined found located recomputed redetermined ignored discarded skipped scrapped checked verified confirmed measured treated taken adjusted corrected shifted
     moved swapped raised lowered nudged rounded increased decreased reduced extended shortened flipped reversed rotated
     scaled replaced changed revised reconsidered rechecked double-checked re-measured reviewed disregarded dismissed
     dropped deleted cancelled canceled overwritten redone revisited mirrored exchanged inverted doubled halved
@@ -380,7 +380,7 @@ const FOREIGN_WITHIN: &[&str] = words!(
 );
 
 /// What introduces values that are not meant; separated by `|`.
-const FORMALITIES: &str = "for the sake of|satisfy the|to comply|that parses|it parses|here is something|here are some|for completeness\
+const FORMALITIES: &str = "since i have to answer|because i have to answer|since i must answer|because i must answer|have to say something|for the sake of|satisfy the|to comply|that parses|it parses|here is something|here are some|for completeness\
     |for form|pro forma|formally|nominally|are worth|is worth|if only to|if i had to|if i were|were i|if forced|if pressed\
     |if you insist|just to have|so as not to|to keep the parser|to please";
 
@@ -420,7 +420,7 @@ const RIVALS: &[&str] = words!(
 );
 
 /// Sayings that doubt or halt, whatever they are said of; separated by `|`.
-const SAYINGS: &str = "too early|too late|from nothing|on balance|wanted to say|meant to say|would benefit|should come first|must come first|needs to come first|has to come first|ought to come first|the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
+const SAYINGS: &str = "should rather|must rather|ought rather|could be that|may be that|might be that|could well be|may well be|might well be|more good|will want to|may want to|might want to|place to start|place to begin|more promising|more urgent|more sensible|more suitable|seems better|looks better|came to mind|chance of success|no point in|no sense in|no use in|no guarantee|no hope|no certainty|too early|too late|from nothing|on balance|wanted to say|meant to say|would benefit|should come first|must come first|needs to come first|has to come first|ought to come first|the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
     |coin flip|coin toss|flip of a coin|toss of a coin|second opinion|need a closer look|needs a closer look|deserves a closer look\
     |take it back|take that back|take this back|strike that|my gut|top of my head|at face value|this one out|stay put\
     |staying put|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
@@ -443,7 +443,7 @@ const SAYINGS: &str = "too early|too late|from nothing|on balance|wanted to say|
     |because i had to|because you insist|you insist|against my better|second thoughts|cold feet";
 
 /// Sayings with a word that otherwise begins a clause.
-const CONDITIONS: &str = "i should have said|i should have written|i should have picked|should have been|give or take|is rough|impossible with|before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
+const CONDITIONS: &str = "if you do this|if you do that|if you do so|if this is done|if executed|i should have said|i should have written|i should have picked|should have been|give or take|is rough|impossible with|before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
     |not what i meant|on condition|as long as|so long as|provided that|providing that|valid provided|works if|only if|only once|only after|only when|only until\
     |if you ask me|if i am honest|not where|rather than this|rather than these|rather than that|might as well|may as well|unless i|until i|until it is|until you|until this|until they|before i";
 
@@ -496,6 +496,20 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         }
         if announces && said.contains(" i would ") && said.contains(" but ") {
             return Some(OTHERWISE);
+        }
+        let idle = words.windows(2).any(|pair| {
+            words!("nothing anything").contains(&pair[0])
+                && words!("should needs must").contains(&pair[1])
+        });
+        let from = words.windows(4).any(|near| {
+            words!("from for").contains(&near[0])
+                && near[1..]
+                    .iter()
+                    .any(|it| words!("different another old separate unrelated").contains(it))
+        });
+        let is_label = words!("a an values numbers").contains(first);
+        if idle && !said.contains(" else ") || announces && from && is_label {
+            return Some(HALTED);
         }
         if announces && *first == "what" && said.contains(" would ") {
             return Some(DOUBTED);
@@ -779,7 +793,15 @@ impl<'a> Clause<'a> {
             Subject::Author => self.confesses(),
             Subject::Agent => self.directs(),
             Subject::Person => self.defers(),
-            Subject::World if self.words.iter().take(4).any(|it| *it == "nothing") => self.rests(),
+            Subject::World
+                if self
+                    .words
+                    .iter()
+                    .take(4)
+                    .any(|it| words!("no nothing").contains(it)) =>
+            {
+                self.rests()
+            }
             Subject::World if matches!(self.words[0], "a" | "an") => self.labels(),
             Subject::World => None,
             Subject::Nobody => self
@@ -1049,6 +1071,11 @@ impl<'a> Clause<'a> {
         }
         let first = rest.first().copied().unwrap_or_default();
         if BE.contains(&verb) || verb == "feel" || verb == "felt" {
+            let would_feel =
+                modal == Some("would") && !BE.contains(&verb) && self.place == Place::After;
+            if would_feel {
+                return Some(OTHERWISE);
+            }
             let feels = rest.iter().take(4).any(|it| AUTHOR_FEELINGS.contains(it));
             let trusts = rest.iter().take(3).any(|it| TRUSTED.contains(it));
             let weighs = self.place == Place::Before || self.is_explaining();
@@ -1062,6 +1089,9 @@ impl<'a> Clause<'a> {
                     });
             return ((feels && !denies || trusts && denies || is_other) && !weighs)
                 .then_some(DOUBTED);
+        }
+        if verb == "have" && rest.contains(&"wrong") && !denies && self.place == Place::After {
+            return Some(DOUBTED);
         }
         if verb == "have" || verb == "had" {
             let lacks = rest.iter().take(4).any(|it| NEGATIONS.contains(it)) || denies;
@@ -1096,6 +1126,17 @@ impl<'a> Clause<'a> {
                 words!("better other wrinkle any more need reason").contains(it)
             });
         if denies_sight {
+            return Some(DOUBTED);
+        }
+        let unread = denies
+            && self.place == Place::After
+            && words!(
+                "understood understand read seen looked checked verified measured tested tried"
+            )
+            .contains(&verb)
+            && !self.is_explaining();
+        let stops = self.place == Place::Before && modal == Some("would") && HALTS.contains(&verb);
+        if unread || stops {
             return Some(DOUBTED);
         }
         let careless =
@@ -1161,8 +1202,8 @@ impl<'a> Clause<'a> {
 
     /// `Sorry to say this does not solve it`
     fn embeds(&self) -> Option<&'static str> {
-        let speaks =
-            matches!(self.subject, Subject::Author | Subject::Nobody) || self.words[0] == "to";
+        let speaks = matches!(self.subject, Subject::Author | Subject::Nobody)
+            || matches!(self.words[0], "to" | "there");
         if !speaks || self.place == Place::Before {
             return None;
         }
@@ -1192,7 +1233,17 @@ impl<'a> Clause<'a> {
             .words
             .windows(2)
             .any(|pair| matches!(pair, ["to", "do" | "fold" | "move"]));
-        (self.words.contains(&"nothing") && (duty || idle) && !other && !self.is_sequel)
+        let needless = self.words[0] == "no"
+            && self
+                .words
+                .get(1)
+                .is_some_and(|it| words!("pull move fold action grasp pick motion").contains(it))
+            && self
+                .words
+                .iter()
+                .any(|it| words!("needed required necessary").contains(it));
+        (needless && !other
+            || self.words.contains(&"nothing") && (duty || idle) && !other && !self.is_sequel)
             .then_some(HALTED)
     }
 
@@ -1296,7 +1347,7 @@ impl<'a> Clause<'a> {
             return Some(HALTED);
         }
         let is_refused = first == "not" && next == "to" && rest.iter().any(|it| USED.contains(it));
-        if is_refused || first == "do" && words!("as what whatever nothing").contains(&next) {
+        if is_refused || first == "do" && words!("as with what whatever nothing").contains(&next) {
             return Some(HALTED);
         }
         if first == "hold"
@@ -1382,7 +1433,9 @@ impl<'a> Clause<'a> {
         {
             return Some(OTHERWISE);
         }
-        let is_verbal = !FIT.contains(&first)
+        let is_verbal = !ACTS.contains(&first)
+            && !EXECUTING.contains(&first)
+            && !FIT.contains(&first)
             && !AUTHORED.contains(&first)
             && !EFFECTS.iter().any(|stem| first.starts_with(stem))
             && !["ing", "ed", "s", "ly"]
@@ -1465,6 +1518,9 @@ impl<'a> Clause<'a> {
         }
         let photo = |it: &&str| words!("photo image picture view shot angle").contains(it);
         (words!("show send give provide take upload share get shoot").contains(&first)
+            && !rest
+                .iter()
+                .any(|it| words!("resulting updated latest new").contains(it))
             && rest.iter().any(|it| photo(&it))
             && self.place == Place::After)
             .then_some(HALTED)
@@ -1532,9 +1588,14 @@ impl<'a> Clause<'a> {
                 .take(8)
                 .any(|it| matches!(*it, "to" | "if"));
             let is_it = words[0] == "it";
-            let halts = words[at + 1..]
-                .iter()
-                .any(|it| HALTS.contains(it) || matches!(*it, "not" | "leave" | "skip"));
+            let advises = words[at + 1..].iter().take(2).any(|it| {
+                words!("better best wiser smarter safer prudent sensible advisable preferable")
+                    .contains(it)
+            });
+            let halts = advises
+                || words[at + 1..]
+                    .iter()
+                    .any(|it| HALTS.contains(it) || matches!(*it, "not" | "leave" | "skip"));
             if praise.is_some()
                 && !denies
                 && (supposes
@@ -1813,7 +1874,9 @@ fn subject(words: &[&str]) -> (Subject, usize) {
             || word(index + 1).ends_with('s')
             || word(index + 1).ends_with("ly")
             || words!("not came never both").contains(&word(index + 1));
+        let counts = words!("two three following lines line").contains(&it);
         if PARTS.contains(&it)
+            && (!counts || is_verb(word(index + 1)))
             && !PARTS.contains(&word(index + 1))
             && word(index + 1) != "of"
             && (is_named && ends_name
