@@ -81,6 +81,14 @@ pub fn read_fields(
             stated,
         });
     }
+    if let (Some(why), Some(first)) = (found.doubt, actions.first()) {
+        let why = format!("Your answer cannot be used: {why}.");
+        return Err(Malformed {
+            field: first.name.clone(),
+            message: complaint(&why, actions, first, notation),
+            stated,
+        });
+    }
     Ok(Reading {
         value: proposal,
         repairs,

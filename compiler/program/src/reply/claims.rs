@@ -5,6 +5,7 @@
 
 use super::aside::{self, Aside, Cleared};
 use super::data;
+use super::doubt::Place;
 use super::lexer::{self, Kind, Token};
 use super::remarks;
 use super::sentences::{Claim, Claimed, Reader};
@@ -16,6 +17,8 @@ pub(super) struct Claims {
     /// Where the answer takes something back: `no wait`, `final answer`.
     pub turns: Vec<usize>,
     pub cleared: Cleared,
+    /// Why the answer as a whole is in doubt.
+    pub doubt: Option<&'static str>,
 }
 
 /// An answer without what states nothing, for readers of other forms than an action's.
@@ -78,10 +81,25 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         last.for_each(|claim| claim.claimed = Claimed::Bad("its number may be cut off".to_owned()));
     }
     let turns = turns(&tokens);
-    let last = claims.iter().map(|claim| claim.span.start).max();
+    let stated = claims
+        .iter()
+        .map(|claim| claim.span.start)
+        .min()
+        .map(|first| {
+            let last = claims.iter().map(|claim| claim.span.start).max();
+            let end = claims.iter().map(|claim| claim.span.end).max();
+            remarks::Stated {
+                first,
+                last: last.unwrap_or(first),
+                end: end.unwrap_or(first),
+            }
+        });
     let at = reply.len();
-    let beside = lexer::tokens(&beside);
-    let remarks = remarks::of(&tokens, reader.notation, last);
+    let (beside, thought) = (lexer::tokens(&beside.said), lexer::tokens(&beside.thought));
+    let doubt = remarks::doubt(&tokens, stated, Place::Before)
+        .or_else(|| remarks::doubt(&beside, None, Place::Beside))
+        .or_else(|| remarks::doubt(&thought, None, Place::Before));
+    let remarks = remarks::of(&tokens, reader.notation, stated);
     let remarks = remarks
         .into_iter()
         .chain(remarks::of(&beside, reader.notation, None));
@@ -100,6 +118,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         claims,
         turns,
         cleared,
+        doubt,
     }
 }
 

@@ -73,21 +73,30 @@ pub(super) fn objects(
     spans
 }
 
-/// Returns what objects say beside the fields, as sentences: `"unit": "percent"`, `// dummy`.
-pub(super) fn beside(reader: &Reader<'_>, text: &str) -> String {
-    let mut said = String::new();
+/// What objects say beside the fields, as sentences.
+#[derive(Default)]
+pub(super) struct Beside {
+    /// `"unit": "percent"`, `// dummy`
+    pub said: String,
+    /// `"reasoning": "The corner is free."`
+    pub thought: String,
+}
+
+/// Returns what objects say beside the fields.
+pub(super) fn beside(reader: &Reader<'_>, text: &str) -> Beside {
+    let mut beside = Beside::default();
     for node in object::objects(text) {
         for line in text[node.span.clone()].lines() {
             if let Some((_, comment)) = line.split_once("//") {
-                said.push_str(&format!("// {comment}\n\n"));
+                beside.said.push_str(&format!("// {comment}\n\n"));
             }
         }
-        aside_members(reader, &node, 0, &mut said);
+        aside_members(reader, &node, 0, &mut beside);
     }
-    said
+    beside
 }
 
-fn aside_members(reader: &Reader<'_>, node: &Node, depth: usize, said: &mut String) {
+fn aside_members(reader: &Reader<'_>, node: &Node, depth: usize, beside: &mut Beside) {
     let Shape::Object(found) = &node.shape else {
         return;
     };
@@ -99,9 +108,25 @@ fn aside_members(reader: &Reader<'_>, node: &Node, depth: usize, said: &mut Stri
         let is_reason = NO_REMARKS.iter().any(|name| key.eq_ignore_ascii_case(name));
         match &value.shape {
             Shape::Object(_) if depth < MAX_STRINGS => {
-                aside_members(reader, value, depth + 1, said);
+                aside_members(reader, value, depth + 1, beside);
             }
-            Shape::Text(text) | Shape::Bare(text) if !is_reason => {
+            // `"warnings": ["do not execute"]`
+            Shape::List(items) => {
+                for item in items {
+                    if let Shape::Text(text) = &item.shape {
+                        let into = if is_reason {
+                            &mut beside.thought
+                        } else {
+                            &mut beside.said
+                        };
+                        into.push_str(&format!("{text}\n\n"));
+                    }
+                }
+            }
+            Shape::Text(text) | Shape::Bare(text) if is_reason => {
+                beside.thought.push_str(&format!("{text}\n\n"));
+            }
+            Shape::Text(text) | Shape::Bare(text) => {
                 let key = key.replace('_', " ");
                 let (key, text) = (key.to_lowercase(), text.replace('_', " "));
                 for (side, name) in sides.iter_mut().zip(["width", "height"]) {
@@ -109,13 +134,15 @@ fn aside_members(reader: &Reader<'_>, node: &Node, depth: usize, said: &mut Stri
                         *side = Some(text.clone());
                     }
                 }
-                said.push_str(&format!("{key}: {text}\n\n"));
+                beside.said.push_str(&format!("{key}: {text}\n\n"));
             }
             _ => {}
         }
     }
     if let [Some(width), Some(height)] = sides {
-        said.push_str(&format!("the image is {width} x {height}\n\n"));
+        beside
+            .said
+            .push_str(&format!("the image is {width} x {height}\n\n"));
     }
 }
 

@@ -10,6 +10,7 @@ mod choice;
 mod claims;
 mod cursor;
 mod data;
+mod doubt;
 mod lexer;
 mod names;
 mod object;

@@ -3,6 +3,7 @@
 //! In: the sentences of an answer, and where its last claim stands. Out: for each kind of field, why its values are not
 //! those that the answer means. Each remark is a row of a table.
 
+use super::doubt::{self, Place};
 use super::lexer::{Gap, Kind, Token};
 use super::point;
 use super::value;
@@ -121,27 +122,19 @@ const ROWS: &[Row] = &[
     anywhere(Action, "the answer says what would be right in another picture", &["if|assuming", "were at|were in|could see|had the image|were visible|was centered|was centred", "would|could"], ""),
     anywhere(Action, "the answer says what would be right in another picture", &["^ suppose|^ supposing|^ imagine", "were|was|had"], ""),
     anywhere(Action, UNSEEN, &["can't|cannot|unable|don't|can not|couldn't|do not|didn't|not able|no", "see the image|see an image|see any image|see images|see your image|see the picture|see a picture|see any picture|see the photo|see the cloth|view the image|view an image|view images|view the picture|analyze images|analyze the image|access the image|access images|access to the image|process images|open the image|receive an image|receive the image|tell where the cloth"], ""),
-    anywhere(Action, UNSEEN, &["no image|no picture|no photo|without the image|without an image|not given the image|without seeing the image|without seeing the cloth|image failed|image was not|no cloth in|cloth not detected|didn't come through|did not come through", "attached|came|come|provided|received|through|cannot|can't|given|was|available|determine|load|opinion|image|returning"], ""),
+    anywhere(Action, UNSEEN, &["no access to|not have access|no image|no picture|no photo|without the image|without an image|not given the image|without seeing the image|without seeing the cloth|image failed|image was not|no cloth in|cloth not detected|didn't come through|did not come through", "attached|came|come|provided|received|through|cannot|can't|given|was|available|determine|load|opinion|image|returning"], ""),
     anywhere(Action, WITHDRAWN, &["status : error|valid : false|success : false|error : true|no further action"], ""),
+    anywhere(Action, WITHDRAWN, &["executable : false|safe : false|usable : false|approved : false|verified : false|ready : false|reliable : false|accepted : false|execute : false|feasible : false|certain : false|confirmed : false|final : false"], ""),
     anywhere(Action, WITHDRAWN, &["^ error :|, error :"], "error : null|error : false|error : none|error : no|error : 0|error : ,"),
     anywhere(Action, "the answer calls itself a draft", &["not my final|not the final|not final|isn't final"], ""),
-    after("the answer calls itself wrong", &["answer is incorrect|answer is wrong|would be wrong|is not correct|isn't correct|is invalid|not valid|isn't valid|is not allowed|cannot be carried out|cannot be executed|are wrong|are incorrect|is mistaken|was a mistake|mixed up|mixed left|wrong corner|i confused|got confused|wrong way round|wrong way around|them backwards|it backwards|are backwards"], "if|otherwise|previous|earlier|first|else|instead|not to|make sure|avoid|moving (|picking (|grasping (|choosing (|using (|folding ("),
-    after(WITHDRAWN, &["do not execute|don't execute|not be executed|none of these should|none of this should|do not perform|don't perform|do not carry out|don't carry out|do not run|don't use this|do not use this|shouldn't be used|should not be used|disagree with it|disagree with this"], ""),
-    after(WITHDRAWN, &["don't|do not|never", "carry this out|carry it out|carry that out|execute this|execute it|execute that|run this|run it|perform this|perform it|apply this|apply it"], ""),
     after(WITHDRAWN, &["cancel that|cancel this|cancel it|never mind|undo this|undo that|undo it|undo these|start again|start over|start anew"], NOT),
-    after(WITHDRAWN, &["disregard|ignore|forget|withdraw|retract", "those|these|above|two|both|points|lines|answer|that|it"], "no|without|don't|do not|not disregard|not ignore|not forget|not withdraw|not retract"),
-    after(WITHDRAWN, &["not allowed to answer|not permitted to answer|can't recommend this|cannot recommend this|advise against it|advise against this"], ""),
     after("the answer names another value under a condition", &["^ if|^ should|^ otherwise", "use|take|try|choose|pick", "instead"], ""),
     after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
-    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|mirrored|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|it"], "not|no|will|would|to avoid"),
+    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
-    after(CHANGED, &["^ sorry|^ oops|^ hold on|^ wait|^ apologies|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience"),
+    after(CHANGED, &["^ sorry|^ oops|^ hold on|^ wait|^ apologies|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ double - check|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience"),
     after(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
-    after(CHANGED, &["scratch that|scratch this|strike that|take that back|take it back|let me correct|let me revise|let me reconsider|let me rethink|let me redo|i misjudged|i misread|i misidentified|i miscounted|i have misread|i've misread"], "previous|previously|earlier|last|first"),
-    after(CHANGED, &["must be|has to be|have to be|should be|needs to be|need to be", "mirrored|reversed|swapped|exchanged|inverted|doubled|halved|adjusted|corrected"], NOT),
-    after(CHANGED, &["should say|should read|should have been|should be the one|ought to be|should rather be|should instead be"], NOT),
-    after(CHANGED, &["hmm"], "no need|also|unchanged|stays|fine|okay|correct|right|same"),
-    after(CHANGED, &["then again|on reflection|on second thought|come to think of it|i'd rather|i would rather|better to grab|better to use|better choose|make that|one step lower|one step higher|one level|opposite way|than i wrote|so i take|let's halve|let's double|actually , shift|actually , the"], "no need|also|unchanged|stays"),
+    after(CHANGED, &["should be the one|opposite way|than i wrote|one step lower|one step higher|one level"], NOT),
 ];
 
 /// What says that values of another picture were converted.
@@ -151,29 +144,28 @@ const CONVERTED: &str =
 /// The most tokens of a sentence that is a remark.
 const MAX_SENTENCE: usize = 300;
 
+/// Where the claims of an answer stand, bytes.
+#[derive(Clone, Copy)]
+pub(super) struct Stated {
+    /// Where the first one begins.
+    pub first: usize,
+    /// Where the last one begins.
+    pub last: usize,
+    /// Where the last one ends.
+    pub end: usize,
+}
+
 /// Returns the remarks of an answer: what each is about, and the reason why those values cannot be used.
 ///
-/// - `last_claim`: where the last claim begins.
+/// - `stated`: the claims that stand among the tokens; none if the tokens are remarks beside them.
 pub(super) fn of(
     tokens: &[Token<'_>],
     notation: &Notation,
-    last_claim: Option<usize>,
+    stated: Option<Stated>,
 ) -> Vec<(About, String)> {
+    let last_claim = stated.map(|stated| stated.last);
     let mut found: Vec<(About, String)> = Vec::new();
-    let mut start = 0;
-    for index in 0..tokens.len() {
-        let goes_on = tokens.get(index + 1).is_some_and(|next| {
-            // The last value ends with its line.
-            let states_last =
-                last_claim.is_some_and(|at| (tokens[start].at..=tokens[index].at).contains(&at));
-            let least = if states_last { Gap::Line } else { Gap::Item };
-            !value::ends_sentence(tokens, index) && next.gap < least
-        });
-        if goes_on {
-            continue;
-        }
-        let sentence = &tokens[start..=index];
-        start = index + 1;
+    for sentence in sentences(tokens, last_claim) {
         // Nobody writes sentences of this length; looking for every phrase in them would only take time.
         if sentence.len() > MAX_SENTENCE {
             continue;
@@ -200,6 +192,53 @@ pub(super) fn of(
         found.push((Action, "the answer holds only under a condition".to_owned()));
     }
     found
+}
+
+/// Cuts a text into sentences; the last value ends with its line.
+fn sentences<'a, 't>(tokens: &'a [Token<'t>], last_claim: Option<usize>) -> Vec<&'a [Token<'t>]> {
+    let mut found = Vec::new();
+    let mut start = 0;
+    for index in 0..tokens.len() {
+        let goes_on = tokens.get(index + 1).is_some_and(|next| {
+            let states_last =
+                last_claim.is_some_and(|at| (tokens[start].at..=tokens[index].at).contains(&at));
+            let least = if states_last { Gap::Line } else { Gap::Item };
+            !value::ends_sentence(tokens, index) && next.gap < least
+        });
+        if !goes_on {
+            found.push(&tokens[start..=index]);
+            start = index + 1;
+        }
+    }
+    found
+}
+
+/// Returns why an answer is in doubt; of the sentence that states the last value, only what follows it is read.
+///
+/// - `stated`: the claims that stand among the tokens.
+/// - `place`: where the tokens stand if there are none.
+pub(super) fn doubt(
+    tokens: &[Token<'_>],
+    stated: Option<Stated>,
+    place: Place,
+) -> Option<&'static str> {
+    let last = stated.map(|stated| stated.last);
+    sentences(tokens, last).into_iter().find_map(|sentence| {
+        let Some(Stated { first, last, end }) = stated else {
+            return doubt::cast_by(sentence, place);
+        };
+        let (begins, ends) = (sentence.first()?.at, sentence.last()?.at);
+        let place = match () {
+            () if ends > last => Place::After,
+            () if begins > first => Place::Beside,
+            () => Place::Before,
+        };
+        let behind = match begins > last || place != Place::After {
+            true => 0,
+            false => sentence.partition_point(|token| token.at < end),
+        };
+        doubt::cast_by(&sentence[behind..], place)
+    })
 }
 
 /// Returns whether a line such as `If it has to be pulled:` stands above a claim.

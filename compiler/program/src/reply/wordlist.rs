@@ -4,7 +4,8 @@
 macro_rules! words {
     ($text:literal) => {{
         const COUNT: usize = $crate::reply::wordlist::count($text);
-        &$crate::reply::wordlist::split::<COUNT>($text)
+        const WORDS: &[&str; COUNT] = &$crate::reply::wordlist::split::<COUNT>($text);
+        WORDS
     }};
 }
 pub(super) use words;

@@ -1,0 +1,1899 @@
+//! Finds sentences that put the answer in doubt, withdraw it, or tell somebody to do something else.
+//!
+//! In: a sentence, and where it stands. Out: why the answer cannot be used. Each clause is read as a statement: who it
+//! speaks of, what it says, and whether it denies that. Doubt counts where it is said of the answer, by its author, or
+//! of nobody (`a wild guess`); orders count where they are given to whoever carries the answer out. What is said of
+//! the cloth and the picture is free.
+
+use super::lexer::{Gap, Kind, Token};
+use super::wordlist::words;
+
+/// Where a sentence stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// Before the last value. Other ways to fold are weighed here, and the picture is described.
+    Before,
+    /// In a member of an object beside the values. It may explain why the values are better than others.
+    Beside,
+    /// After the last value.
+    After,
+}
+
+const DOUBTED: &str = "the answer doubts its own values";
+const HALTED: &str = "the answer says that it is not to be carried out";
+const OTHERWISE: &str = "the answer proposes something else than its values";
+const CONDITIONAL: &str = "the answer holds only under a condition";
+const CHANGED: &str = "the answer changes its values afterwards";
+
+/// What stands for the answer.
+const PRONOUNS: &[&str] = words!("this that it these those they them");
+
+/// What names the answer or a part of it.
+const PARTS: &[&str] = words!(
+    "grasp answer answers value values number numbers coordinate coordinates coords pixels point points pick place
+    direction distance grip angle action move choice result output entry entries estimate estimates pair suggestion
+    proposal response json fold plan figures data spot lines two three above following x y"
+);
+
+/// What counts parts of the answer: `none of that`, `both`.
+const QUANTIFIERS: &[&str] = words!(
+    "any all both each either neither none most some much everything anything nothing half one"
+);
+
+/// What may stand between an article and its noun.
+const QUALIFIERS: &[&str] = words!(
+    "above two three last final whole entire given stated next previous proposed suggested chosen same"
+);
+
+/// Who carries the answer out.
+const AGENTS: &[&str] = words!(
+    "you we robot robots arm arms gripper grippers manipulator machine controller effector hand one nobody"
+);
+
+/// Who would decide in the model's place, or do better.
+const PEOPLE: &[&str] = words!(
+    "whoever human humans person operator operators somebody someone supervisor expert experts technician colleague colleagues
+    engineer engineers people anybody anyone specialist manager boss novice beginner amateur professional professionals
+    tailor teacher reviewer inspector owner staff teammate coworker adult grown-up child layman everyone everybody"
+);
+
+const ARTICLES: &[&str] = words!("the a an my our your his its their any every");
+const BE: &[&str] = words!("is are was were be been being am");
+const MODALS: &[&str] = words!(
+    "should must ought need needs have has had may might can could will would shall do does did"
+);
+const DUTIES: &[&str] = words!("should must ought need needs have has had");
+const SUPPOSING: &[&str] = words!("would might may could");
+const NEGATIONS: &[&str] =
+    words!("not never no nothing none neither nor hardly barely scarcely without little few");
+
+/// What softens doubt to its opposite: `less risky`.
+const DIMINISHING: &[&str] = words!(
+    "less not no without never least avoid avoids avoiding reduce reduces any beyond hardly prevent prevents"
+);
+
+/// Verbs beside `be` that join a judgement to its subject.
+const SEEMING: &[&str] = words!(
+    "seem seems seemed look looks looked feel feels felt remain remains sound sounds came come comes turned turns
+    ended proved got stay stays"
+);
+
+/// What may begin a clause without being part of its statement.
+const OPENING: &[&str] = words!(
+    "please kindly honestly frankly but and or so well actually also just maybe perhaps possibly however still though
+    yet sadly unfortunately somehow simply anyway note warning caution disclaimer caveat important oh okay ok really
+    personally arguably admittedly again therefore thus hence basically mind remember ah alas importantly ps nb
+    overall sorry as that for now today
+    reason reasoning explanation rationale comment remark notes message thought thoughts status description why
+    justification info"
+);
+
+/// What tells of a later step.
+const SEQUEL: &[&str] = words!(
+    "then next afterwards afterward later finally once after when subsequently second following thereafter done if
+    should future further"
+);
+
+/// What begins a clause that gives a reason or describes something.
+const EXPLAINING: &[&str] =
+    words!("because since which who where whereas while when if than although though whether how");
+
+/// What begins any other clause.
+const JOINING: &[&str] = words!("and but so or before until unless yet");
+
+/// Doubt, as nouns, adjectives and participles.
+const DOUBTS: &[&str] = words!(
+    "pretended fallback fallbacks illustrative symbolic notional bad pending awaiting sketch guess guesses guessed guessing guesswork guesstimate guesstimates eyeballed hunch stab dice gamble lottery
+    random randomly arbitrary arbitrarily haphazard hallucinated hallucination hallucinations fabricated fabrication
+    invented fictional fictitious imaginary imagined fake faked bogus dummy placeholder placeholders filler fillers
+    nonsense nonsensical garbage gibberish rubbish junk trash meaningless worthless useless pointless unreliable
+    untrustworthy dubious doubtful doubt doubts questionable iffy shaky sketchy fishy flimsy speculative speculation
+    tentative provisional premature unverified untested unconfirmed unchecked unmeasured unsure uncertain unknown void
+    null invalid retracted withdrawn revoked rescinded cancelled canceled improvised joke prank hypothetical
+    hypothetically moot stale outdated obsolete expired superseded leftover leftovers recycled boilerplate mistaken
+    mistake mistakes erroneous error faulty flawed incorrect inaccurate imprecise wrong wrongly backwards backward
+    mixed swapped transposed garbled botched unsafe dangerous risky hazardous unusable untenable inadvisable unwise
+    foolish reckless makeshift stopgap blind blindly nominal suspect suspicious crude sloppy careless debatable
+    disputable unfounded baseless unsupported unjustified inconclusive insufficient unacceptable unworkable infeasible
+    impossible unrealistic implausible unlikely misguided misplaced misjudged mistyped typo bluff fiction fantasy
+    premise draft scribble improbable ungrounded unreal doomed hopeless off outside nowhere anywhere unfinished
+    incomplete untrue false illusory worse worst defective unfit unsuitable inappropriate vague
+    exaggerated overestimated underestimated contrived fluke shot todo tbd fixme stub stubs mock mocked fib myth mirage sham"
+);
+
+/// Doubt that also describes places and sides, and so counts only in a judgement of the answer.
+const WEAK_DOUBTS: &[&str] = words!(
+    "bad off outside nowhere anywhere backwards backward mixed swapped blind blindly unknown draft error mistake mistakes
+    premise null shot worse worst wrong incorrect impossible incomplete unlikely false risky suspect nominal unsafe
+    insufficient invalid misplaced incorrectly wrongly unfinished dangerous crude imprecise inaccurate vague"
+);
+
+/// Trust, which is doubt where it is denied.
+const TRUSTED: &[&str] = words!(
+    "instruction recommendation command solution prediction measurement supposed how what where reliable trustworthy real final accurate certain sure correct right valid usable safe trusted verified measured
+    meant serious binding official authoritative definitive conclusive sound suitable ready feasible reachable
+    executable intended recommended advisable wise useful worth dependable confident grounded based checked tested
+    confirmed credible sensible good mine settled true possible workable sane solid convinced comfortable allowed
+    permitted acceptable happy satisfied convincing plausible believable guaranteed"
+);
+
+/// What the author may do to doubt the answer: `I doubt`, `I made it up`.
+const AUTHOR_DOUBTS: &[&str] = words!(
+    "admit confess concede wonder ponder mixed confused guess guessed doubt doubted regret retract retracted withdraw withdrew revoke rescind hesitate distrust mistrust
+    eyeballed improvised invented fabricated hallucinated bluffed gambled faked lied erred misjudged misread miscounted
+    misidentified misplaced copied pasted recycled borrowed pretended rushed botched fumbled dislike apologise
+    apologize disagree question object refuse decline worry fear dread suspect abstain reconsider recant"
+);
+
+/// What the author feels in doubt: `I am unsure`.
+const AUTHOR_FEELINGS: &[&str] = words!(
+    "surprised amazed astonished shocked leaning tempted inclined unsure uncertain hesitant reluctant sceptical skeptical doubtful wary uneasy uncomfortable confused lost torn
+    guessing bluffing joking kidding pretending improvising worried afraid sorry unhappy unconvinced clueless stumped
+    speculating inventing wrong mistaken retracting withdrawing dubious nervous unwilling unable"
+);
+
+/// What the author may lack.
+const AUTHOR_LACKS: &[&str] = words!(
+    "idea clue faith confidence trust inkling basis evidence way grounds certainty conviction"
+);
+
+/// What the author may have too much of.
+const AUTHOR_HAS: &[&str] =
+    words!("doubts doubt misgivings reservations qualms concerns second hunch suspicion");
+
+/// What the author does with an answer that is meant.
+const COMMITTING: &[&str] = words!(
+    "trust vouch guarantee recommend rely stand advise endorse bet go risk execute act commit promise believe count
+    use do send follow swear attest defend support suggest bank carry run perform mean say know
+    assume propose want"
+);
+
+/// What the author would prefer to the answer.
+const PREFERRING: &[&str] =
+    words!("rather sooner prefer opt hold wait leave skip want love start begin");
+
+/// Orders that stop what is going on, whatever follows them.
+const HALTS: &[&str] = words!(
+    "wait stop pause halt abort postpone delay defer refrain desist freeze reconsider rethink replan retake rescan
+    remeasure recheck recalibrate rewind"
+);
+
+/// The same as verbal nouns.
+const HALTINGS: &[&str] = words!(
+    "waiting stopping pausing halting aborting postponing delaying deferring refraining reconsidering rethinking
+    replanning holding skipping cancelling canceling leaving discarding ignoring against another not
+    something otherwise instead caution patience"
+);
+
+/// Orders that dismiss or change what they name.
+const DISMISSALS: &[&str] = words!(
+    "skip ignore discard disregard scrap toss bin drop forget reject delete erase strike scratch cancel void overwrite
+    undo redo revert treat consider regard take view see verify check confirm double-check adjust correct fix shift swap
+    change replace revise nudge raise lower reverse mirror flip abandon shelve dismiss trash dump revisit repeat ditch
+    distrust mistrust doubt question unsee rub suspend hold refuse veto override round scale rotate invert exchange
+    interchange switch turn drop bump tweak modify amend edit reinterpret reread keep call file postpone strike burn"
+);
+
+/// Orders that may name the answer without dismissing it: `Keep it flat`, `Check it in the next image`.
+const HARMLESS_ORDERS: &[&str] =
+    words!("take see view keep call lower raise turn repeat check verify confirm consider hold");
+
+/// Orders that carry something out, which are doubt where they are forbidden.
+const ACTS: &[&str] = words!(
+    "read act execute move do go run use follow trust rely send start try pick grasp grab grip fold lift apply perform carry
+    believe proceed take count put pull drag touch begin place tackle choose select commit fire press rush bother
+    unfold smooth flatten flip turn stack straighten"
+);
+
+/// The same, of the answer alone.
+const EXECUTING: &[&str] =
+    words!("act execute run use trust rely apply perform proceed believe commit");
+
+/// Orders that are no business of the robot.
+const CALMING: &[&str] = words!("worry mind hesitate forget need want think let be expect");
+
+/// What a later look would do to the answer.
+const REVISED: &[&str] = words!(
+    "determined found located recomputed redetermined ignored discarded skipped scrapped checked verified confirmed measured treated taken adjusted corrected shifted
+    moved swapped raised lowered nudged rounded increased decreased reduced extended shortened flipped reversed rotated
+    scaled replaced changed revised reconsidered rechecked double-checked re-measured reviewed disregarded dismissed
+    dropped deleted cancelled canceled overwritten redone revisited mirrored exchanged inverted doubled halved
+    subtracted added multiplied divided offset approved validated remeasured refined postponed delayed amended retaken
+    turned tweaked trimmed bumped put interpreted considered regarded viewed seen higher further farther
+    smaller larger bigger shorter longer closer left"
+);
+
+/// What is done to an answer that is meant.
+const USED: &[&str] = words!(
+    "used executed trusted followed carried relied taken run performed sent believed considered acted treated applied
+    tried done read counted attempted quoted implemented happen counted"
+);
+
+/// What an answer may demand instead of being carried out.
+const DEMANDING: &[&str] =
+    words!("need needs require requires want wants deserve deserves call calls");
+const DEMANDED: &[&str] = words!(
+    "checking measuring verification review confirmation adjusting turning correcting approval supervision testing
+    validation shifting care caution rethinking work revision adjustment correction double-checking refinement another
+    attention salt"
+);
+
+/// What an answer may do that makes it unfit.
+const FAILING: &[&str] = words!(
+    "ruin ruins wreck wrecks damage damages spoil spoils lack lacks fail fails misses backfire backfires mislead
+    misleads clash clashes contradict contradicts violate violates defeat defeats undermine destroy destroys hurt harm
+    harms worsen worsens collide collides"
+);
+
+/// What an answer does that is meant.
+const WORKING: &[&str] = words!(
+    "solve solves suffice suffices satisfy satisfies qualify fit fits comply please work works hold holds count counts matter matters apply applies stand stands exist convince convinces represent reflect mean help helps add make makes"
+);
+
+/// What a fold does to a cloth, and an answer to its task; stems.
+const EFFECTS: &[&str] = words!(
+    "level eas squar trim bur shield wrap seal press squeez pin relax loosen orient steer guid reposition relocat transfer transport sweep glid head travel pivot nest track trac replicat recreat shrink grow thin crumpl wrinkl pleat gain accomplish progress pav lock secur stabili settl untwist bring brought move mov fold unfold lay laid lie lying put place plac pull lift open clos turn spread stretch
+    reach end stop stopp go goes gone come came get gets make made making take took taking align match cover uncover
+    reveal expos flatten smooth straighten leav left keep kept give gave giv reduc increas improv creat form avoid
+    allow let complet finish result produc yield maximi minimi cross meet met overlap coincid land rest sit start
+    begin began follow lead led run point correspond fit fall fell halv doubl shorten lengthen tuck hid undo unroll
+    roll repeat mirror preserv restor remov clear carr drag slid touch caus show remain stay cent agree satisf respect
+    fulfil achiev advanc free releas separat connect join extend lower rais shift bend bent creas hang hung drop
+    gather stack requir need us set fix correct resolv solv help continu work serv mark defin determin narrow widen
+    tighten loosen unwrap swing rotat reflect depict represent indicat refer describ say tell mean impl ensur
+    prevent protect hold held support prepar enabl simplif add count contribut equal total span measur differ look
+    seem appear becom have has had do does target aim address handl divid split pair pass approach exploit balanc
+    even mimic imitat reproduc resembl consist contain includ apply appl belong assum suppos presuppos presum
+    depend hing los tidy tid sav expand bound suffic favo combin concern flip push pinch grasp grip grab hit
+    underl build built tak invert revers unti release guid"
+);
+
+/// What a judgement of the answer may say without doubting it.
+const FIT: &[&str] = words!(
+    "corner corners edge edges hem sleeve sleeves cuff cuffs collar fold folds crease creases line lines middle middles
+    center centre half quarter side sides end ends tip point points place pick pixel pixels coordinates coordinate image
+    picture frame cloth fabric towel shirt garment layer layers outline border boundary mask table gripper robot answer
+    choice move step action target goal instruction instructions task demonstration way direction angle distance grip
+    degrees deg listed offered allowed free visible flat clear close near nearest closest far farthest furthest same equal
+    mirrored opposite parallel perpendicular diagonal diagonally vertical horizontal up down left right top bottom upper
+    lower inside within on at in along above below between under over to from enough sufficient necessary needed
+    best good ideal optimal correct exact exactly symmetric symmetrical aligned because why what where how due based
+    chosen given measured estimated taken counted read used made done meant first second last only next one two three
+    length width part portion spot region area location position motion pull path mirror image's result reverse
+    inverse continuation counterpart important safe stable reachable about roughly approximately around identical
+    consistent complete final straight wrinkle wrinkles shape triangle rectangle square strip midpoint mean average
+    tightest largest smallest longest shortest outermost innermost topmost lowest highest leftmost rightmost deepest
+    expected similar common typical usual standard simple simplest quick short long small large big gentle slight
+    enough all both with without of out back ready going able like as so most more less fully completely just
+    already still now then also there possible"
+);
+
+/// What the author may be.
+const COMPOSED: &[&str] = words!(
+    "confident sure certain happy glad able ready aware convinced pleased here aiming going assuming"
+);
+
+/// What the author would do without preferring something else.
+const POLITE: &[&str] =
+    words!("expect say call keep hope be like love describe estimate also continue still");
+
+/// What the author does with an answer that is meant.
+const AUTHORED: &[&str] = words!(
+    "choose chose chosen pick picked select selected verify verified check checked estimate estimated measure measured
+    compute computed calculate calculated derive derived read take took base based mark marked find found determine
+    determined confirm confirmed place placed use used set believe think expect prefer preferred recommend suggest
+    propose decide decided double-checked doublechecked traced trace follow followed consider considered see saw
+    identify identified locate located obtain obtained got infer inferred settle settled compare compared need make
+    made did do want keep kept adjust adjusted move moved fold folded hope write wrote rounded round convert converted
+    lift lifted pull pulled put get left leave let count counted describe described repeat repeated give gave given
+    copied answered answer went go tested test reflected mirrored projected matched aligned reached drew mapped"
+);
+
+/// How the author may have come by values that mean nothing.
+const CARELESSLY: &[&str] = words!(
+    "blindly randomly arbitrarily hastily carelessly wildly merely haphazardly sloppily unthinkingly"
+);
+
+/// What gives an answer weight, which it may lack.
+const WEIGHTS: &[&str] = words!(
+    "weight meaning basis validity substance foundation merit significance bearing value sense point truth"
+);
+
+/// What opens a sentence that takes something back.
+const DISCLOSING: &[&str] = &[
+    "to be honest",
+    "to be fair",
+    "to be frank",
+    "in truth",
+    "truth be told",
+    "truthfully",
+    "frankly",
+    "honestly",
+    "mind you",
+    "nope",
+    "nah",
+    "sigh",
+    "ugh",
+    "argh",
+    "nevertheless",
+    "nonetheless",
+    "but",
+    "having said that",
+    "in reality",
+    "in fairness",
+    "that being said",
+    "regrettably",
+    "alas",
+    "whoops",
+    "oops",
+    "yikes",
+    "except",
+    "come to think",
+    "then again",
+    "oh",
+    "dear",
+    "darn",
+    "ouch",
+    "uh",
+    "hm",
+    "good grief",
+];
+
+/// What takes back or doubts, in languages that models drift into; stems.
+const FOREIGN: &[&str] = words!(
+    "ejecutes ejecute falsch verwechselt vertauscht vertan ausführen geraten erfunden platzhalter unsicher ignorier verwerf ungültig
+    entschuldigung verworfen vermutung zweifel abwarten
+    perdón equivoqu inventad adivin ignora dudos duda descart aleatori
+    équivoqu erreur désolé trompé inversé inventé ignorez exécut hasard devin deviné
+    sbagliato scusa scusate inventat ignorate invertit eseguir
+    errado errei desculpe chutei inventei
+    неверн ошиб случайн выдуман игнориру"
+);
+
+/// The same as phrases; separated by `|`.
+const FOREIGN_SAYINGS: &str = "nicht sicher|bitte nicht|no estoy|no uses|pas sûr|pas certain|pas fiable|n'est pas|ne pas|não tenho|não use|não estou|non sono|non usare|non usate|bitte warten|por favor espere|me trompe";
+
+/// The same, in languages without blanks between words.
+const FOREIGN_WITHIN: &[&str] = words!(
+    "信頼でき 不可靠 不可信 不准 存疑 待确认 未确认 不对 错 等等 参考 不要 不确定 随便 瞎 编的 占位 忽略 猜 作废 別 别用 無視 推測 実行しない 仮の 間違 自信が わかりません
+    適当 违 違 잘못 무시 추측 실행하지 확실하지"
+);
+
+/// What introduces values that are not meant; separated by `|`.
+const FORMALITIES: &str = "since i have to answer|because i have to answer|since i must answer|because i must answer|have to say something|for the sake of|satisfy the|to comply|that parses|it parses|here is something|here are some|for completeness\
+    |for form|pro forma|formally|nominally|are worth|is worth|if only to|if i had to|if i were|were i|if forced|if pressed\
+    |if you insist|just to have|so as not to|to keep the parser|to please";
+
+/// What makes an answer conditional.
+const PRESUPPOSING: &[&str] = words!(
+    "presuppose presupposes presume presumes assume assumes suppose supposes hinge hinges depend depends hold holds
+    apply applies work works count counts"
+);
+
+/// Verbs that tell where an answer is from or what it is for.
+const ORIGINATING: &[&str] = words!(
+    "belong belongs refer refers stem stems come comes date dates meant intended taken copied borrowed left from for
+    lifted quoted cribbed pertain pertains describe describes correspond corresponds apply applies concern concerns"
+);
+
+/// What is not this answer's picture, step or robot.
+const ELSEWHERE: &[&str] = words!(
+    "similar once previous earlier another other old different second example examples format prompt template tomorrow later
+    demonstration yesterday somebody someone memory nowhere wrong previous"
+);
+
+/// What praises another way: `It would be wiser to`.
+const BETTER: &[&str] = words!(
+    "better best wise wiser prudent sensible advisable preferable good safer smarter smart cleverer nicer easier
+    simpler saner sounder preferred worthwhile reasonable appropriate fairer ideal more worth"
+);
+
+/// What the author offers in place of the answer.
+const COUNSELS: &[&str] = words!(
+    "advice recommendation suggestion preference gut instinct hunch vote bet counsel hope wish request plea intuition
+    inclination urge feeling worry concern fear doubt verdict warning"
+);
+
+/// What another choice is called.
+const RIVALS: &[&str] = words!(
+    "better real true proper actual safer smarter wiser other opposite intended alternative cleverer"
+);
+
+/// Sayings that doubt or halt, whatever they are said of; separated by `|`.
+const SAYINGS: &str = "should rather|must rather|ought rather|could be that|may be that|might be that|could well be|may well be|might well be|more good|will want to|may want to|might want to|place to start|place to begin|more promising|more urgent|more sensible|more suitable|seems better|looks better|came to mind|chance of success|no point in|no sense in|no use in|no guarantee|no hope|no certainty|too early|too late|from nothing|on balance|wanted to say|meant to say|would benefit|should come first|must come first|needs to come first|has to come first|ought to come first|the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
+    |coin flip|coin toss|flip of a coin|toss of a coin|second opinion|need a closer look|needs a closer look|deserves a closer look\
+    |take it back|take that back|take this back|strike that|my gut|top of my head|at face value|this one out|stay put\
+    |staying put|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
+    |drawing board|not so fast|too soon|think twice|think again|who knows|your guess|no way to know|own risk|no promises\
+    |no guarantee|no guarantees|no warranty|for what it is worth|made up|made it up|made them up|making this up|making it up\
+    |had better|would better|best left|better left|up to you|your call|your discretion|never said|never happened|out of thin air\
+    |on a whim|on a hunch|not mine|not my|do nothing|strikes me|do not act|not act on|not act upon|better not|rather not|best not\
+    |of no use|good for nothing|blind guess|filled in the blanks|fill in the blanks|i see now|now i see|i now see|i realise now\
+    |i now realise|i realize now|i now realize|i just noticed|i just realised|i just realized|i notice now|i now notice|out of reach\
+    |ask me again|ask again|try again|start over|start afresh|come back later|another photo|another picture|another image|new photo\
+    |sharper photo|better photo|clearer photo|sharper image|better image|clearer image|sharper picture|better picture\
+    |clearer picture|fresh photo|fresh image|fresh picture|closer photo|higher resolution|leave well alone|leave it alone\
+    |leave it be|leave everything|leave things|do not trust|do not rely|not rely on|do not quote|with caution|to be safe\
+    |in hindsight|in retrospect|changed my mind|change my mind\
+    |for lack of|for want of|just in case|not this one|not this time|not this corner|not these|not this|not that|over this|over these\
+    |instead of this|instead of these|rather than this|rather than these|than this|than these|before any of|before this|before that\
+    |before doing this|before anything|before you|on condition|as long as|so long as|provided that|providing that|only valid\
+    |valid only|valid provided|only works if|only if|only once|only after|only when|in case of doubt|contingent on|subject to\
+    |purely to|merely to|only to satisfy|just to satisfy|satisfy the format|satisfy the parser|satisfy the schema|to fill the\
+    |because i had to|because you insist|you insist|against my better|second thoughts|cold feet";
+
+/// Sayings with a word that otherwise begins a clause.
+const CONDITIONS: &str = "if you do this|if you do that|if you do so|if this is done|if executed|i should have said|i should have written|i should have picked|should have been|give or take|is rough|impossible with|before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
+    |not what i meant|on condition|as long as|so long as|provided that|providing that|valid provided|works if|only if|only once|only after|only when|only until\
+    |if you ask me|if i am honest|not where|rather than this|rather than these|rather than that|might as well|may as well|unless i|until i|until it is|until you|until this|until they|before i";
+
+/// What the author sees and remembers with.
+const FACULTIES: &[&str] = words!(
+    "eyes eye camera feed vision view sight sensor memory input perception depth confidence certainty"
+);
+
+/// Returns why a sentence puts the answer in doubt, if it does.
+pub(super) fn cast_by(sentence: &[Token<'_>], place: Place) -> Option<&'static str> {
+    let text = plain(sentence);
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let said = format!(" {} ", words.join(" "));
+    if let Some(why) = whole(sentence, &words, &said, place) {
+        return Some(why);
+    }
+    let mut start = 0;
+    let mut joint = "";
+    let mut is_sequel = false;
+    for end in 0..=words.len() {
+        let word = words.get(end).copied().unwrap_or(".");
+        let is_sign = word != "@" && word.len() <= 3 && !word.starts_with(char::is_alphanumeric);
+        if !(is_sign || EXPLAINING.contains(&word) || JOINING.contains(&word)) {
+            continue;
+        }
+        let clause = Clause::new(&words[start..end], joint, place, is_sequel);
+
+        if let Some(why) = clause.doubt() {
+            return Some(why);
+        }
+        is_sequel |= clause.opens_sequel();
+        (start, joint) = (end + 1, if is_sign { "" } else { word });
+    }
+    None
+}
+
+/// Returns why a sentence as a whole puts the answer in doubt.
+fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Option<&'static str> {
+    let first = words.first()?;
+    let says = |sayings: &str| {
+        sayings
+            .split('|')
+            .any(|it| said.contains(&format!(" {it} ")))
+    };
+    if place == Place::Before {
+        let announces = words.last() == Some(&":");
+        // `Were the sleeve flat, I would say:`
+        if announces && matches!(*first, "were" | "had") && words.get(1) != Some(&"to") {
+            return Some(CONDITIONAL);
+        }
+        if announces && said.contains(" i would ") && said.contains(" but ") {
+            return Some(OTHERWISE);
+        }
+        let idle = words.windows(2).any(|pair| {
+            words!("nothing anything").contains(&pair[0])
+                && words!("should needs must").contains(&pair[1])
+        });
+        let from = words.windows(4).any(|near| {
+            words!("from for").contains(&near[0])
+                && near[1..]
+                    .iter()
+                    .any(|it| words!("different another old separate unrelated").contains(it))
+        });
+        let is_label = words!("a an values numbers").contains(first);
+        if idle && !said.contains(" else ") || announces && from && is_label {
+            return Some(HALTED);
+        }
+        if announces && *first == "what" && said.contains(" would ") {
+            return Some(DOUBTED);
+        }
+        let hedges = announces
+            && words!("take treat regard consider read")
+                .iter()
+                .any(|verb| {
+                    words!("these this the")
+                        .iter()
+                        .any(|it| said.contains(&format!(" {verb} {it} ")))
+                })
+            && said.contains(" as ");
+        return (hedges || says(FORMALITIES)).then_some(DOUBTED);
+    }
+    let is_foreign = words
+        .iter()
+        .any(|it| FOREIGN.iter().any(|stem| it.starts_with(stem)))
+        || sentence
+            .iter()
+            .any(|it| FOREIGN_WITHIN.iter().any(|part| it.text.contains(part)))
+        || says(FOREIGN_SAYINGS);
+    let hangs =
+        words.starts_with(&["it", "is"]) && said.contains(" whether ") && place == Place::After;
+    let is_vague = hangs || place == Place::After && words.contains(&"±");
+    if is_foreign
+        || is_vague
+        || said.contains(" in doubt ")
+        || place == Place::After && says(CONDITIONS)
+    {
+        return Some(DOUBTED);
+    }
+    // `too blurry to tell`
+    let blurs = words.iter().enumerate().any(|(at, it)| {
+        *it == "too"
+            && words[at..]
+                .iter()
+                .take(5)
+                .any(|it| words!("tell judge say decide know determine be").contains(it))
+    });
+    let is_done = words.iter().enumerate().any(|(at, it)| {
+        *it == "already"
+            && words.get(at + 1).is_some_and(|it| {
+                words!("matches done complete completed finished solved reached").contains(it)
+            })
+            && words[..at].iter().rev().take(3).any(|it| {
+                words!("cloth towel garment shirt task goal job everything fabric").contains(it)
+            })
+    });
+    if blurs || is_done {
+        return Some(DOUBTED);
+    }
+    if place == Place::After {
+        if DISCLOSING.iter().any(|it| {
+            said.strip_prefix(' ')
+                .is_some_and(|it2| it2.starts_with(it) && it2[it.len()..].starts_with(' '))
+        }) {
+            return Some(DOUBTED);
+        }
+        let offers_other = said.starts_with(" should you ")
+            && words
+                .iter()
+                .any(|it| words!("use try take prefer").contains(it));
+        if offers_other {
+            return Some(CONDITIONAL);
+        }
+        let asks = words.last() == Some(&"?") && (MODALS.contains(first) || BE.contains(first));
+        let offers = [
+            "you like",
+            "you want",
+            "i continue",
+            "i proceed",
+            "next",
+            "want me",
+            "anything else",
+        ];
+        if asks && !offers.iter().any(|it| said.contains(it)) {
+            return Some(DOUBTED);
+        }
+    }
+    None
+}
+
+/// Writes a sentence in lower case, with its contractions written out.
+fn plain(sentence: &[Token<'_>]) -> String {
+    const SHORT: [(&str, &str); 8] = [
+        ("n't", " not"),
+        ("'m", " am"),
+        ("'re", " are"),
+        ("'ve", " have"),
+        ("'ll", " will"),
+        ("'d", " would"),
+        ("'s", " is"),
+        ("cannot", "can not"),
+    ];
+    let mut text = String::new();
+    let mut skipped = 0;
+    for (at, token) in sentence.iter().enumerate() {
+        if at < skipped {
+            continue;
+        }
+        let number = |at: usize| sentence.get(at).is_some_and(|it| it.kind == Kind::Number);
+        let sign = |at: usize, sign: char| sentence.get(at).is_some_and(|it| it.is_sign(sign));
+        let is_point = sign(at, '(')
+            && number(at + 1)
+            && sign(at + 2, ',')
+            && number(at + 3)
+            && sign(at + 4, ')');
+        if is_point {
+            skipped = at + 5;
+            // `The pick point (10, 20) lies`
+            let is_noun = at > 1 && sentence[at - 2].is_any(ARTICLES);
+            let is_named = at > 0
+                && (sentence[at - 1].is_any(&["point", "corner"])
+                    || is_noun && sentence[at - 1].is_any(PARTS));
+            text.push_str(if is_named { "" } else { " @" });
+            continue;
+        }
+        let is_hyphen = token.is_sign('-') && token.gap == Gap::None;
+        match token.kind {
+            _ if is_hyphen => {}
+            Kind::Sign(sign) => text.extend([' ', sign]),
+            Kind::Word | Kind::Number => {
+                let word = token.text.to_lowercase().replace('’', "'");
+                let word = match word.as_str() {
+                    "won't" => "will not".to_owned(),
+                    "can't" => "can not".to_owned(),
+                    "let's" => "let us".to_owned(),
+                    _ => SHORT
+                        .iter()
+                        .find_map(|(short, long)| {
+                            word.strip_suffix(short).map(|stem| format!("{stem}{long}"))
+                        })
+                        .unwrap_or(word),
+                };
+                text.push(' ');
+                text.push_str(&word);
+            }
+        }
+    }
+    text
+}
+
+/// Whom a clause speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Subject {
+    /// The answer or a part of it.
+    Answer,
+    /// The model.
+    Author,
+    /// Whoever carries the answer out.
+    Agent,
+    /// Somebody who would have to decide.
+    Person,
+    /// The cloth, the picture, anything else.
+    World,
+    /// Nobody: an order, or a phrase without a verb.
+    Nobody,
+}
+
+/// A clause of a sentence.
+struct Clause<'a> {
+    /// Its words, without those that only open it.
+    words: &'a [&'a str],
+    joint: &'a str,
+    place: Place,
+    /// Whether it tells of a later step.
+    is_sequel: bool,
+
+    subject: Subject,
+    /// What is said of the subject.
+    predicate: &'a [&'a str],
+    /// Whether the subject denies it: `none of them`.
+    is_none: bool,
+}
+
+impl<'a> Clause<'a> {
+    fn new(words: &'a [&'a str], joint: &'a str, place: Place, was_sequel: bool) -> Clause<'a> {
+        let opened = words.iter().take_while(|it| {
+            OPENING.contains(it) || it.ends_with("ly") && !DOUBTS.contains(it) && **it != "only"
+        });
+        let words = &words[opened.count()..];
+        let words = match words {
+            ["in", "my", _, rest @ ..] | ["to", "me" | "my", rest @ ..] => rest,
+            _ => words,
+        };
+        let is_sequel = was_sequel
+            || words.first().is_some_and(|it| SEQUEL.contains(it))
+            || SEQUEL.contains(&joint)
+            || words
+                .iter()
+                .any(|it| matches!(*it, "next" | "afterwards" | "later"));
+        let is_sequel = is_sequel && place != Place::Before;
+        let (subject, length) = subject(words);
+        Clause {
+            words,
+            joint,
+            place,
+            is_sequel,
+
+            subject,
+            predicate: &words[length..],
+            is_none: words[..length].iter().any(|it| NEGATIONS.contains(it)),
+        }
+    }
+
+    fn opens_sequel(&self) -> bool {
+        self.is_sequel
+    }
+
+    fn says(&self, table: &[&str]) -> bool {
+        self.words.iter().any(|it| table.contains(it))
+    }
+
+    fn is_explaining(&self) -> bool {
+        EXPLAINING.contains(&self.joint)
+    }
+
+    /// Returns why the clause puts the answer in doubt.
+    fn doubt(&self) -> Option<&'static str> {
+        if self.words.is_empty() {
+            return None;
+        }
+        if self.joint == "which" {
+            let Predicate { denies, head, .. } = Predicate::of(self.words);
+            if denies && head == Some("work") {
+                return Some(DOUBTED);
+            }
+        }
+        let like = |at: usize| {
+            at > 0
+                && self.words[..at]
+                    .iter()
+                    .rev()
+                    .take(3)
+                    .any(|it| matches!(*it, "like" | "as"))
+        };
+        let people = self
+            .words
+            .iter()
+            .enumerate()
+            .any(|(at, it)| PEOPLE.contains(it) && !like(at));
+        if people && self.place != Place::Before {
+            return Some(HALTED);
+        }
+        let mine = self.words[0] == "my"
+            && self
+                .words
+                .iter()
+                .skip(1)
+                .take(2)
+                .any(|it| FACULTIES.contains(it));
+        let welcomes = self.words[0] == "you"
+            && self
+                .words
+                .iter()
+                .take(4)
+                .any(|it| matches!(*it, "free" | "welcome"));
+        if (mine || welcomes) && self.place == Place::After && !self.is_explaining() {
+            return Some(DOUBTED);
+        }
+        // `We ought to unfold it before any of this`
+        let names_only = self.words.iter().all(|it| {
+            PRONOUNS.contains(it) || QUANTIFIERS.contains(it) || matches!(*it, "of" | "doing")
+        });
+        if self.joint == "before"
+            && self.place == Place::After
+            && names_only
+            && !self.words.contains(&"it")
+        {
+            return Some(OTHERWISE);
+        }
+        if self.place == Place::Before
+            && self.words.iter().any(|it| NEGATIONS.contains(it))
+            && self.announces()
+        {
+            return Some(DOUBTED);
+        }
+        let judged = match self.subject {
+            Subject::Answer => self.judges_answer(),
+            Subject::Author => self.confesses(),
+            Subject::Agent => self.directs(),
+            Subject::Person => self.defers(),
+            Subject::World
+                if self
+                    .words
+                    .iter()
+                    .take(4)
+                    .any(|it| words!("no nothing").contains(it)) =>
+            {
+                self.rests()
+            }
+            Subject::World if matches!(self.words[0], "a" | "an") => self.labels(),
+            Subject::World => None,
+            Subject::Nobody => self
+                .orders(self.words)
+                .or_else(|| self.labels())
+                .or_else(|| self.elides()),
+        };
+        judged
+            .or_else(|| self.embeds())
+            .or_else(|| self.proposes())
+            .or_else(|| self.quotes_saying())
+    }
+
+    /// Returns whether the clause names the values that follow it.
+    fn announces(&self) -> bool {
+        let said = self.words.join(" ");
+        [
+            "comes next",
+            "what follows",
+            "the following",
+            "next line",
+            "next two lines",
+            "numbers below",
+            "values below",
+            "answer below",
+            "coordinates below",
+        ]
+        .iter()
+        .any(|it| said.contains(it))
+    }
+
+    fn quotes_saying(&self) -> Option<&'static str> {
+        if self.place == Place::Before || self.is_explaining() {
+            return None;
+        }
+        let text = format!(" {} ", self.words.join(" "));
+        let says = |saying: &str| text.contains(&format!(" {saying} "));
+        SAYINGS.split('|').any(says).then_some(DOUBTED)
+    }
+
+    /// `None of that is reliable`, `The pick should be shifted`, `These belong to the previous picture`
+    fn judges_answer(&self) -> Option<&'static str> {
+        let Predicate {
+            denies,
+            modal,
+            head,
+            rest,
+        } = Predicate::of(self.predicate);
+        let denies = denies != self.is_none;
+        let is_it = self.words[0] == "it";
+        let verb = head?;
+        let length = self.words.len() - self.predicate.len();
+        if self.place == Place::Before && !refers_forward(&self.words[..length]) {
+            return None;
+        }
+        let has = |table: &[&str]| rest.iter().any(|it| table.contains(it));
+        let shaky = rest
+            .iter()
+            .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it));
+        let past = verb == "was"
+            && matches!(self.words[0], "that")
+            && self.place == Place::After
+            && self.words.len() - self.predicate.len() == 1;
+        let hollow =
+            WORKING.contains(&verb) && matches!(rest.first(), Some(&"nothing" | &"little"));
+        if (shaky && !denies && !is_it && !rest.iter().any(|it| DIMINISHING.contains(it)))
+            || past
+            || hollow
+        {
+            return Some(DOUBTED);
+        }
+        let named = self.words[..length].last().copied().unwrap_or_default();
+        let supposed = modal.is_some_and(|it| SUPPOSING.contains(&it)) && BE.contains(&verb);
+        let unreal = supposed
+            && words!("these those numbers values").contains(&named)
+            && modal == Some("would");
+        let turned = supposed
+            && rest.first().is_some_and(|it| {
+                words!("reversed swapped exchanged mirrored inverted switched flipped mixed")
+                    .contains(it)
+            });
+        let other = supposed
+            && length == 0
+            && rest
+                .iter()
+                .any(|it| words!("other another different either").contains(it));
+        let corrects = self.predicate.iter().take(3).any(|it| *it == "actually")
+            && BE.contains(&verb)
+            && self.place == Place::After;
+        if (unreal || turned || other || corrects) && !denies && !self.is_explaining() {
+            return Some(DOUBTED);
+        }
+        let spoils = rest
+            .iter()
+            .any(|it| words!("worse ruined damaged torn broken").contains(it));
+        if spoils && !denies && !is_it && !self.is_explaining() {
+            return Some(DOUBTED);
+        }
+        let grows = rest.iter().take(5).any(|it| {
+            it.len() > 4
+                && it.ends_with("er")
+                && !FIT.contains(it)
+                && !words!("under after other together upper lower finger gripper either rather")
+                    .contains(it)
+        });
+        if is_duty(modal) && BE.contains(&verb) && grows && !denies && !is_it {
+            return Some(CHANGED);
+        }
+        let lacks = rest
+            .windows(2)
+            .any(|pair| matches!(pair[0], "no" | "little" | "zero") && WEIGHTS.contains(&pair[1]));
+        if lacks {
+            return Some(DOUBTED);
+        }
+        // `This should only be carried out with the table cleared`
+        let only = self.predicate.iter().take(3).any(|it| *it == "only");
+        if only && is_duty(modal) && rest.first().is_some_and(|it| USED.contains(it)) {
+            return Some(CONDITIONAL);
+        }
+        if BE.contains(&verb) || SEEMING.contains(&verb) || verb == "have" || verb == "has" {
+            let judgement = rest
+                .split(|it| words!("to that for by from on in").contains(it))
+                .next()
+                .unwrap_or_default();
+            let denied = |at: usize| {
+                judgement[at.saturating_sub(3)..at]
+                    .iter()
+                    .any(|it| DIMINISHING.contains(it))
+            };
+            let is_doubt = judgement.iter().enumerate().any(|(at, it)| {
+                let is_slight = *it == "off" && rest.get(at + 1) == Some(&"by");
+                DOUBTS.contains(it)
+                    && !denied(at)
+                    && !is_slight
+                    && !(is_it && WEAK_DOUBTS.contains(it))
+            });
+            if is_doubt && !denies {
+                return Some(DOUBTED);
+            }
+            let trusts = judgement.iter().any(|it| TRUSTED.contains(it));
+            if trusts && denies && !is_it {
+                return Some(DOUBTED);
+            }
+            let revised = rest.first().is_some_and(|it| REVISED.contains(it));
+            if revised && !denies && modal.is_some_and(|it| DUTIES.contains(&it)) && !is_it {
+                return Some(CHANGED);
+            }
+            let used = judgement.iter().any(|it| USED.contains(it));
+            if used && denies && modal.is_some() {
+                return Some(HALTED);
+            }
+            let from = rest.iter().position(|it| ORIGINATING.contains(it));
+            if from.is_some_and(|at| rest[at..].iter().take(6).any(|it| ELSEWHERE.contains(it)))
+                && !denies
+                && !is_it
+            {
+                return Some(DOUBTED);
+            }
+            return self.is_unknown(rest).then_some(DOUBTED);
+        }
+        if FAILING.contains(&verb) && !denies && !self.is_explaining() {
+            return Some(DOUBTED);
+        }
+        if WORKING.contains(&verb) && denies && !is_it {
+            return Some(DOUBTED);
+        }
+        if PRESUPPOSING.contains(&verb)
+            && (has(&["only", "if", "provided"])
+                || verb.starts_with("presup")
+                || verb.starts_with("presum")
+                || verb.starts_with("assum")
+                || verb.starts_with("depend")
+                || verb.starts_with("hinge"))
+            && !denies
+        {
+            return Some(CONDITIONAL);
+        }
+        if ORIGINATING.contains(&verb) && has(ELSEWHERE) && !denies {
+            return Some(DOUBTED);
+        }
+        if DEMANDING.contains(&verb)
+            && (has(DEMANDED) || (has(REVISED) && rest.first() == Some(&"to")))
+            && !denies
+            && !is_it
+        {
+            return Some(CHANGED);
+        }
+        // `it needs to move up`, `both want raising`
+        if USED.contains(&verb) && denies {
+            return Some(HALTED);
+        }
+        if is_duty(modal) && REVISED.contains(&verb) && !denies && !is_it {
+            return Some(CHANGED);
+        }
+        let is_effect = EFFECTS.iter().any(|stem| verb.starts_with(stem));
+        (self.is_plain_reference() && !is_effect).then_some(DOUBTED)
+    }
+
+    /// Returns whether the subject can be nothing but the answer, and a verb must follow it.
+    fn is_plain_reference(&self) -> bool {
+        let length = self.words.len() - self.predicate.len();
+        let named = &self.words[..length];
+        let next = self.predicate.get(1).copied().unwrap_or_default();
+        let is_noun = next.ends_with('s')
+            || next.ends_with("ed")
+            || BE.contains(&next)
+            || MODALS.contains(&next);
+        self.place != Place::Before
+            && !self.is_explaining()
+            && match named {
+                [] => false,
+                ["this"] => !is_noun,
+                ["these" | "both" | "all" | "each"] => {
+                    !is_noun && !self.predicate.first().is_some_and(|it| it.ends_with('s'))
+                }
+                [
+                    ..,
+                    "x" | "y" | "line" | "lines" | "fold" | "corner" | "it" | "that" | "they"
+                    | "those" | "one" | "half",
+                ] => false,
+                _ => true,
+            }
+    }
+
+    /// Returns whether a judgement of the answer is none that is known to be harmless: `is a lie`.
+    fn is_unknown(&self, judgement: &[&str]) -> bool {
+        let excessive = judgement.iter().take(4).any(|it| *it == "too");
+        let is_word = judgement.len() == 1
+            && self.words[..self.words.len() - self.predicate.len()]
+                .last()
+                .is_some_and(|it| words!("grip direction distance angle").contains(it));
+        let is_fit = is_word
+            || judgement.iter().take(8).any(|it| {
+                FIT.contains(it)
+                    || it.ends_with("ing")
+                    || it.ends_with("ed") && !DOUBTS.contains(it)
+                    || it.ends_with("est")
+                    || it.starts_with(|it: char| it.is_ascii_digit() || it == '@' || !it.is_ascii())
+            });
+        let length = self.words.len() - self.predicate.len();
+        self.is_plain_reference()
+            && !matches!(self.words.get(length.saturating_sub(1)), Some(&"x" | &"y"))
+            && (judgement.len() > 1 || excessive)
+            && (excessive || !is_fit)
+    }
+
+    /// `I doubt it`, `I am not sure`, `I have no idea`, `I would not trust it`, `I'd rather wait`
+    fn confesses(&self) -> Option<&'static str> {
+        let Predicate {
+            denies,
+            modal,
+            head,
+            rest,
+        } = Predicate::of(self.predicate);
+        if self.words[0] == "we"
+            && let Some(why) = self.directs()
+        {
+            return Some(why);
+        }
+        let verb = head?;
+        let refers = refers(rest);
+        if words!("suppose guess presume reckon imagine fear").contains(&verb)
+            && rest.is_empty()
+            && self.place == Place::After
+        {
+            return Some(DOUBTED);
+        }
+        let first = rest.first().copied().unwrap_or_default();
+        if BE.contains(&verb) || verb == "feel" || verb == "felt" {
+            let would_feel =
+                modal == Some("would") && !BE.contains(&verb) && self.place == Place::After;
+            if would_feel {
+                return Some(OTHERWISE);
+            }
+            let feels = rest.iter().take(4).any(|it| AUTHOR_FEELINGS.contains(it));
+            let trusts = rest.iter().take(3).any(|it| TRUSTED.contains(it));
+            let weighs = self.place == Place::Before || self.is_explaining();
+            let recants = denies && !rest.first().is_some_and(|it| it.ends_with("ing"));
+            let is_other = recants && self.place == Place::After
+                || BE.contains(&verb)
+                    && self.words[0] == "i"
+                    && self.place == Place::After
+                    && !rest.iter().take(3).any(|it| {
+                        COMPOSED.contains(it) || it.ends_with("ing") || it.ends_with("ed")
+                    });
+            return ((feels && !denies || trusts && denies || is_other) && !weighs)
+                .then_some(DOUBTED);
+        }
+        if verb == "have" && rest.contains(&"wrong") && !denies && self.place == Place::After {
+            return Some(DOUBTED);
+        }
+        if verb == "have" || verb == "had" {
+            let lacks = rest.iter().take(4).any(|it| NEGATIONS.contains(it)) || denies;
+            let lacking = lacks && rest.iter().take(5).any(|it| AUTHOR_LACKS.contains(it));
+            let has = !lacks && rest.iter().take(4).any(|it| AUTHOR_HAS.contains(it));
+            return (lacking || has).then_some(DOUBTED);
+        }
+        if AUTHOR_DOUBTS.contains(&verb) && !denies {
+            let is_free =
+                words!("apologise apologize suspect worry fear question misplaced object")
+                    .contains(&verb)
+                    && self.place == Place::Before;
+            return (!is_free).then_some(DOUBTED);
+        }
+        if matches!(verb, "made" | "make" | "making") && rest.contains(&"up") && !denies {
+            return Some(DOUBTED);
+        }
+        if COMMITTING.contains(&verb)
+            && denies
+            && (refers || rest.is_empty() || matches!(first, "for" | "by" | "behind"))
+        {
+            return Some(DOUBTED);
+        }
+        let denies_sight = denies
+            && words!("tell find see locate identify determine recognise recognize know measure say verify check make judge pinpoint").contains(&verb)
+            && self.place != Place::Before
+            && (rest.is_empty()
+                || rest.iter().take(3).any(|it| {
+                    words!("corner cloth which whether where what exactly much clearly anything it this these point").contains(it)
+                }))
+            && !rest.iter().any(|it| {
+                words!("better other wrinkle any more need reason").contains(it)
+            });
+        if denies_sight {
+            return Some(DOUBTED);
+        }
+        let unread = denies
+            && self.place == Place::After
+            && words!(
+                "understood understand read seen looked checked verified measured tested tried"
+            )
+            .contains(&verb)
+            && !self.is_explaining();
+        let stops = self.place == Place::Before && modal == Some("would") && HALTS.contains(&verb);
+        if unread || stops {
+            return Some(DOUBTED);
+        }
+        let careless =
+            self.words.contains(&"mixing") || self.words.iter().any(|it| CARELESSLY.contains(it));
+        if careless && self.place != Place::Before {
+            return Some(DOUBTED);
+        }
+        let instead = self.place == Place::Beside
+            && modal == Some("would")
+            && self.words.last() == Some(&"instead");
+        if instead {
+            return Some(OTHERWISE);
+        }
+        if self.place != Place::After {
+            return None;
+        }
+        let slight = self
+            .predicate
+            .first()
+            .is_some_and(|it| words!("only just merely simply").contains(it));
+        let object = rest
+            .iter()
+            .take(3)
+            .any(|it| matches!(*it, "this" | "these"));
+        if object
+            && (slight || !AUTHORED.contains(&verb) && modal.is_none())
+            && !self.is_explaining()
+            && !denies
+        {
+            return Some(DOUBTED);
+        }
+        let would = modal.is_some_and(|it| it == "would");
+        if would
+            && !rest.contains(&"@")
+            && (PREFERRING.contains(&verb) || !POLITE.contains(&verb))
+            && !self.is_sequel
+            && !self.is_explaining()
+            && !denies
+        {
+            return Some(OTHERWISE);
+        }
+        let recants = would
+            && verb == "like"
+            && rest
+                .iter()
+                .any(|it| AUTHOR_DOUBTS.contains(it) || HALTS.contains(it));
+        if recants {
+            return Some(DOUBTED);
+        }
+        let counsels = words!(
+            "recommend suggest advise propose urge advocate vote prefer ask request insist plead"
+        )
+        .contains(&verb);
+        let otherwise = rest.iter().take(3).any(|it| {
+            HALTINGS.contains(it)
+                || HALTS.contains(it)
+                || words!("instead first else rather").contains(it)
+        }) || rest
+            .iter()
+            .any(|it| matches!(*it, "instead" | "else" | "otherwise"));
+        (counsels && otherwise && !self.is_sequel && !denies).then_some(OTHERWISE)
+    }
+
+    /// `Sorry to say this does not solve it`
+    fn embeds(&self) -> Option<&'static str> {
+        let speaks = matches!(self.subject, Subject::Author | Subject::Nobody)
+            || matches!(self.words[0], "to" | "there");
+        if !speaks || self.place == Place::Before {
+            return None;
+        }
+        let begins = |at: usize| {
+            let named = matches!(self.words[at], "this" | "these" | "those")
+                || ARTICLES.contains(&self.words[at]) && PARTS.contains(&self.words[at + 1]);
+            let verb = at + 1 + usize::from(ARTICLES.contains(&self.words[at]));
+            named
+                && self.words.get(verb).is_some_and(|it| {
+                    BE.contains(it) || MODALS.contains(it) || SEEMING.contains(it)
+                })
+        };
+        let at = (1..self.words.len().saturating_sub(1)).find(|at| begins(*at))?;
+        let clause = Clause::new(&self.words[at..], self.joint, self.place, self.is_sequel);
+        (clause.subject == Subject::Answer).then(|| clause.judges_answer())?
+    }
+
+    /// `Nothing should be moved`
+    fn rests(&self) -> Option<&'static str> {
+        let duty = self.predicate.first().is_some_and(|it| DUTIES.contains(it));
+        let other = self
+            .words
+            .iter()
+            .take(3)
+            .any(|it| words!("else other more further").contains(it));
+        let idle = self
+            .words
+            .windows(2)
+            .any(|pair| matches!(pair, ["to", "do" | "fold" | "move"]));
+        let needless = self.words[0] == "no"
+            && self
+                .words
+                .get(1)
+                .is_some_and(|it| words!("pull move fold action grasp pick motion").contains(it))
+            && self
+                .words
+                .iter()
+                .any(|it| words!("needed required necessary").contains(it));
+        (needless && !other
+            || self.words.contains(&"nothing") && (duty || idle) && !other && !self.is_sequel)
+            .then_some(HALTED)
+    }
+
+    /// `You had better not use this`, `The robot should stay where it is`
+    fn directs(&self) -> Option<&'static str> {
+        if self.is_explaining() || self.is_sequel {
+            return None;
+        }
+        let Predicate {
+            denies,
+            modal,
+            head,
+            rest,
+        } = Predicate::of(self.predicate);
+        let verb = head?;
+        if !modal.is_some_and(|it| !words!("do does did have has").contains(&it)) {
+            return None;
+        }
+        let denies = denies || self.is_none;
+        if denies {
+            let is_whole = rest.is_empty()
+                || refers(rest)
+                || rest
+                    .iter()
+                    .any(|it| words!("yet now anything today").contains(it));
+            return (ACTS.contains(&verb)
+                && is_whole
+                && !modal.is_some_and(|it| words!("will would need can").contains(&it)))
+            .then_some(HALTED);
+        }
+        let may = modal.is_some_and(|it| it != "will");
+        let rests = words!("rest stay sit remain idle park stand").contains(&verb)
+            && !matches!(self.words[0], "you");
+        if may && (HALTS.contains(&verb) || rests) {
+            return Some(HALTED);
+        }
+        if may && verb == "better" {
+            return Some(OTHERWISE);
+        }
+        if may && DISMISSALS.contains(&verb) && !HARMLESS_ORDERS.contains(&verb) && refers(rest) {
+            return Some(CHANGED);
+        }
+        let other = rest
+            .windows(2)
+            .any(|pair| pair[0] == "instead" && pair[1] != "of")
+            || rest
+                .last()
+                .is_some_and(|it| matches!(*it, "instead" | "first" | "else"));
+        (may && other && self.place == Place::After).then_some(OTHERWISE)
+    }
+
+    /// `A human should look at this`, `until the operator nods`
+    fn defers(&self) -> Option<&'static str> {
+        let modal =
+            self.predicate.iter().take(3).any(|it| {
+                DUTIES.contains(it) || self.place == Place::After && SUPPOSING.contains(it)
+            });
+        let waits = words!("until unless before once").contains(&self.joint);
+        let like = self.words.iter().any(|it| matches!(*it, "like" | "as"));
+        ((modal || waits) && !like && !(self.is_none && !waits)).then_some(HALTED)
+    }
+
+    /// `Wait`, `Disregard this`, `Do not let the arm act on it`
+    fn orders(&self, words: &[&str]) -> Option<&'static str> {
+        if self.is_explaining() {
+            return None;
+        }
+        let first = *words.first()?;
+        let rest = &words[1..];
+        let next = rest.first().copied().unwrap_or_default();
+        let forbids = first == "never" || (first == "do" && next == "not");
+        if forbids {
+            let rest = if first == "do" { &rest[1..] } else { rest };
+            let verb = rest.first().copied().unwrap_or_default();
+            let object = rest.get(1..).unwrap_or_default();
+            let lets = words!("let allow have make").contains(&verb)
+                && object.iter().any(|it| AGENTS.contains(it));
+            let is_whole = object.is_empty()
+                || refers(object)
+                || object
+                    .iter()
+                    .any(|it| words!("yet anything today now").contains(it));
+            let executes = self.place != Place::Before && EXECUTING.contains(&verb);
+            let is_order = lets
+                || executes
+                || ACTS.contains(&verb)
+                || DISMISSALS.contains(&verb)
+                    && !words!("change discard ignore forget").contains(&verb);
+            return (is_order && (is_whole || executes) && !CALMING.contains(&verb) || lets)
+                .then_some(HALTED);
+        }
+        if self.place == Place::Before && !refers_forward(rest) {
+            return None;
+        }
+        if self.is_sequel {
+            return None;
+        }
+        if HALTS.contains(&first)
+            && !words!("at short before just when in once where over").contains(&next)
+        {
+            return Some(HALTED);
+        }
+        let is_refused = first == "not" && next == "to" && rest.iter().any(|it| USED.contains(it));
+        if is_refused || first == "do" && words!("as with what whatever nothing").contains(&next) {
+            return Some(HALTED);
+        }
+        if first == "hold"
+            && words!("on off back fire your everything it that until").contains(&next)
+        {
+            return Some(HALTED);
+        }
+        let summons =
+            matches!(first, "ask" | "consult" | "contact") && !matches!(next, "" | "for" | "if");
+        if summons || first == "call" && rest.iter().any(|it| PEOPLE.contains(it)) {
+            return Some(HALTED);
+        }
+        let whole = words!("it this that everything things them be").contains(&next)
+            || rest.iter().take(2).any(|it| {
+                words!("cloth fabric garment towel shirt textile arm robot gripper").contains(it)
+            });
+        if matches!(first, "leave" | "let" | "keep")
+            && whole
+            && rest.iter().skip(1).any(|it| {
+                words!("alone be as settle rest dry untouched cool parked still where").contains(it)
+            })
+        {
+            return Some(HALTED);
+        }
+        if first == "let"
+            && (PEOPLE.contains(&next) || rest.iter().take(2).any(|it| PEOPLE.contains(it)))
+        {
+            return Some(HALTED);
+        }
+        if first == "let" && next == "us" && self.place == Place::After {
+            let verb = rest.get(1).copied().unwrap_or_default();
+            let object = rest.get(2..).unwrap_or_default();
+            let own = refers(object) || words!("see fold bring say").contains(&verb);
+            return (!own || matches!(verb, "not") || HALTS.contains(&verb)).then_some(OTHERWISE);
+        }
+        if DISMISSALS.contains(&first) {
+            let object_refers = rest.iter().take(4).position(|it| {
+                PRONOUNS.contains(it)
+                    || words!("above everything answer values numbers coordinates lines both all")
+                        .contains(it)
+            });
+            let harmless = HARMLESS_ORDERS.contains(&first)
+                && !rest.iter().any(|it| {
+                    words!("salt first as before guess lightly loosely").contains(it)
+                        || DOUBTS.contains(it)
+                });
+            if (object_refers.is_some() || rest.is_empty()) && !harmless {
+                return Some(CHANGED);
+            }
+        }
+        if matches!(first, "rather" | "preferably")
+            && self.place != Place::Before
+            && !matches!(next, "" | "than" | "a" | "the" | "large" | "small")
+            && !next.ends_with("ing")
+        {
+            return Some(OTHERWISE);
+        }
+        let is_act = |it: &str| {
+            ACTS.contains(&it)
+                || HALTS.contains(&it)
+                || DISMISSALS.contains(&it)
+                || words!("to not if let leave stay").contains(&it)
+        };
+        if words!("better best safest safer wiser wisest smarter").contains(&first)
+            && is_act(next)
+            && self.place == Place::After
+        {
+            return Some(OTHERWISE);
+        }
+        let other = words
+            .windows(2)
+            .any(|pair| pair[0] == "instead" && pair[1] != "of")
+            || words
+                .last()
+                .is_some_and(|it| matches!(*it, "instead" | "else"))
+            || rest
+                .iter()
+                .take(2)
+                .any(|it| matches!(*it, "something" | "somewhere" | "another"));
+        if (ACTS.contains(&first) || HARMLESS_ORDERS.contains(&first) || first == "consider")
+            && other
+            && self.place == Place::After
+        {
+            return Some(OTHERWISE);
+        }
+        let is_verbal = !ACTS.contains(&first)
+            && !EXECUTING.contains(&first)
+            && !FIT.contains(&first)
+            && !AUTHORED.contains(&first)
+            && !EFFECTS.iter().any(|stem| first.starts_with(stem))
+            && !["ing", "ed", "s", "ly"]
+                .iter()
+                .any(|end| first.ends_with(end))
+            && !ARTICLES.contains(&first)
+            && !EXPLAINING.contains(&first)
+            && !JOINING.contains(&first)
+            && !OPENING.contains(&first)
+            && !CALMING.contains(&first)
+            && !NEGATIONS.contains(&first);
+        let object = rest
+            .iter()
+            .find(|it| !words!("about off out on with to up all of").contains(*it));
+        let names_answer =
+            object.is_some_and(|it| words!("this that these those it them").contains(it));
+        if is_verbal
+            && names_answer
+            && self.place == Place::After
+            && rest.len() < 8
+            && !words!("hope enjoy see with by in for from after during let note make is do does did at under through").contains(&first)
+        {
+            return Some(DOUBTED);
+        }
+        let invites = first == "feel"
+            && next == "free"
+            && !rest.iter().take(4).any(|it| {
+                words!("ask send share let reach contact upload request tell").contains(it)
+            });
+        if invites && self.place == Place::After {
+            return Some(DOUBTED);
+        }
+        if first == "what" && self.place == Place::After {
+            return Some(OTHERWISE);
+        }
+        if matches!(first, "pretend" | "imagine" | "suppose") {
+            return Some(DOUBTED);
+        }
+        let use_that = words!("use take do pick try choose").contains(&first)
+            && matches!(next, "that" | "those")
+            && rest.len() == 1;
+        if use_that {
+            return Some(OTHERWISE);
+        }
+        let slowly = rest
+            .iter()
+            .any(|it| it.ends_with("ly") || matches!(*it, "slow"));
+        let makes = words!("move shift nudge slide").contains(&first)
+            && words!("it them both").contains(&next)
+            && rest.len() > 1
+            && !slowly
+            || first == "make" && words!("it this that them both these").contains(&next)
+            || first == "make" && next == "the" && rest.get(1).is_some_and(|it| PARTS.contains(it));
+        if makes && self.place == Place::After {
+            return Some(CHANGED);
+        }
+        let asks_leave = words!("get obtain seek await request").contains(&first)
+            && rest.iter().any(|it| {
+                words!(
+                    "confirmation approval permission clearance help advice feedback input consent"
+                )
+                .contains(it)
+            });
+        if asks_leave {
+            return Some(HALTED);
+        }
+        if first == "let" && !words!("us me it this that").contains(&next) && refers(rest) {
+            return Some(OTHERWISE);
+        }
+        if first == "consider"
+            && words!("this that it these them").contains(&next)
+            && rest.len() > 1
+        {
+            return Some(DOUBTED);
+        }
+        if first == "only"
+            && words!("to for if once when after go proceed act execute run").contains(&next)
+        {
+            return Some(CONDITIONAL);
+        }
+        let photo = |it: &&str| words!("photo image picture view shot angle").contains(it);
+        (words!("show send give provide take upload share get shoot").contains(&first)
+            && !rest
+                .iter()
+                .any(|it| words!("resulting updated latest new").contains(it))
+            && rest.iter().any(|it| photo(&it))
+            && self.place == Place::After)
+            .then_some(HALTED)
+    }
+
+    /// `a wild guess`, `not a real answer`
+    fn labels(&self) -> Option<&'static str> {
+        if self.is_explaining() {
+            return None;
+        }
+        let mut denies = false;
+        for (at, word) in self.words.iter().enumerate().take(5) {
+            if NEGATIONS.contains(word) {
+                denies = true;
+            } else if DOUBTS.contains(word) && !denies && !WEAK_DOUBTS.contains(word) {
+                return Some(DOUBTED);
+            } else if TRUSTED.contains(word) && denies {
+                return (self.place != Place::Before).then_some(DOUBTED);
+            } else if ORIGINATING.contains(word)
+                && at < 2
+                && !denies
+                && !matches!(*word, "from" | "for")
+            {
+                let other = self.words[at..]
+                    .iter()
+                    .take(6)
+                    .any(|it| ELSEWHERE.contains(it));
+                return (other && self.place != Place::Before).then_some(DOUBTED);
+            } else if !(ARTICLES.contains(word)
+                || word.ends_with("ly")
+                || words!("just wild pure rough complete total very quite some somewhat rather best educated bit of really here is are this all only be been too").contains(word))
+            {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// `Could be anywhere`, `would need a closer look`
+    fn elides(&self) -> Option<&'static str> {
+        let is_elided =
+            MODALS.contains(&self.words[0]) && self.words[0] != "do" || BE.contains(&self.words[0]);
+        (is_elided && !self.is_explaining() && self.place != Place::Before)
+            .then(|| self.judges_answer())?
+    }
+
+    /// `It would be wiser to`, `The left sleeve might be better`, `My advice is to`, `The better pick is`
+    fn proposes(&self) -> Option<&'static str> {
+        if self.place != Place::After || self.is_sequel || self.is_explaining() {
+            return None;
+        }
+        let words = self.words;
+        let be = words.iter().position(|it| BE.contains(it));
+        if let Some(at) = be {
+            let supposes = words[at.saturating_sub(3)..at]
+                .iter()
+                .any(|it| SUPPOSING.contains(it));
+            let denies = words[at.saturating_sub(2)..at].contains(&"not");
+            let praise = words[at + 1..]
+                .iter()
+                .take(4)
+                .position(|it| BETTER.contains(it));
+            let to = words[at + 1..]
+                .iter()
+                .take(8)
+                .any(|it| matches!(*it, "to" | "if"));
+            let is_it = words[0] == "it";
+            let advises = words[at + 1..].iter().take(2).any(|it| {
+                words!("better best wiser smarter safer prudent sensible advisable preferable")
+                    .contains(it)
+            });
+            let halts = advises
+                || words[at + 1..]
+                    .iter()
+                    .any(|it| HALTS.contains(it) || matches!(*it, "not" | "leave" | "skip"));
+            if praise.is_some()
+                && !denies
+                && (supposes
+                    && (to && is_it || self.subject == Subject::World || words[0] == "there")
+                    || is_it && to && halts)
+            {
+                return Some(OTHERWISE);
+            }
+        }
+        let supposes = words.iter().any(|it| SUPPOSING.contains(it));
+        let duty = words
+            .iter()
+            .any(|it| words!("should must ought").contains(it));
+        let world = self.subject == Subject::World;
+        if world
+            && (supposes && words.contains(&"better")
+                || duty && (words.contains(&"first") || words.contains(&"beforehand")))
+        {
+            return Some(OTHERWISE);
+        }
+        let speaks = |it: &&str| {
+            BE.contains(it) || words!("tells says goes would remains lies sits stands").contains(it)
+        };
+        if ARTICLES.contains(&words[0])
+            && let Some(noun) = words[1..]
+                .iter()
+                .take(3)
+                .position(|it| COUNSELS.contains(it))
+        {
+            let behind = &words[noun + 2..];
+            let own = behind
+                .iter()
+                .any(|it| matches!(*it, "based" | "follows" | "matches"))
+                || refers(behind) && !behind.contains(&"leave");
+            let mine = matches!(words[0], "my" | "our");
+            if mine && (behind.first().is_some_and(|it| speaks(&it)) || behind.is_empty()) && !own {
+                return Some(OTHERWISE);
+            }
+        }
+        let rival = words[0] == "the"
+            && RIVALS.contains(words.get(1).unwrap_or(&""))
+            && words[2..]
+                .iter()
+                .take(2)
+                .any(|it| PARTS.contains(it) || *it == "corner")
+            && words.iter().skip(3).take(3).any(|it| BE.contains(it));
+        if rival && words[1] != "other" && words[1] != "opposite" {
+            return Some(OTHERWISE);
+        }
+        let deserves = words
+            .iter()
+            .any(|it| words!("deserves deserve merits beckons").contains(it));
+        deserves.then_some(OTHERWISE)
+    }
+}
+
+/// What a clause says of its subject.
+struct Predicate<'a> {
+    denies: bool,
+    modal: Option<&'a str>,
+    /// Its main verb, or `be`.
+    head: Option<&'a str>,
+    rest: &'a [&'a str],
+}
+
+impl<'a> Predicate<'a> {
+    fn of(words: &'a [&'a str]) -> Predicate<'a> {
+        let mut denies = false;
+        let mut modal = None;
+        let mut head = None;
+        let mut perfect = None;
+        let mut at = 0;
+        while let Some(word) = words.get(at) {
+            if words!("not never hardly barely scarcely neither nor").contains(word) {
+                denies = !denies;
+            } else if matches!(*word, "have" | "has" | "had")
+                && words.get(at + 1).is_none_or(|it| *it != "to")
+                && modal.is_none()
+            {
+                perfect = Some(*word);
+            } else if MODALS.contains(word) && head.is_none() {
+                modal = Some(
+                    modal
+                        .filter(|it: &&str| *it == "would" || DUTIES.contains(it))
+                        .unwrap_or(*word),
+                );
+            } else if BE.contains(word) {
+                head = Some(*word);
+            } else if !(word.ends_with("ly")
+                || words!("to also just now really still all both only then therefore each even well rather sooner much quite very so indeed").contains(word))
+                || DOUBTS.contains(word)
+            {
+                break;
+            }
+            // `I would rather`
+            if matches!(*word, "rather" | "sooner") && modal == Some("would") && head.is_none() {
+                head = Some(*word);
+                at += 1;
+                break;
+            }
+            at += 1;
+        }
+        if head.is_none() {
+            // `It has doubts`: what looked like an auxiliary is the verb.
+            let has = perfect.or(modal.filter(|it| words!("have has had need needs").contains(it)));
+            let is_participle = words.get(at).is_some_and(|it| {
+                it.ends_with("ed") || it.ends_with('t') || it.ends_with("n") || it.ends_with("d")
+            });
+            match has {
+                Some(verb) if !is_participle && !words[..at].contains(&"to") => head = Some(verb),
+                _ => {
+                    head = words.get(at).copied();
+                    at += usize::from(head.is_some());
+                }
+            }
+        }
+        Predicate {
+            denies,
+            modal,
+            head,
+            rest: &words[at.min(words.len())..],
+        }
+    }
+}
+
+fn is_duty(modal: Option<&str>) -> bool {
+    modal.is_some_and(|it| DUTIES.contains(&it))
+}
+
+/// Returns whether words name the answer: `this`, `the above`, `my answer`, `these numbers`.
+fn refers(words: &[&str]) -> bool {
+    words.iter().enumerate().any(|(at, it)| {
+        let next = words.get(at + 1).copied().unwrap_or_default();
+        match *it {
+            "it" | "them" | "these" | "those" => true,
+            "this" | "that" => {
+                next.is_empty()
+                    || PARTS.contains(&next)
+                    || words!("one instead yet now before at as for on way corner").contains(&next)
+            }
+            "above" => at > 0 && matches!(words[at - 1], "the" | "all"),
+            "answer" | "answers" | "values" | "numbers" | "coordinates" | "pixels" => true,
+            _ => false,
+        }
+    })
+}
+
+/// Returns whether words name what follows them: `the following`, `what comes next`.
+fn refers_forward(words: &[&str]) -> bool {
+    words.iter().any(|it| {
+        words!(
+            "following follows below here next comes values numbers coordinates pixels answer lines"
+        )
+        .contains(it)
+    })
+}
+
+/// Returns whether a word may begin an order.
+fn orders(word: &str) -> bool {
+    [HALTS, DISMISSALS, ACTS, MODALS, NEGATIONS]
+        .iter()
+        .any(|table| table.contains(&word))
+        || words!("let leave keep only better best rather ask pretend feel send show give")
+            .contains(&word)
+}
+
+/// Returns whom a clause speaks of, and how many words name them.
+fn subject(words: &[&str]) -> (Subject, usize) {
+    let word = |at: usize| words.get(at).copied().unwrap_or_default();
+    let is_verb = |it: &str| BE.contains(&it) || MODALS.contains(&it) || SEEMING.contains(&it);
+    match word(0) {
+        "i" => return (Subject::Author, 1),
+        "we" => return (Subject::Author, 1),
+        "you" => return (Subject::Agent, 1),
+        "nobody" => return (Subject::Agent, 0),
+        it if PEOPLE.contains(&it) => return (Subject::Person, 1),
+        "below" | "here" | "above" if BE.contains(&word(1)) => return (Subject::Answer, 1),
+        "what"
+            if matches!(word(1), "i" | "we")
+                && words.iter().take(5).any(|it| {
+                    words!("think want mean meant would recommend suggest prefer").contains(it)
+                }) =>
+        {
+            return (Subject::Nobody, 0);
+        }
+        "what" | "whatever" => {
+            let tells = |it: &&str| words!("i follows comes stands above below").contains(it);
+            if words.iter().skip(1).take(2).any(|it| tells(&it)) {
+                let verb = words
+                    .iter()
+                    .skip(2)
+                    .position(|it| BE.contains(it) || MODALS.contains(it));
+                return (Subject::Answer, verb.map_or(words.len(), |at| at + 2));
+            }
+            return (Subject::World, 1);
+        }
+        _ => {}
+    }
+    // `The corner I gave`
+    if ARTICLES.contains(&word(0))
+        && word(2) == "i"
+        && words!("gave wrote named said chose picked stated listed").contains(&word(3))
+    {
+        return (Subject::Answer, 4);
+    }
+    if QUANTIFIERS.contains(&word(0)) && word(1) == "i" && words.len() > 3 {
+        return (Subject::Answer, 3);
+    }
+    if word(0) == "this" && word(1) == "way" {
+        return (Subject::World, 2);
+    }
+    let mut at = 0;
+    if matches!(
+        (word(0), word(1)),
+        ("every", "one") | ("each", "one") | ("every", "single")
+    ) {
+        at += 1 + usize::from(word(2) == "one");
+    }
+    if QUANTIFIERS.contains(&word(at)) || (word(0) == "not" && word(1) == "one") {
+        at += 1;
+        if word(at) == "of" {
+            at += 1;
+        } else if is_verb(word(at)) || word(0) == "both" && !PARTS.contains(&word(at)) {
+            let counts = !words!("nothing everything anything one half some").contains(&word(0));
+            return (
+                if counts {
+                    Subject::Answer
+                } else {
+                    Subject::World
+                },
+                at,
+            );
+        }
+    }
+    if PRONOUNS.contains(&word(at)) {
+        let demonstrative = words!("this that these those").contains(&word(at));
+        at += 1;
+        if demonstrative {
+            let noun = (at..at + 3).find(|it| PARTS.contains(&word(*it)) || word(*it) == "corner");
+            let all_qualify = noun.is_some_and(|noun| {
+                (at..noun).all(|it| QUALIFIERS.contains(&word(it)) || PARTS.contains(&word(it)))
+            });
+            if let (Some(noun), true) = (noun, all_qualify) {
+                return (Subject::Answer, noun + 1);
+            }
+        }
+        return (Subject::Answer, at);
+    }
+    // `Executing it`
+    if word(0).ends_with("ing")
+        && words!("it this that these them").contains(&word(1))
+        && (is_verb(word(2)) || is_verb(word(3)))
+    {
+        return (Subject::Answer, 2);
+    }
+    if word(0) == "such" && word(1) == "a" && PARTS.contains(&word(2)) {
+        return (Subject::Answer, 3);
+    }
+    let begins = at;
+    if ARTICLES.contains(&word(at)) {
+        at += 1;
+    }
+    let is_named = at > begins;
+    for index in at..at + 4 {
+        let it = word(index);
+        if is_named && PEOPLE.contains(&it) {
+            return (Subject::Person, index + 1);
+        }
+        if is_named && AGENTS.contains(&it) {
+            return (Subject::Agent, index + 1);
+        }
+        if is_named && index > at && matches!(it, "above" | "below") {
+            return (Subject::Answer, index + 1);
+        }
+        let ends_name = is_verb(word(index + 1))
+            || word(index + 1).ends_with('s')
+            || word(index + 1).ends_with("ly")
+            || words!("not came never both").contains(&word(index + 1));
+        let counts = words!("two three following lines line").contains(&it);
+        if PARTS.contains(&it)
+            && (!counts || is_verb(word(index + 1)))
+            && !PARTS.contains(&word(index + 1))
+            && word(index + 1) != "of"
+            && (is_named && ends_name
+                || is_verb(word(index + 1))
+                || words!("lies falls lands below above").contains(&word(index + 1)))
+        {
+            let is_placed = matches!(word(index + 1), "below" | "above");
+            return (Subject::Answer, index + 1 + usize::from(is_placed));
+        }
+        if !(QUALIFIERS.contains(&it) || PARTS.contains(&it) || it == "and") {
+            break;
+        }
+    }
+    let has_verb = words.iter().skip(1).take(7).any(|it| is_verb(it));
+    if is_named || begins > 0 || (has_verb && !orders(word(0))) {
+        (Subject::World, at.max(1).min(words.len()))
+    } else {
+        (Subject::Nobody, 0)
+    }
+}
