@@ -1,6 +1,6 @@
 //! The first questions of a suite's entries, for estimates.
 
-use super::lay_starts::lay_one;
+use super::lay_starts::lay_for;
 use super::play::{at, place, program_of};
 use super::{Bench, BenchError};
 use fab_agent::rollout::{FirstQuestion, Job, first_questions};
@@ -14,12 +14,13 @@ pub fn first_questions_of(bench: &Bench<'_>) -> Result<Vec<Vec<FirstQuestion>>, 
         let place = place(bench, entry, 0);
         let program = program_of(bench, entry, 0)?;
         let task = &bench.tasks[entry.task];
+        let values = entry.values(&task.starts[0]);
         // An estimate must not ask anybody to lay a cloth, or connect to anything.
         let make_world = || match &bench.arm {
             Some(arm) => (arm.make_look)(program),
-            None => (bench.make_world)(program),
+            None => (bench.make_world)(program, &values),
         };
-        let start = lay_one(bench, task, &task.starts[0]);
+        let start = lay_for(bench, entry, 0);
         let start = start.map_err(|error| at(&place, error))?;
         let job = Job {
             program,

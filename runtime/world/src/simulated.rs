@@ -3,13 +3,14 @@
 use super::{Executed, Grasp, Motion, World, WorldError};
 use crate::crumple;
 use crate::start::Start;
+use crate::vary::{AxisValues, Setup};
 use fab_base::interrupt::Interrupt;
 use fab_picture::DepthImage;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
 use fab_program as program;
-pub use fab_sim::Look;
-use fab_sim::{Aim, Grid, Mask, Params, SimError, Simulator, TopDownCamera};
+use fab_sim::{Aim, Grid, Mask, SimError, Simulator, TopDownCamera};
+pub use fab_sim::{Look, Params};
 use image::RgbImage;
 
 /// Why a cloth with missing particles is not laid for actions: its corners, which tasks name, may not exist.
@@ -22,6 +23,7 @@ pub struct SimulatedWorld {
     look: Look,
     lens: TopDownCamera,
     camera: Camera,
+    variation: AxisValues,
     cloth: Option<Simulator>,
 }
 
@@ -33,6 +35,14 @@ impl SimulatedWorld {
         camera: &program::Camera,
         picker: program::Picker,
     ) -> Result<SimulatedWorld, WorldError> {
+        SimulatedWorld::of(&Setup::new(camera, picker))
+    }
+
+    /// Makes a world of a setup; its placement is for those who lay starts.
+    ///
+    /// Fails where the camera's numbers are outside what the renderer accepts.
+    pub fn of(setup: &Setup) -> Result<SimulatedWorld, WorldError> {
+        let camera = &setup.camera;
         let lens = TopDownCamera::new(
             camera.height_m as f32,
             camera.fov_rad as f32,
@@ -46,13 +56,11 @@ impl SimulatedWorld {
             program::ImageUp::X => fab_sim::ImageUp::X,
         };
         Ok(SimulatedWorld {
-            parameters: match picker {
-                program::Picker::PutDown => Params::default(),
-                program::Picker::Drop => Params::with_dropping_picker(),
-            },
-            look: Look::default(),
+            parameters: setup.parameters.clone(),
+            look: setup.look.clone(),
             lens: lens.with_up(up),
             camera: Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up),
+            variation: setup.values.clone(),
             cloth: None,
         })
     }
@@ -104,6 +112,10 @@ impl World for SimulatedWorld {
 
     fn code(&self) -> String {
         fab_sim::CODE_DIGEST.to_owned()
+    }
+
+    fn variation(&self) -> AxisValues {
+        self.variation.clone()
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {

@@ -20,6 +20,7 @@ use fab_base::interrupt::Interrupt;
 use fab_program::{ClothStart, Program};
 use fab_world::crumple;
 use fab_world::start::{Grid, Start, StartFrame, Up};
+use fab_world::vary::AxisValues;
 use fab_world::{SimulatedWorld, World, WorldError};
 use serde::Deserialize;
 use serde::Serialize;
@@ -51,10 +52,13 @@ const DEFAULT_SEED: u64 = 0;
 
 /// Makes a simulated world for a program.
 pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
-    Ok(Box::new(SimulatedWorld::new(
-        &program.camera,
-        program.picker,
-    )?))
+    varied_world(program, &AxisValues::default())
+}
+
+/// Makes a simulated world that differs from a program's own in some values.
+pub fn varied_world(program: &Program, values: &AxisValues) -> Result<Box<dyn World>, WorldError> {
+    let setup = values.setup(&program.camera, program.picker);
+    Ok(Box::new(SimulatedWorld::of(&setup)?))
 }
 
 /// Lays the cloth as the command line says, or else as the task does; `folder` holds the task's file.
