@@ -109,7 +109,8 @@ pub fn play(
     results.spent.starts_s = begun.elapsed().as_secs_f64();
     lay_starts::refuse_examples(bench, &laid)?;
     if let Some(task) = bench.tasks.first() {
-        let about = about(bench, &task.program, &AxisValues::default()).map_err(|error| at(&task.name, error))?;
+        let about = about(bench, &task.program, &AxisValues::default())
+            .map_err(|error| at(&task.name, error))?;
         (results.world, results.params) = (about.name, about.parameters);
     }
     let begun = Instant::now();
@@ -177,11 +178,7 @@ fn interrupted(results: Results) -> Results {
 }
 
 /// Returns the description of a program's world with some values of its own.
-fn about(
-    bench: &Bench<'_>,
-    program: &Program,
-    values: &AxisValues,
-) -> Result<About, WorldError> {
+fn about(bench: &Bench<'_>, program: &Program, values: &AxisValues) -> Result<About, WorldError> {
     if let Some(arm) = &bench.arm {
         return Ok(arm.about.clone());
     }

@@ -132,9 +132,9 @@ pub fn rows(bench: &Bench<'_>, results: &Results) -> Vec<Row> {
         let entries = bench.entries.iter().enumerate();
         let entries: Vec<_> = entries.filter(|(_, entry)| entry.task == number).collect();
         let find = |name: &str, varied: Option<&str>| {
-            let found = entries.iter().find(|(_, entry)| {
-                entry.method.name == name && entry.variation.name() == varied
-            });
+            let found = entries
+                .iter()
+                .find(|(_, entry)| entry.method.name == name && entry.variation.name() == varied);
             found.and_then(|(index, entry)| EntryResults::new(bench, results, *index, entry))
         };
         for (index, entry) in &entries {

@@ -55,7 +55,10 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
     };
     let varied = match bench.suite.variations().len() {
         0 => String::new(),
-        count => format!(", each start in its own world and in {}", counted(count, "varied world")),
+        count => format!(
+            ", each start in its own world and in {}",
+            counted(count, "varied world")
+        ),
     };
     format!(
         "{name}: {} in `{}`{part}{varied}, {} at a time; {shared}{}",
