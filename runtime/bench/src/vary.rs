@@ -4,15 +4,17 @@
 //! the [`AxisValues`] of each start.
 //!
 //! A draw depends on the seed, the axis and the number of the start alone. So methods, repeats, shards and other tasks
-//! meet equal worlds, and neither another axis nor another start changes a draw. The value is
-//! `low + (high - low) * u`, rounded to six decimals; `u` is the first fraction of [`Chance::of`] the text
-//! `vary SEED AXIS START`.
+//! meet equal worlds, and neither another axis nor another start changes a draw. Ten starts in a row, from a multiple of
+//! ten on, draw one value in each tenth of the range, so that few starts fill it too.
 
 use fab_base::chance::Chance;
 use fab_world::vary::{AXES, Axis, AxisValues};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use toml::Value;
+
+/// The starts in a row that have one value in each equal part of a range.
+const BLOCK: usize = 10;
 
 /// The name of the variation along all axes at once.
 pub const ALL: &str = "all";
@@ -169,8 +171,15 @@ impl AxisRange {
 
     /// Draws the value of a start.
     fn draw(&self, seed: u64, start: u64) -> f64 {
-        let text = format!("vary {seed} {} {start}", self.axis.name);
-        let drawn = self.low + (self.high - self.low) * Chance::of(&text).fraction();
+        let (block, place) = (start / BLOCK as u64, (start % BLOCK as u64) as usize);
+        let mut chance = Chance::of(&format!("vary {seed} {} {block}", self.axis.name));
+        let mut parts: [usize; BLOCK] = std::array::from_fn(|part| part);
+        for last in (1..BLOCK).rev() {
+            parts.swap(last, chance.below(last + 1));
+        }
+        let within: [f64; BLOCK] = std::array::from_fn(|_| chance.fraction());
+        let share = (parts[place] as f64 + within[place]) / BLOCK as f64;
+        let drawn = self.low + (self.high - self.low) * share;
         // Records stay readable, and what is drawn is what is written.
         ((drawn * 1e6).round() / 1e6).clamp(self.low, self.high)
     }
@@ -323,12 +332,12 @@ mod tests {
 
     #[test]
     fn draws_are_those_of_the_stated_generator() {
-        // From ten lines of Python: SHA-256 of `hashlib`, SplitMix64 in whole numbers.
+        // From twenty lines of Python after `docs/bench.md`: SHA-256 of `hashlib`, SplitMix64 in whole numbers.
         for (seed, axis, [low, high], start, wanted) in [
-            (0, "friction", [0.5, 1.2], 0, 1.048142),
-            (0, "friction", [0.5, 1.2], 1, 1.185891),
-            (7, "size", [0.9, 1.1], 39, 1.051952),
-            (7, "camera_height_mm", [640.0, 660.0], 3, 641.179924),
+            (0, "friction", [0.5, 1.2], 0, 0.873456),
+            (0, "friction", [0.5, 1.2], 1, 1.090418),
+            (7, "size", [0.9, 1.1], 39, 1.030945),
+            (7, "camera_height_mm", [640.0, 660.0], 13, 644.402821),
         ] {
             let axis = Axis::find(axis).unwrap();
             let range = AxisRange { axis, low, high };
@@ -339,30 +348,39 @@ mod tests {
     #[test]
     fn draws_fill_their_range_evenly_and_axes_are_independent() {
         const STARTS: u64 = 4000;
-        let (a, b) = (&AXES[1], &AXES[2]);
-        let tenths = |axis: &'static Axis| {
+        let hundredths = |axis: &'static Axis| {
             let range = AxisRange {
                 axis,
                 low: 2.0,
                 high: 4.0,
             };
-            (0..STARTS)
-                .map(|start| ((range.draw(5, start) - 2.0) * 5.0) as usize)
-                .collect::<Vec<_>>()
+            let drawn = (0..STARTS).map(|start| range.draw(5, start));
+            let drawn = drawn.map(|value| ((value - 2.0) * 50.0) as usize);
+            drawn.collect::<Vec<_>>()
         };
-        let (a, b) = (tenths(a), tenths(b));
-        // 400 are expected in each tenth and 40 in each pair, give or take 19 and 6.
-        for tenth in 0..10 {
-            for drawn in [&a, &b] {
-                let count = drawn.iter().filter(|it| **it == tenth).count();
-                assert!((320..480).contains(&count), "{tenth}: {count}");
+        let [a, b] = [&AXES[1], &AXES[2]].map(hundredths);
+        for drawn in [&a, &b] {
+            for ten in drawn.chunks(10) {
+                let mut tenths: Vec<usize> = ten.iter().map(|it| it / 10).collect();
+                tenths.sort_unstable();
+                assert!(tenths.iter().copied().eq(0..10), "{ten:?}");
             }
-            for other in 0..10 {
-                let both = a.iter().zip(&b).filter(|it| *it == (&tenth, &other));
-                let count = both.count();
-                assert!((12..80).contains(&count), "{tenth}, {other}: {count}");
+            // 40 are expected in each hundredth, and likewise in each pair of tenths: give or take 6.
+            for hundredth in 0..100 {
+                let count = drawn.iter().filter(|it| **it == hundredth).count();
+                assert!((12..80).contains(&count), "{hundredth}: {count}");
             }
         }
+        for pair in 0..100 {
+            let both = a
+                .iter()
+                .zip(&b)
+                .filter(|(a, b)| *a / 10 * 10 + *b / 10 == pair);
+            let count = both.count();
+            assert!((12..80).contains(&count), "{pair}: {count}");
+        }
+        // The order of tenths is another in each block.
+        assert_ne!(a[..10], a[10..20]);
     }
 
     proptest! {
