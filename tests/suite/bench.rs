@@ -384,6 +384,31 @@ fn a_suite_is_run_in_varied_worlds_which_equal_seeds_make_equal() {
 }
 
 #[test]
+fn an_estimate_counts_rollouts_in_varied_worlds_even_if_they_show_no_cloth() {
+    let most_calls = |vary: &str| {
+        let varied = "size = [1.4, 1.5]\nhue_deg = [60, 120]";
+        assert!(VARIED_SUITE.contains(varied));
+        let folder = project(&VARIED_SUITE.replace(varied, vary));
+        let arguments =
+            "bench tiny --estimate --json --model openai:gpt-6.2-sol --omit temperature";
+        let said = finish(fabc(folder.path()).args(arguments.split(' ')));
+        assert_eq!(said.code, 0, "{}", said.stderr);
+        let document: Value = serde_json::from_str(&said.stdout).unwrap();
+        document["calls"]["at_most"].as_u64().unwrap()
+    };
+    // Each kind of worlds has two starts; the task's mask finds nothing under a camera at 700 mm.
+    let two = most_calls("hue_deg = [0, 0]");
+    assert_eq!(
+        most_calls("hue_deg = [0, 0]\ncamera_height_mm = [700, 700]"),
+        two * 2
+    );
+    assert_eq!(
+        most_calls("hue_deg = [0, 0]\ncamera_height_mm = [700, 700]\nsize = [1, 1]"),
+        two / 2 * 5
+    );
+}
+
+#[test]
 fn a_folder_of_other_rollouts_is_left_alone() {
     let folder = project(SUITE);
     bench(folder.path(), &["--out", "out", "--limit", "1"]);
