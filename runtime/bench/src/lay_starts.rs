@@ -90,11 +90,8 @@ fn moved(start: Start, placement: Placement) -> Start {
 }
 
 fn placement(bench: &Bench<'_>, entry: &Entry<'_>, start: usize) -> Placement {
-    let task = &bench.tasks[entry.task];
-    let values = entry.values(&task.starts[start]);
-    values
-        .setup(&task.program.camera, task.program.picker)
-        .placement
+    let point = &bench.tasks[entry.task].starts[start];
+    entry.values(point).placement()
 }
 
 /// Fails if a start of the suite is also an example shown to a model.

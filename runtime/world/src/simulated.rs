@@ -20,10 +20,10 @@ pub const OUTLINED: &str =
 /// A simulated cloth under a simulated camera.
 pub struct SimulatedWorld {
     parameters: Params,
+    variation: AxisValues,
     look: Look,
     lens: TopDownCamera,
     camera: Camera,
-    variation: AxisValues,
     cloth: Option<Simulator>,
 }
 
@@ -35,14 +35,6 @@ impl SimulatedWorld {
         camera: &program::Camera,
         picker: program::Picker,
     ) -> Result<SimulatedWorld, WorldError> {
-        SimulatedWorld::of(&Setup::new(camera, picker))
-    }
-
-    /// Makes a world of a setup; its placement is for those who lay starts.
-    ///
-    /// Fails where the camera's numbers are outside what the renderer accepts.
-    pub fn of(setup: &Setup) -> Result<SimulatedWorld, WorldError> {
-        let camera = &setup.camera;
         let lens = TopDownCamera::new(
             camera.height_m as f32,
             camera.fov_rad as f32,
@@ -56,11 +48,14 @@ impl SimulatedWorld {
             program::ImageUp::X => fab_sim::ImageUp::X,
         };
         Ok(SimulatedWorld {
-            parameters: setup.parameters.clone(),
-            look: setup.look.clone(),
+            parameters: match picker {
+                program::Picker::PutDown => Params::default(),
+                program::Picker::Drop => Params::with_dropping_picker(),
+            },
+            variation: AxisValues::default(),
+            look: Look::default(),
             lens: lens.with_up(up),
             camera: Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up),
-            variation: setup.values.clone(),
             cloth: None,
         })
     }
@@ -68,6 +63,30 @@ impl SimulatedWorld {
     /// Changes the colours of cloth and table.
     pub fn with_look(self, look: Look) -> SimulatedWorld {
         SimulatedWorld { look, ..self }
+    }
+
+    /// Changes the world to the values of some axes, within their bounds; how starts are laid is not the world's part.
+    ///
+    /// - `camera`: the task's camera.
+    pub fn varied(self, values: &AxisValues, camera: &program::Camera) -> SimulatedWorld {
+        let mut setup = Setup {
+            parameters: self.parameters,
+            look: self.look,
+            ..Setup::default()
+        };
+        values.apply(&mut setup);
+        let height_m = setup.camera_height_m.unwrap_or(camera.height_m);
+        SimulatedWorld {
+            parameters: setup.parameters,
+            variation: values.clone(),
+            look: setup.look,
+            lens: TopDownCamera {
+                height_m: height_m as f32,
+                ..self.lens
+            },
+            camera: Camera::top_down(height_m, camera.fov_rad, camera.image_px, camera.up),
+            cloth: self.cloth,
+        }
     }
 
     /// Lays a cloth as a start says.

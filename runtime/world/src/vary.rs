@@ -1,11 +1,10 @@
 //! The axes along which a simulated world may differ from a task's own.
 //!
-//! In: a value for some axes, [`AxisValues`]. Out: a [`Setup`], of which a
-//! [`SimulatedWorld`](crate::SimulatedWorld) is made and by which starts are laid. A row of [`AXES`] holds everything
-//! about an axis. Which values are taken is left to others.
+//! In: a value for some axes, [`AxisValues`]. Out: a changed [`Setup`], which
+//! [`SimulatedWorld::varied`](crate::SimulatedWorld::varied) takes on, and a [`Placement`] for those who lay starts. A
+//! row of [`AXES`] holds everything about an axis. Which values are taken is left to others.
 
 use crate::simulated::{Look, Params};
-use fab_program::{Camera, Picker};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -82,7 +81,7 @@ pub const AXES: &[Axis] = &[
         low: 100.0,
         high: 5000.0,
         about: "height of the camera above the table, in place of the task's; its pictures know it",
-        change: |setup, mm| setup.camera.height_m = mm / 1000.0,
+        change: |setup, mm| setup.camera_height_m = Some(mm / 1000.0),
     },
     Axis {
         name: "hue_deg",
@@ -131,19 +130,17 @@ impl fmt::Debug for Axis {
     }
 }
 
-/// A simulated world before it is made.
-#[derive(Clone, Debug, PartialEq)]
+/// The parts of a simulated world that axes change; the default is a world's own.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Setup {
     /// The physics and the picker.
     pub parameters: Params,
     /// The colours.
     pub look: Look,
-    /// The camera.
-    pub camera: Camera,
-    /// How its starts are laid.
+    /// Height of the camera above the table, metres; `None`: the task's.
+    pub camera_height_m: Option<f64>,
+    /// How starts are laid.
     pub placement: Placement,
-    /// The values that differ from the task's own.
-    pub values: AxisValues,
 }
 
 /// How a start is laid, relative to what it says itself.
@@ -167,22 +164,6 @@ impl Default for Placement {
     }
 }
 
-impl Setup {
-    /// Returns a task's own world: its camera and picker, with the default physics and colours.
-    pub fn new(camera: &Camera, picker: Picker) -> Setup {
-        Setup {
-            parameters: match picker {
-                Picker::PutDown => Params::default(),
-                Picker::Drop => Params::with_dropping_picker(),
-            },
-            look: Look::default(),
-            camera: camera.clone(),
-            placement: Placement::default(),
-            values: AxisValues::default(),
-        }
-    }
-}
-
 /// Values by the names of their axes, in the unit of the axis; none if a world is the task's own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
@@ -194,16 +175,20 @@ impl AxisValues {
         self.0.is_empty()
     }
 
-    /// Returns the world that has these values and is otherwise the task's own.
-    pub fn setup(&self, camera: &Camera, picker: Picker) -> Setup {
-        let mut setup = Setup::new(camera, picker);
+    /// Changes a setup to these values.
+    pub fn apply(&self, setup: &mut Setup) {
         for axis in AXES {
             if let Some(value) = self.0.get(axis.name) {
-                (axis.change)(&mut setup, *value);
+                (axis.change)(setup, *value);
             }
         }
-        setup.values = self.clone();
-        setup
+    }
+
+    /// Returns how these values lay a start.
+    pub fn placement(&self) -> Placement {
+        let mut setup = Setup::default();
+        self.apply(&mut setup);
+        setup.placement
     }
 }
 
@@ -230,26 +215,62 @@ fn with_turned_hue(rgb: [u8; 3], deg: f64) -> [u8; 3] {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
-    use fab_program::ImageUp;
+    use crate::{SimulatedWorld, World};
+    use fab_program::{Camera, Cloth, ClothStart, ImageUp, Picker};
 
-    fn camera() -> Camera {
-        Camera {
+    fn values(axis: &Axis, value: f64) -> AxisValues {
+        AxisValues(BTreeMap::from([(axis.name.to_owned(), value)]))
+    }
+
+    #[test]
+    fn a_varied_world_reports_its_values_and_sees_with_its_own_camera_and_colours() {
+        let camera = Camera {
             height_m: 0.65,
             fov_rad: 0.785,
             image_px: 64,
             up: ImageUp::Y,
-        }
-    }
-
-    fn setup(axis: &Axis, value: f64) -> Setup {
-        let values = AxisValues(BTreeMap::from([(axis.name.to_owned(), value)]));
-        values.setup(&camera(), Picker::PutDown)
+        };
+        let start = crate::start::Start::flat(&Cloth {
+            dimx: 9,
+            dimy: 9,
+            spacing_m: 0.00625,
+            start: ClothStart::Flat,
+        });
+        // Parameters, colours, depths and camera.
+        let seen_in = |mut world: SimulatedWorld| {
+            world.reset(&start).unwrap();
+            let seen = world.observe().unwrap();
+            (
+                world.parameters(),
+                seen.rgb.into_raw(),
+                seen.depth_m.into_raw(),
+                format!("{:?}", seen.camera),
+            )
+        };
+        let plain = || SimulatedWorld::new(&camera, Picker::PutDown).unwrap();
+        let varied = |name: &str, value: f64| {
+            let values = values(Axis::find(name).unwrap(), value);
+            let world = plain().varied(&values, &camera);
+            assert_eq!(world.variation(), values);
+            seen_in(world)
+        };
+        let own = seen_in(plain());
+        let unvaried = plain().varied(&AxisValues::default(), &camera);
+        assert_eq!(seen_in(unvaried), own);
+        let higher = varied("camera_height_mm", 700.0);
+        assert_eq!([own.2[0], higher.2[0]], [0.65, 0.7]);
+        assert!(higher.0 == own.0 && higher.3 != own.3);
+        let green = varied("hue_deg", 90.0);
+        assert!(green.1 != own.1 && green.2 == own.2 && green.3 == own.3);
+        let slippery = varied("friction", 0.1);
+        assert!(slippery.0 != own.0 && slippery.1 == own.1);
     }
 
     #[test]
     fn each_axis_changes_its_own_part_of_the_world_and_no_other() {
-        let own = Setup::new(&camera(), Picker::PutDown);
+        let own = Setup::default();
         let parts = |it: &Setup| {
             let Placement {
                 size,
@@ -263,14 +284,15 @@ mod tests {
                 format!("{turn_rad}"),
                 format!("{}", shift_m[0]),
                 format!("{}", shift_m[1]),
-                format!("{}", it.camera.height_m),
+                format!("{:?}", it.camera_height_m),
                 format!("{:?}", [it.look.top, it.look.underside]),
                 format!("{:?}", it.look.tiles),
             ]
         };
         for (index, axis) in AXES.iter().enumerate() {
             for value in [axis.low, axis.high] {
-                let changed = setup(axis, value);
+                let mut changed = Setup::default();
+                values(axis, value).apply(&mut changed);
                 let differ: Vec<usize> = (0..9)
                     .filter(|at| parts(&changed)[*at] != parts(&own)[*at])
                     .collect();

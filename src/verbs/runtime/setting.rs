@@ -52,13 +52,10 @@ const DEFAULT_SEED: u64 = 0;
 
 /// Makes a simulated world for a program.
 pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
-    varied_world(program, &AxisValues::default())
-}
-
-/// Makes a simulated world that differs from a program's own in some values.
-pub fn varied_world(program: &Program, values: &AxisValues) -> Result<Box<dyn World>, WorldError> {
-    let setup = values.setup(&program.camera, program.picker);
-    Ok(Box::new(SimulatedWorld::of(&setup)?))
+    Ok(Box::new(SimulatedWorld::new(
+        &program.camera,
+        program.picker,
+    )?))
 }
 
 /// Lays the cloth as the command line says, or else as the task does; `folder` holds the task's file.
@@ -101,6 +98,12 @@ pub fn start(
     }
     let stated = stated_frame(&arguments.frame, program.cloth.spacing_m)?;
     Start::load(Path::new(text), stated).map_err(Failure::environment)
+}
+
+/// Makes a simulated world that differs from a program's own in some values.
+pub fn varied_world(program: &Program, values: &AxisValues) -> Result<Box<dyn World>, WorldError> {
+    let world = SimulatedWorld::new(&program.camera, program.picker)?;
+    Ok(Box::new(world.varied(values, &program.camera)))
 }
 
 /// Returns the task for the cloth of a start; compiles it again if that cloth has another grid.
