@@ -9,12 +9,14 @@ use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_bench::on_arm::{Cloths, OnArm};
 use fab_bench::suite::Suite;
+use fab_bench::vary::Variation;
 use fab_bench::{Answers, Bench, Entry, Task, first_questions_of, play, rows, starts};
 use fab_model::Models;
 use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_standins::Random;
 use fab_world::About;
+use fab_world::vary::AxisValues;
 use fab_world::{SimulatedWorld, World, WorldError};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -62,6 +64,7 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
         entries: vec![Entry {
             task: 0,
             method: &suite.methods[0],
+            variation: Variation::default(),
             make_policy: &prompted,
             policy: prompted.description(),
             models: Some(prompted.models),
@@ -75,7 +78,7 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
             varies: false,
             repeats: 1,
         }],
-        make_world: &simulated,
+        make_world: &|program: &Program, _: &AxisValues| simulated(program),
         arm: Some(OnArm {
             about: About {
                 name: "jaco".to_owned(),

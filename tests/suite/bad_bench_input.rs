@@ -122,6 +122,18 @@ fn wrong_suites_are_named_with_the_line() {
             "there is no model `none`",
         ),
         ("sides = [28]", "sides = [900]", 1, "a side has 2 to"),
+        (
+            "[[method]]",
+            "[vary]\ncamera_hight_mm = [640, 660]\n[[method]]",
+            2,
+            "TOML parse error at line 10, column 1",
+        ),
+        (
+            "[[method]]",
+            "[vary]\ncamera_height_mm = [660, 640]\n[[method]]",
+            2,
+            "`vary.camera_height_mm`: 660 is greater than 640; the lowest value comes first",
+        ),
     ];
     for (from, to, code, wanted) in cases {
         assert!(SUITE.contains(from));
@@ -129,6 +141,22 @@ fn wrong_suites_are_named_with_the_line() {
         let said = finish(fabc(folder.path()).args(["bench", "tiny"]));
         assert_eq!(said.code, code, "{to}: {}", said.stderr);
         assert!(said.stderr.contains(wanted), "{to}: {}", said.stderr);
+    }
+}
+
+#[test]
+fn only_the_simulator_runs_suites_with_varied_worlds() {
+    let folder = project(&SUITE.replace("[[method]]", "[vary]\nsize = [0.9, 1.1]\n[[method]]"));
+    let worlds: [&[&str]; 2] = [&["arm", "--robot", "absent.toml"], &["exec:cat"]];
+    for world in worlds {
+        let said = finish(
+            fabc(folder.path())
+                .args(["bench", "tiny", "--world"])
+                .args(world),
+        );
+        assert_eq!(said.code, 2, "{}", said.stderr);
+        let wanted = format!("only the bundled simulator can, not `--world {}`", world[0]);
+        assert!(said.stderr.contains(&wanted), "{}", said.stderr);
     }
 }
 

@@ -1,7 +1,7 @@
 //! `fabc bench` on suites so small that they take moments: figures, files, resuming and stopping.
 
 use super::support::{bring_library, fabc, finish};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 
@@ -264,6 +264,148 @@ fn shards_of_one_folder_add_up_to_the_whole() {
     assert_eq!(whole["rollouts"]["found"], 6);
     let at_once = bench(folder.path(), &["--out", "elsewhere"]);
     assert_eq!(timeless(&whole), timeless(&at_once));
+}
+
+/// One start by turns, in four kinds of worlds.
+const VARIED_SUITE: &str = r#"
+about = "One small fold in varied worlds."
+statistic = "mean"
+metrics = ["mean_particle_distance_mm", "goal_reached"]
+tasks = ["../tiny.fab"]
+[starts]
+lie = "flat"
+sides = [28]
+turns_deg = [0, 20]
+[vary]
+seed = 4
+size = [1.4, 1.5]
+hue_deg = [60, 120]
+[[method]]
+name = "plain"
+"#;
+
+#[test]
+#[ignore = "long"]
+fn a_suite_is_run_in_varied_worlds_which_equal_seeds_make_equal() {
+    let folder = project(VARIED_SUITE);
+    let suite = folder.path().join("tasks/suites/tiny.toml");
+    let part = bench(folder.path(), &["--out", "varied", "--shard", "2/2"]);
+    assert_eq!(part["rollouts"]["planned"], 4);
+    let whole = bench(folder.path(), &["--out", "varied"]);
+    assert_eq!(
+        whole["rollouts"],
+        json!({"planned": 8, "finished": 8, "found": 4})
+    );
+    assert_eq!(
+        whole["vary"],
+        json!({"seed": 4, "size": [1.4, 1.5], "hue_deg": [60.0, 120.0]})
+    );
+
+    let read = |out: &str, run: &str| {
+        let path = folder.path().join(out).join("tiny/plain").join(run);
+        let record = fs::read_to_string(path.join("rollout.jsonl")).unwrap();
+        let header: Value = serde_json::from_str(record.lines().next().unwrap()).unwrap();
+        let seen = fs::read(path.join("step_1/before.png")).unwrap();
+        (record, header, seen)
+    };
+    for start in ["start-000-1", "start-001-1"] {
+        let (_, own, seen) = read("varied", start);
+        let [size, hue, all] =
+            ["size", "hue_deg", "all"].map(|varied| read("varied", &format!("{varied}/{start}")));
+        assert_eq!(own["vary"], Value::Null);
+        let drawn = |header: &Value, axis: &str| header["vary"][axis].as_f64().unwrap();
+        assert!((1.4..=1.5).contains(&drawn(&size.1, "size")));
+        assert!((60.0..=120.0).contains(&drawn(&hue.1, "hue_deg")));
+        // Each axis draws by itself what it draws among others.
+        let both = json!({"size": size.1["vary"]["size"], "hue_deg": hue.1["vary"]["hue_deg"]});
+        assert_eq!(all.1["vary"], both);
+        let spacing_m = |header: &Value| header["start"]["grid"]["spacing_m"].as_f64().unwrap();
+        assert_eq!(spacing_m(&size.1), 0.00625 * drawn(&size.1, "size"));
+        assert_eq!(all.1["start"], size.1["start"]);
+        // Colours alone differ, so that the cloth lies as before.
+        assert_eq!(hue.1["start"], own["start"]);
+        assert!(hue.2 != seen && all.2 != size.2 && size.2 != seen);
+    }
+    assert_ne!(
+        read("varied", "size/start-000-1").1["vary"],
+        read("varied", "size/start-001-1").1["vary"]
+    );
+
+    let figure = |varied: Value, statistic: &str| {
+        let rows = whole["rows"].as_array().unwrap();
+        let row = rows.iter().find(|row| {
+            row["metric"] == "mean_particle_distance_mm"
+                && row["vary"] == varied
+                && row["statistic"] == statistic
+        });
+        row.unwrap()["value"].as_f64().unwrap()
+    };
+    let own = figure(Value::Null, "mean");
+    let size = figure("size".into(), "mean");
+    // Ends of the unvaried cloth would lie tens of millimetres away from those of one that is larger by a half.
+    assert!(size < 15.0, "{size} against {own}");
+    assert_eq!(figure("size".into(), "change of means"), size - own);
+    // The stand-in finds the cloth by its depth.
+    assert_eq!(figure("hue_deg".into(), "change of means"), 0.0);
+    let table = fs::read_to_string(folder.path().join("varied/table.md")).unwrap();
+    for wanted in [
+        "| method | policy | varied | actions | starts | distance, mm | change |",
+        "| plain | geometric (stand-in) | nothing | 1 | 2 |",
+        "| plain | geometric (stand-in) | all | 1 | 2 |",
+        "Varied worlds: size from 1.4 to 1.5, hue_deg from 60 to 120; drawn evenly for each start by seed 4",
+        "Change: the difference to the task's own world",
+    ] {
+        assert!(table.contains(wanted), "{wanted}: {table}");
+    }
+
+    // A rollout in the task's own world has the same bytes in a suite without the table.
+    let (before, after) = VARIED_SUITE.split_once("[vary]").unwrap();
+    let after = &after[after.find("[[").unwrap()..];
+    fs::write(&suite, [before, after].concat()).unwrap();
+    let plain = bench(folder.path(), &["--out", "plain"]);
+    assert_eq!(
+        (&plain["vary"], &plain["rollouts"]["planned"]),
+        (&Value::Null, &2.into())
+    );
+    assert_eq!(
+        read("plain", "start-001-1").0,
+        read("varied", "start-001-1").0
+    );
+
+    fs::write(&suite, VARIED_SUITE.replace("seed = 4", "seed = 5")).unwrap();
+    let said = finish(fabc(folder.path()).args(["bench", "tiny", "--out", "varied"]));
+    assert_eq!(said.code, 2, "{}", said.stdout);
+    assert!(
+        said.stderr
+            .contains("holds another rollout: its vary is `{\"size\":1.4"),
+        "{}",
+        said.stderr
+    );
+}
+
+#[test]
+fn an_estimate_counts_rollouts_in_varied_worlds_even_if_they_show_no_cloth() {
+    let most_calls = |vary: &str| {
+        let varied = "size = [1.4, 1.5]\nhue_deg = [60, 120]";
+        assert!(VARIED_SUITE.contains(varied));
+        let folder = project(&VARIED_SUITE.replace(varied, vary));
+        let arguments =
+            "bench tiny --estimate --json --model openai:gpt-6.2-sol --omit temperature";
+        let said = finish(fabc(folder.path()).args(arguments.split(' ')));
+        assert_eq!(said.code, 0, "{}", said.stderr);
+        let document: Value = serde_json::from_str(&said.stdout).unwrap();
+        document["calls"]["at_most"].as_u64().unwrap()
+    };
+    // Each kind of worlds has two starts; the task's mask finds nothing under a camera at 700 mm.
+    let two = most_calls("hue_deg = [0, 0]");
+    assert_eq!(
+        most_calls("hue_deg = [0, 0]\ncamera_height_mm = [700, 700]"),
+        two * 2
+    );
+    assert_eq!(
+        most_calls("hue_deg = [0, 0]\ncamera_height_mm = [700, 700]\nsize = [1, 1]"),
+        two / 2 * 5
+    );
 }
 
 #[test]

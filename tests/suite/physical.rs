@@ -14,11 +14,13 @@ use fab_agent::{
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_bench::suite::Suite;
+use fab_bench::vary::Variation;
 use fab_bench::{Answers, Bench, Entry, Task, play, rows, starts, table};
 use fab_model::Models;
 use fab_model::calls::Budget;
 use fab_program::{ClothStart, Program};
 use fab_standins::Random;
+use fab_world::vary::AxisValues;
 use fab_world::{SimulatedWorld, World, WorldError};
 use serde_json::Value;
 use std::collections::{BTreeMap, VecDeque};
@@ -209,7 +211,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
     .unwrap();
     // Compared with the picture of a larger cloth, so that coverage is incomplete at first.
     let picture = flat(&program, 40);
-    let make_world = |program: &Program| -> Result<Box<dyn World>, WorldError> {
+    let make_world = |program: &Program, _: &AxisValues| -> Result<Box<dyn World>, WorldError> {
         Ok(Box::new(Blind {
             world: SimulatedWorld::new(&program.camera, program.picker)?,
             flat: Some(picture.clone()),
@@ -238,6 +240,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
         entries: vec![Entry {
             task: 0,
             method: &suite.methods[0],
+            variation: Variation::default(),
             make_policy: &prompted,
             policy: prompted.description(),
             models: Some(models),
@@ -297,6 +300,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
     let entry = Entry {
         task: 0,
         method: &suite.methods[0],
+        variation: Variation::default(),
         make_policy: &prompted,
         policy: prompted.description(),
         models: Some(models),

@@ -15,6 +15,7 @@ use fab_model::calls::{self, Usage};
 use fab_program::{Fold, Goal};
 use fab_world::Executed;
 use fab_world::start::{Grid, Up};
+use fab_world::vary::AxisValues;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -64,6 +65,9 @@ pub struct Header {
     pub params: String,
     /// Digest of the world's code.
     pub code: String,
+    /// The values in which the world differs from the task's own, by axis; absent if it does not.
+    #[serde(default, skip_serializing_if = "AxisValues::is_empty")]
+    pub vary: AxisValues,
     /// The policy.
     pub policy: policy::Description,
     /// The start of the rollout.

@@ -6,14 +6,14 @@
 use super::lay_starts::LaidStarts;
 use super::play::{Phase, Spent, at, place, program_of};
 use super::record::Rollout;
-use super::{Bench, BenchError};
+use super::{Bench, BenchError, Entry};
 use fab_agent::rollout::Job;
 use fab_base::parallel::in_parallel;
 use fab_program::{Program, Sequence};
-use fab_world::WorldError;
 use fab_world::expert;
 use fab_world::expert::MakeWorld;
 use fab_world::metrics;
+use fab_world::{World, WorldError};
 use std::collections::BTreeSet;
 
 /// Returns a program's sequences for comparison, with each fold ending at a fraction of its length.
@@ -36,6 +36,17 @@ fn fractions(bench: &Bench<'_>) -> Vec<f64> {
         .collect()
 }
 
+/// Makes the world in which an entry's rollout of a start takes place.
+fn make_world(
+    bench: &Bench<'_>,
+    entry: &Entry<'_>,
+    start: usize,
+    program: &Program,
+) -> Result<Box<dyn World>, WorldError> {
+    let values = entry.values(&bench.tasks[entry.task].starts[start]);
+    (bench.make_world)(program, &values)
+}
+
 /// Simulates every expert end that is not cached yet; returns whether all are available.
 pub(super) fn simulate(
     bench: &Bench<'_>,
@@ -46,11 +57,10 @@ pub(super) fn simulate(
     let mut jobs = Vec::new();
     let mut known = BTreeSet::new();
     for (number, entry) in bench.entries.iter().enumerate() {
-        let starts = laid[entry.task].iter().enumerate();
-        for (start, laid) in starts {
+        for (start, laid) in laid[number].iter().enumerate() {
             let program = program_of(bench, entry, start)?;
             let digest = laid.digest();
-            let world = (bench.make_world)(program);
+            let world = make_world(bench, entry, start, program);
             let world = world.map_err(|error| at(&place(bench, entry, start), error))?;
             for sequence in fractions(bench)
                 .iter()
@@ -72,14 +82,14 @@ pub(super) fn simulate(
         jobs.len(),
         bench.threads,
         |index| {
-            let (entry, start, sequence) = &jobs[index];
-            let entry = &bench.entries[*entry];
+            let (number, start, sequence) = &jobs[index];
+            let entry = &bench.entries[*number];
             let program = program_of(bench, entry, *start)?;
             // One sequence per job, so that the job starts no thread of its own.
             let ends = expert::ends(
                 std::slice::from_ref(sequence),
-                &laid[entry.task][*start],
-                &|| (bench.make_world)(program),
+                &laid[*number][*start],
+                &|| make_world(bench, entry, *start, program),
                 bench.cache,
                 bench.interrupt,
                 &mut |_| {},

@@ -1,67 +1,97 @@
 //! Lays the starts of a suite before its rollouts.
 //!
-//! In: a bench. Out: a start for each of its points, as positions; only in words if a person lays the cloths.
+//! In: a bench. Out: for each entry a start for each of its task's points, as positions; only in words if a person lays
+//! the cloths. A varied start is laid in the task's own world, with a cloth of the drawn size, and then moved: how it
+//! lies does not depend on other axes, so that figures at equal starts can be compared.
 
 use super::on_arm::{self, Cloths};
-use super::play::{Phase, at};
-use super::starts::StartPoint;
-use super::{Bench, BenchError, Task};
+use super::play::{Phase, at, place};
+use super::{Bench, BenchError, Entry};
 use fab_base::parallel::in_parallel;
 use fab_world::WorldError;
 use fab_world::start::Start;
+use fab_world::vary::{AxisValues, Placement};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
-/// The laid starts of every task.
-pub(super) type LaidStarts = Vec<Vec<Start>>;
+/// The laid starts of every entry.
+pub(super) type LaidStarts = Vec<Vec<Arc<Start>>>;
 
 /// Lays every start; `None` if the user interrupts.
 pub(super) fn lay(
     bench: &Bench<'_>,
     progress: &(dyn Fn(Phase, usize, usize) + Sync),
 ) -> Result<Option<LaidStarts>, BenchError> {
-    let tasks = bench.tasks.iter().enumerate();
-    let jobs: Vec<(usize, usize)> = tasks
-        .flat_map(|(task, it)| (0..it.starts.len()).map(move |start| (task, start)))
-        .collect();
-    progress(Phase::Starts, 0, jobs.len());
+    // Most entries share their starts. A size is told apart by its bits.
+    let mut jobs = BTreeMap::new();
+    for entry in &bench.entries {
+        for start in 0..bench.tasks[entry.task].starts.len() {
+            let size = placement(bench, entry, start).size;
+            jobs.entry((entry.task, start, size.to_bits()))
+                .or_insert((entry, start));
+        }
+    }
+    let todo: Vec<_> = jobs.values().copied().collect();
+    progress(Phase::Starts, 0, todo.len());
     let laid = in_parallel(
-        jobs.len(),
+        todo.len(),
         bench.threads,
         |index| {
-            let (task, start) = jobs[index];
-            let task = &bench.tasks[task];
-            let point = &task.starts[start];
-            match lay_one(bench, task, point) {
-                Ok(start) => Ok(Some(start)),
+            let (entry, start) = todo[index];
+            match lay_unmoved(bench, entry, start) {
+                Ok(start) => Ok(Some(Arc::new(start))),
                 Err(WorldError::Interrupted) => Ok(None),
-                Err(error) => {
-                    let place = format!("{}, start {}", task.name, point.number);
-                    Err(at(&place, error))
-                }
+                Err(error) => Err(at(&place(bench, entry, start), error)),
             }
         },
-        |done| progress(Phase::Starts, done, jobs.len()),
+        |done| progress(Phase::Starts, done, todo.len()),
     )?;
-    let mut starts: LaidStarts = bench.tasks.iter().map(|_| Vec::new()).collect();
-    for ((task, _), start) in jobs.iter().zip(laid) {
-        let Some(start) = start else {
-            return Ok(None);
-        };
-        starts[*task].push(start);
-    }
-    Ok(Some(starts))
+    let Some(laid) = laid.into_iter().collect::<Option<Vec<_>>>() else {
+        return Ok(None);
+    };
+    let unmoved: BTreeMap<_, _> = jobs.into_keys().zip(laid).collect();
+    let starts_of = |entry: &Entry<'_>| {
+        let starts = (0..bench.tasks[entry.task].starts.len()).map(|start| {
+            let placement = placement(bench, entry, start);
+            let laid = &unmoved[&(entry.task, start, placement.size.to_bits())];
+            match moved(Start::clone(laid), placement) {
+                // The same positions need not be kept for each entry.
+                start if start == **laid => Arc::clone(laid),
+                start => Arc::new(start),
+            }
+        });
+        starts.collect()
+    };
+    Ok(Some(bench.entries.iter().map(starts_of).collect()))
 }
 
-/// Lays one start; if a person does that, the start only says how in words.
-pub(super) fn lay_one(
+/// Lays one start of an entry; if a person does that, the start only says how in words.
+pub(super) fn lay_for(
     bench: &Bench<'_>,
-    task: &Task,
-    point: &StartPoint,
+    entry: &Entry<'_>,
+    start: usize,
 ) -> Result<Start, WorldError> {
+    let laid = lay_unmoved(bench, entry, start)?;
+    Ok(moved(laid, placement(bench, entry, start)))
+}
+
+fn lay_unmoved(bench: &Bench<'_>, entry: &Entry<'_>, start: usize) -> Result<Start, WorldError> {
+    let task = &bench.tasks[entry.task];
+    let point = task.starts[start].scaled(placement(bench, entry, start).size);
     if is_by_hand(bench) {
-        return Ok(on_arm::by_hand(point));
+        return Ok(on_arm::by_hand(&point));
     }
-    let world = (bench.make_world)(&task.program)?;
+    let world = (bench.make_world)(&task.program, &AxisValues::default())?;
     point.lay(world.as_ref(), bench.cache, bench.interrupt)
+}
+
+fn moved(start: Start, placement: Placement) -> Start {
+    start.moved(placement.turn_rad, placement.shift_m)
+}
+
+fn placement(bench: &Bench<'_>, entry: &Entry<'_>, start: usize) -> Placement {
+    let point = &bench.tasks[entry.task].starts[start];
+    entry.values(point).placement()
 }
 
 /// Fails if a start of the suite is also an example shown to a model.
@@ -69,8 +99,8 @@ pub(super) fn refuse_examples(bench: &Bench<'_>, laid: &LaidStarts) -> Result<()
     if is_by_hand(bench) {
         return Ok(());
     }
-    for entry in &bench.entries {
-        for start in &laid[entry.task] {
+    for (entry, starts) in bench.entries.iter().zip(laid) {
+        for start in starts {
             if let Some(demonstration) = entry.examples.demonstrates(start) {
                 return Err(BenchError::Demonstrated {
                     task: bench.tasks[entry.task].name.clone(),

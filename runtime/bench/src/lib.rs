@@ -17,6 +17,7 @@ pub mod starts;
 pub mod statistics;
 pub mod suite;
 pub mod table;
+pub mod vary;
 
 mod experts;
 mod first_questions;
@@ -36,6 +37,7 @@ use fab_model::Models;
 use fab_model::calls::{Budget, LedgerError};
 use fab_model::recording::Recorder;
 use fab_program::Program;
+use fab_world::vary::AxisValues;
 use fab_world::{About, World, WorldError};
 use metric::Metric;
 use on_arm::OnArm;
@@ -44,6 +46,7 @@ use starts::StartPoint;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use suite::{Method, Suite};
+use vary::Variation;
 
 /// Everything needed to run a suite.
 pub struct Bench<'a> {
@@ -53,8 +56,8 @@ pub struct Bench<'a> {
     pub tasks: Vec<Task>,
     /// What to run: a task and a method each.
     pub entries: Vec<Entry<'a>>,
-    /// Makes the simulated world of a program; equal programs get equal worlds. It is used for starts and expert ends,
-    /// and for rollouts if there is no arm.
+    /// Makes the simulated world of a program, varied by the values; equal programs and values get equal worlds. It is
+    /// used for starts and expert ends, and for rollouts if there is no arm.
     pub make_world: &'a MakeWorldOf<'a>,
     /// The arm that executes rollouts, one at a time, if there is one.
     pub arm: Option<OnArm<'a>>,
@@ -99,8 +102,9 @@ impl Answers {
     }
 }
 
-/// Makes the world of a program.
-pub type MakeWorldOf<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
+/// Makes the world of a program, which differs from the task's own in some values.
+pub type MakeWorldOf<'a> =
+    dyn Fn(&Program, &AxisValues) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
 /// A world that is neither the bundled simulator nor an arm.
 pub struct OtherWorld<'a> {
@@ -126,12 +130,15 @@ pub struct Task {
     pub starts: Vec<StartPoint>,
 }
 
-/// A task with one method.
+/// A task with one method in one kind of worlds.
+#[derive(Clone)]
 pub struct Entry<'a> {
     /// Index of the task.
     pub task: usize,
     /// The method.
     pub method: &'a Method,
+    /// How its worlds differ from the task's own.
+    pub variation: Variation,
     /// Makes the policy of a rollout.
     pub make_policy: &'a dyn MakePolicy,
     /// Describes the policy.
@@ -252,6 +259,11 @@ impl Bench<'_> {
 }
 
 impl Entry<'_> {
+    /// Returns what differs from the task's own world at a start.
+    pub fn values(&self, start: &StartPoint) -> AxisValues {
+        self.variation.values(start.number)
+    }
+
     /// Returns whether rollouts end at their goal. A free model continues if a metric needs that, and the figures with
     /// the stop are computed from the same rollouts.
     pub fn stops_early(&self, metrics: &[Metric]) -> bool {

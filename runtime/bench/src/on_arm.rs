@@ -29,8 +29,11 @@ pub struct OnArm<'a> {
     /// Makes the world of a rollout; the folder is the run's, for the arm's journal.
     pub make_world: &'a MakeArmWorld<'a>,
     /// Makes a simulated world with the arm's reach, for questions before a rollout.
-    pub make_look: &'a super::MakeWorldOf<'a>,
+    pub make_look: &'a MakeLook<'a>,
 }
+
+/// Makes the simulated world of a program.
+pub type MakeLook<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
 /// Makes the world of an arm for a program and a run folder.
 pub type MakeArmWorld<'a> =

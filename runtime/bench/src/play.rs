@@ -16,6 +16,7 @@ use fab_agent::rollout::{Job, RunError};
 use fab_base::parallel::in_parallel;
 use fab_model::calls::{Fault, ledger};
 use fab_program::Program;
+use fab_world::vary::AxisValues;
 use fab_world::{About, WorldError};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -108,7 +109,8 @@ pub fn play(
     results.spent.starts_s = begun.elapsed().as_secs_f64();
     lay_starts::refuse_examples(bench, &laid)?;
     if let Some(task) = bench.tasks.first() {
-        let about = about(bench, &task.program).map_err(|error| at(&task.name, error))?;
+        let about = about(bench, &task.program, &AxisValues::default())
+            .map_err(|error| at(&task.name, error))?;
         (results.world, results.params) = (about.name, about.parameters);
     }
     let begun = Instant::now();
@@ -175,15 +177,15 @@ fn interrupted(results: Results) -> Results {
     }
 }
 
-/// Returns the description of a program's world.
-fn about(bench: &Bench<'_>, program: &Program) -> Result<About, WorldError> {
+/// Returns the description of a program's world with some values of its own.
+fn about(bench: &Bench<'_>, program: &Program, values: &AxisValues) -> Result<About, WorldError> {
     if let Some(arm) = &bench.arm {
         return Ok(arm.about.clone());
     }
     if let Some(elsewhere) = &bench.elsewhere {
         return Ok(elsewhere.about.clone());
     }
-    Ok(About::of((bench.make_world)(program)?.as_ref()))
+    Ok(About::of((bench.make_world)(program, values)?.as_ref()))
 }
 
 pub(super) fn at(place: &str, error: WorldError) -> BenchError {
@@ -195,7 +197,11 @@ pub(super) fn at(place: &str, error: WorldError) -> BenchError {
 
 pub(super) fn place(bench: &Bench<'_>, entry: &Entry<'_>, start: usize) -> String {
     let task = &bench.tasks[entry.task];
-    format!("{}, start {}", task.name, task.starts[start].number)
+    let number = task.starts[start].number;
+    match entry.variation.name() {
+        None => format!("{}, start {number}", task.name),
+        Some(varied) => format!("{}, start {number}, varied: {varied}", task.name),
+    }
 }
 
 pub(super) fn program_of<'b>(
@@ -231,11 +237,9 @@ pub(super) fn folder_of(bench: &Bench<'_>, (entry, start, repetition): Which) ->
     let entry = &bench.entries[entry];
     let task = &bench.tasks[entry.task];
     let name = format!("start-{:03}-{}", task.starts[start].number, repetition + 1);
-    bench
-        .out
-        .join(&task.name)
-        .join(&entry.method.name)
-        .join(name)
+    let mut folder = bench.out.join(&task.name).join(&entry.method.name);
+    folder.extend(entry.variation.name());
+    folder.join(name)
 }
 
 /// The result of one rollout.
@@ -257,9 +261,10 @@ pub(super) fn one(
     let (number, start, repetition) = which;
     let entry = &bench.entries[number];
     let program = program_of(bench, entry, start)?;
-    let start_at = &laid[entry.task][start];
+    let values = entry.values(&bench.tasks[entry.task].starts[start]);
+    let start_at = &laid[number][start];
     let folder = folder_of(bench, which);
-    let make_simulated = || (bench.make_world)(program);
+    let make_simulated = || (bench.make_world)(program, &values);
     let make_world = || match (&bench.arm, &bench.elsewhere) {
         (Some(arm), _) => (arm.make_world)(program, &folder),
         (None, Some(elsewhere)) => (elsewhere.make_world)(program, &folder),
@@ -286,8 +291,9 @@ pub(super) fn one(
             Answers::Shared => None,
         },
     };
-    let about = about(bench, program).map_err(|error| at(&place(bench, entry, start), error))?;
-    let identity = identity(&job, entry, about);
+    let about =
+        about(bench, program, &values).map_err(|error| at(&place(bench, entry, start), error))?;
+    let identity = identity(&job, entry, about, values.clone());
     // An interrupted rollout cannot be repeated from its start there.
     let is_once = bench.arm.is_some() || bench.elsewhere.as_ref().is_some_and(|it| !it.repeats);
     let (rollout, was_found) = match record::find(&folder, &identity) {
@@ -326,9 +332,10 @@ pub(super) fn one(
     Ok(JobEnd::Played(Box::new(played), was_found))
 }
 
-fn identity(job: &Job<'_>, entry: &Entry<'_>, about: About) -> Identity {
+fn identity(job: &Job<'_>, entry: &Entry<'_>, about: About, vary: AxisValues) -> Identity {
     Identity {
         program: job.program.hash(),
+        vary,
         params: about.parameters,
         code: about.code,
         start: job.start.digest(),

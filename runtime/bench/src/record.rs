@@ -8,6 +8,7 @@ use fab_agent::policy;
 use fab_agent::record::{self, Header, MAX_BYTES, Record, RecordError, Report, StepSpent};
 use fab_base::{files, npy};
 use fab_program::{Goal, Metric as GoalMetric};
+use fab_world::vary::AxisValues;
 use serde_json::Value;
 use std::path::Path;
 
@@ -43,10 +44,12 @@ impl Step {
 }
 
 /// The identity of a rollout; rollouts with the same identity have the same figures.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Identity {
     /// Hash of the program.
     pub program: String,
+    /// The values in which the world differs from the task's own.
+    pub vary: AxisValues,
     /// Hash of the world's parameters.
     pub params: String,
     /// Digest of the world's code.
@@ -155,8 +158,12 @@ impl Identity {
         let policy = |policy: &policy::Description| {
             serde_json::to_string(policy).expect("a description has string keys")
         };
+        let vary = |values: &AxisValues| {
+            serde_json::to_string(values).expect("values have string keys and finite numbers")
+        };
         let pairs = [
             ("program", header.program.clone(), self.program.clone()),
+            ("vary", vary(&header.vary), vary(&self.vary)),
             ("params", header.params.clone(), self.params.clone()),
             ("code", header.code.clone(), self.code.clone()),
             ("start", header.start.digest.clone(), self.start.clone()),

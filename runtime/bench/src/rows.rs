@@ -34,6 +34,8 @@ pub enum FigureMeaning {
     Of(Statistic),
     /// The difference of a statistic between two methods.
     Difference(Statistic),
+    /// The difference of a statistic of a method between varied worlds and the task's own.
+    Change(Statistic),
 }
 
 impl fmt::Display for FigureMeaning {
@@ -43,6 +45,7 @@ impl fmt::Display for FigureMeaning {
             FigureMeaning::Difference(statistic) => {
                 write!(f, "difference of {}s", statistic.as_str())
             }
+            FigureMeaning::Change(statistic) => write!(f, "change of {}s", statistic.as_str()),
         }
     }
 }
@@ -60,6 +63,8 @@ pub struct Row {
     pub task: String,
     /// The method, or the author of a quoted figure.
     pub method: String,
+    /// The axis along which its worlds are varied, or `all`; null if they are the task's own.
+    pub vary: Option<&'static str>,
     /// What was measured.
     pub metric: Metric,
     /// Greatest number of actions.
@@ -72,7 +77,7 @@ pub struct Row {
     pub answers: Option<Answers>,
     /// Clusters of starts that share answers; null if they share none.
     pub clusters: Option<usize>,
-    /// The kind of figure: `median`, `mean`, `share`, or the difference of two of these.
+    /// The kind of figure: `median`, `mean`, `share`, the difference of two of these, or a change by varied worlds.
     pub statistic: FigureMeaning,
     /// The figure.
     pub value: f64,
@@ -117,7 +122,8 @@ pub struct Row {
     pub note: Option<String>,
 }
 
-/// Returns all rows: task by task, methods in the suite's order, then gaps between them, then quoted figures.
+/// Returns all rows: task by task, methods in the suite's order, then gaps between them, then quoted figures. The rows of
+/// varied worlds, each with its change, follow those of the task's own.
 ///
 /// A method without a finished rollout has no row.
 pub fn rows(bench: &Bench<'_>, results: &Results) -> Vec<Row> {
@@ -125,17 +131,32 @@ pub fn rows(bench: &Bench<'_>, results: &Results) -> Vec<Row> {
     for (number, task) in bench.tasks.iter().enumerate() {
         let entries = bench.entries.iter().enumerate();
         let entries: Vec<_> = entries.filter(|(_, entry)| entry.task == number).collect();
+        let find = |name: &str, varied: Option<&str>| {
+            let found = entries
+                .iter()
+                .find(|(_, entry)| entry.method.name == name && entry.variation.name() == varied);
+            found.and_then(|(index, entry)| EntryResults::new(bench, results, *index, entry))
+        };
         for (index, entry) in &entries {
-            let shown = EntryResults::new(bench, results, *index, entry);
-            rows.extend(shown.iter().flat_map(EntryResults::rows));
-        }
-        for gap in &bench.suite.gaps {
-            let find = |name: &str| {
-                let found = entries.iter().find(|(_, entry)| entry.method.name == name);
-                found.and_then(|(index, entry)| EntryResults::new(bench, results, *index, entry))
+            let Some(shown) = EntryResults::new(bench, results, *index, entry) else {
+                continue;
             };
-            if let (Some(of), Some(over)) = (find(&gap.of), find(&gap.over)) {
-                rows.extend(of.gaps(&over, &gap.name));
+            rows.extend(shown.rows());
+            if entry.variation.name().is_some()
+                && let Some(own) = find(&entry.method.name, None)
+            {
+                let name = &entry.method.name;
+                rows.extend(shown.differences(&own, name, FigureMeaning::Change));
+            }
+        }
+        let mut variations = vec![None];
+        variations.extend(bench.suite.variations().iter().map(|it| it.name()));
+        for gap in &bench.suite.gaps {
+            for varied in &variations {
+                let both = [&gap.of, &gap.over].map(|name| find(name, *varied));
+                if let [Some(of), Some(over)] = both {
+                    rows.extend(of.differences(&over, &gap.name, FigureMeaning::Difference));
+                }
             }
         }
         let quotes = bench.suite.quotes.iter();
@@ -238,7 +259,13 @@ impl<'b> EntryResults<'b> {
         rows
     }
 
-    fn gaps(&self, over: &EntryResults<'_>, name: &str) -> Vec<Row> {
+    /// Returns by how much these figures exceed others at the same starts.
+    fn differences(
+        &self,
+        over: &EntryResults<'_>,
+        name: &str,
+        meaning: fn(Statistic) -> FigureMeaning,
+    ) -> Vec<Row> {
         let mut rows = Vec::new();
         for (horizon, cut) in self.horizons() {
             for metric in self.metrics() {
@@ -250,7 +277,7 @@ impl<'b> EntryResults<'b> {
                 }
                 let clusters = Clusters::joined(&used);
                 if let Some(summary) = statistics::gap(statistic, &a, &b, &clusters) {
-                    let stated = FigureMeaning::Difference(statistic);
+                    let stated = meaning(statistic);
                     let row = self.row(name.to_owned(), metric, (horizon, cut), stated, summary);
                     let shares = self.shares() || over.shares();
                     rows.push(Row {
@@ -392,6 +419,7 @@ impl<'b> EntryResults<'b> {
         Row {
             task: self.bench.tasks[self.entry.task].name.clone(),
             method,
+            vary: self.entry.variation.name(),
             metric,
             horizon: Some(horizon),
             n: Some(self.rollouts.iter().filter(|it| !it.is_empty()).count()),
@@ -433,6 +461,7 @@ fn quoted(quote: &Quote) -> Row {
     Row {
         task: quote.task.clone(),
         method: quote.method.clone(),
+        vary: None,
         metric: quote.metric,
         horizon: quote.horizon,
         n: quote.n.map(|n| n as usize),

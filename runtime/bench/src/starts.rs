@@ -239,6 +239,13 @@ impl StartPoint {
         [self.cloth.dimx, self.cloth.dimy]
     }
 
+    /// Returns the same start of a cloth whose sides are longer by a factor.
+    pub fn scaled(&self, factor: f64) -> StartPoint {
+        let mut scaled = self.clone();
+        scaled.cloth.spacing_m *= factor;
+        scaled
+    }
+
     /// Describes how a person is to lay the cloth.
     pub fn in_words(&self) -> String {
         let of_task = |number: &u32| match self.cloth.start {
@@ -265,6 +272,12 @@ impl StartPoint {
     ) -> Result<Start, WorldError> {
         match &self.lie {
             Arrangement::Turned { deg } => Ok(Start::turned_by(&self.cloth, deg.to_radians())),
+            Arrangement::Recorded(start) if start.grid.spacing_m != self.cloth.spacing_m => {
+                Err(WorldError::Start {
+                    start: start.name.clone(),
+                    why: "it was recorded with its cloth, whose size cannot be varied; leave out `vary.size`, or `--starts`".to_owned(),
+                })
+            }
             Arrangement::Recorded(start) => Ok(start.clone()),
             Arrangement::Crumpled { seed } => self.crumpled(*seed, world, cache, interrupt),
             Arrangement::ByHand { number } => {

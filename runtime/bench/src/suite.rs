@@ -6,6 +6,7 @@
 
 use super::metric::Metric;
 use super::statistics::Statistic;
+use super::vary::{Variation, Vary};
 use fab_program::Reasoning;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -48,6 +49,9 @@ pub struct Suite {
     /// Others' figures.
     #[serde(default, rename = "quoted")]
     pub quotes: Vec<Quote>,
+    /// The axes along which each start's world is varied, if any.
+    #[serde(default)]
+    pub vary: Option<Vary>,
 }
 
 /// The starts of a suite; generated, and the same on every machine.
@@ -238,6 +242,10 @@ impl Suite {
         }
         let mut all = self.own_starts.values().chain([&self.starts]);
         if all.any(Starts::is_laid_by_hand) {
+            if self.vary.is_some() {
+                let why = "a cloth laid by hand lies on a table, and only the bundled simulator's worlds can be varied; generate the starts (`lie = \"flat\"`, `\"crumpled\"`), or leave the table out";
+                return wrong("vary", why.to_owned());
+            }
             let distance = |metric: &&Metric| metric.row().fold_fraction.is_some();
             if let Some(metric) = self.metrics.iter().find(distance) {
                 let why = format!(
@@ -252,6 +260,11 @@ impl Suite {
             starts.check()?;
         }
         self.starts.check()
+    }
+
+    /// Returns the kinds of worlds in which each method is run besides the task's own.
+    pub fn variations(&self) -> Vec<Variation> {
+        self.vary.iter().flat_map(Vary::variations).collect()
     }
 
     /// Returns the starts of a task.

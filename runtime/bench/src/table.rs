@@ -41,7 +41,7 @@ pub fn markdown(title: &str, suite: &Suite, rows: &[Row]) -> String {
 pub fn csv(rows: &[Row]) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let mut lines = vec![
-        "task,method,policy,sees_particles,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes,answers,clusters,cost_at_most,visible_tokens,hidden_tokens"
+        "task,method,policy,sees_particles,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes,answers,clusters,cost_at_most,visible_tokens,hidden_tokens,vary"
             .to_owned(),
     ];
     for row in rows {
@@ -76,6 +76,7 @@ pub fn csv(rows: &[Row]) -> String {
             number(row.cost_at_most),
             number(row.visible_tokens),
             number(row.hidden_tokens),
+            row.vary.unwrap_or_default().to_owned(),
         ];
         lines.push(cells.map(|cell| escaped(&cell)).join(","));
     }
@@ -106,11 +107,11 @@ fn tables(suite: &Suite, rows: &[Row]) -> Vec<(String, Lines)> {
     tables
 }
 
-/// Groups rows by table line: a method and a number of actions.
+/// Groups rows by table line: a method, its worlds and a number of actions.
 fn lines<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<Vec<&'r Row>> {
     let mut lines: Vec<Vec<&Row>> = Vec::new();
     for row in rows {
-        let key = |row: &Row| (row.method.clone(), row.horizon, row.quoted);
+        let key = |row: &Row| (row.method.clone(), row.vary, row.horizon, row.quoted);
         let same = lines.iter_mut().find(|line| key(line[0]) == key(row));
         match same {
             Some(line) => line.push(row),
@@ -123,29 +124,49 @@ fn lines<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<Vec<&'r Row>> {
 fn figures(suite: &Suite, lines: &[Vec<&Row>]) -> Lines {
     let there = |metric: &&Metric| lines.iter().flatten().any(|row| row.metric == **metric);
     let metrics: Vec<Metric> = suite.metrics.iter().filter(there).copied().collect();
-    let mut head: Vec<String> = ["method", "policy", "actions", "starts"]
-        .map(str::to_owned)
-        .to_vec();
-    head.extend(metrics.iter().map(|metric| metric.row().heading.to_owned()));
+    let is_varied = is_varied(lines);
+    let mut head = headings(is_varied);
+    for metric in &metrics {
+        head.push(metric.row().heading.to_owned());
+        head.extend(is_varied.then(|| "change".to_owned()));
+    }
     let mut table = vec![head];
     for line in lines {
-        let mut cells = names(line[0]);
+        let mut cells = names(line[0], is_varied);
         for metric in &metrics {
-            let row = line.iter().find(|row| row.metric == *metric);
-            cells.push(row.map_or(String::new(), |row| figure(row)));
+            let shown = |is_change: bool| {
+                let mut rows = line.iter().filter(|row| row.metric == *metric);
+                let row = rows.find(|row| is_a_change(row) == is_change);
+                row.map_or(String::new(), |row| figure(row))
+            };
+            cells.push(shown(false));
+            cells.extend(is_varied.then(|| shown(true)));
         }
         table.push(cells);
     }
     table
 }
 
+fn is_varied(lines: &[Vec<&Row>]) -> bool {
+    lines.iter().any(|line| line[0].vary.is_some())
+}
+
+fn is_a_change(row: &Row) -> bool {
+    matches!(row.statistic, FigureMeaning::Change(_))
+}
+
+/// Returns the headings of the cells of [`names`].
+fn headings(is_varied: bool) -> Vec<String> {
+    let varied = is_varied.then_some("varied");
+    let first = ["method", "policy"].into_iter().chain(varied);
+    let all = first.chain(["actions", "starts"]);
+    all.map(str::to_owned).collect()
+}
+
 /// Describes the effort and outcomes of each line's rollouts.
 fn effort(lines: &[Vec<&Row>]) -> Lines {
+    let is_varied = is_varied(lines);
     let head = [
-        "method",
-        "policy",
-        "actions",
-        "starts",
         "examples",
         "queries/action",
         "s/action",
@@ -153,7 +174,8 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
         "cost/action",
         "ended",
     ];
-    let mut table = vec![head.map(str::to_owned).to_vec()];
+    let mut table = vec![headings(is_varied)];
+    table[0].extend(head.map(str::to_owned));
     let has_hidden = lines.iter().any(|line| line[0].hidden_tokens > Some(0.0));
     if has_hidden {
         table[0].extend(["visible tokens/action", "hidden tokens/action"].map(str::to_owned));
@@ -171,7 +193,7 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
         .map(|line| line[0])
         .filter(|row| !row.outcomes.is_empty())
     {
-        let mut cells = names(row);
+        let mut cells = names(row, is_varied);
         cells.extend([
             row.data_size.map_or(String::new(), |size| size.to_string()),
             number(row.queries, 2),
@@ -203,8 +225,8 @@ fn cost(row: &Row) -> String {
     }
 }
 
-/// Writes the first cells of a line: method, policy, actions, starts.
-fn names(row: &Row) -> Vec<String> {
+/// Writes the first cells of a line: method, policy, what varies if anything does in the table, actions, starts.
+fn names(row: &Row, is_varied: bool) -> Vec<String> {
     let starts = row.n.map(|n| match row.repeats {
         Some(repeats) if repeats > 1 => format!("{n} x {repeats}"),
         _ => n.to_string(),
@@ -214,23 +236,34 @@ fn names(row: &Row) -> Vec<String> {
         _ => format!(", {clusters} clusters"),
     });
     let starts = starts.map(|starts| starts + &clusters.unwrap_or_default());
-    vec![
+    let mut cells = vec![
         match row.quoted {
             true => format!("quoted: {}", row.method),
             false => row.method.clone(),
         },
         row.policy.clone().unwrap_or_default(),
+    ];
+    cells.extend(is_varied.then(|| match (row.vary, row.quoted) {
+        (Some(varied), _) => varied.to_owned(),
+        (None, true) => String::new(),
+        (None, false) => "nothing".to_owned(),
+    }));
+    cells.extend([
         row.horizon
             .map_or(String::new(), |horizon| horizon.to_string()),
         starts.unwrap_or_default(),
-    ]
+    ]);
+    cells
 }
 
 /// Writes a figure with its spread and interval.
 fn figure(row: &Row) -> String {
     let digits = row.metric.row().digits;
     let mut text = format!("{:.digits$}", row.value);
-    if matches!(row.statistic, FigureMeaning::Difference(_)) {
+    if matches!(
+        row.statistic,
+        FigureMeaning::Difference(_) | FigureMeaning::Change(_)
+    ) {
         text = format!("{:+.digits$}", row.value);
     }
     if let Some(spread) = row.spread {
@@ -302,6 +335,21 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
         .any(|row| matches!(row.statistic, FigureMeaning::Difference(_)))
     {
         lines.push("Lines with a sign are differences between two methods from the same starts [95 % paired bootstrap interval].".to_owned());
+    }
+    if let Some(vary) = &suite.vary
+        && rows.iter().any(|row| row.vary.is_some())
+    {
+        let ranges = vary.ranges.iter().map(|range| {
+            let (axis, low, high) = (range.axis, range.low, range.high);
+            format!("{} from {low} to {high}", axis.name)
+        });
+        lines.push(format!(
+            "Varied worlds: {}; drawn evenly for each start by seed {}, for one axis at a time and for all of them. \
+             Change: the difference to the task's own world from the same starts [95 % paired bootstrap interval]. \
+             The task is not adapted to what was drawn.",
+            ranges.collect::<Vec<_>>().join(", "),
+            vary.seed
+        ));
     }
     lines.push(
         "Rollouts that end early are included: the last state of the cloth is measured.".to_owned(),

@@ -1,13 +1,13 @@
-//! Tests that the table of metrics in `docs/bench.md` matches the rows.
+//! Tests that the tables of metrics and of axes in `docs/bench.md` match the rows.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use fab_bench::metric::{Better, METRICS, Metric};
+use fab_world::vary::{AXES, Axis};
 use std::path::Path;
 
-const BEGIN: &str = "<!-- metrics: FABC_WRITE_DOCS=1 cargo test -p fab-bench --test metrics -->\n";
-const END: &str = "<!-- end of metrics -->";
+const WRITE: &str = "FABC_WRITE_DOCS=1 cargo test -p fab-bench --test metrics";
 
-fn table() -> String {
+fn metrics() -> String {
     let mut table = "| metric | unit | better | what it is |\n|---|---|---|---|\n".to_owned();
     for row in METRICS {
         let better = match row.better {
@@ -20,20 +20,38 @@ fn table() -> String {
     table
 }
 
+fn axes() -> String {
+    let mut table = "| axis | unit | from | to | what varies |\n|---|---|---|---|---|\n".to_owned();
+    for axis in AXES {
+        let Axis {
+            name,
+            unit,
+            low,
+            high,
+            about,
+            ..
+        } = axis;
+        table.push_str(&format!(
+            "| `{name}` | {unit} | {low} | {high} | {about} |\n"
+        ));
+    }
+    table
+}
+
 #[test]
-fn the_page_lists_every_metric() {
+fn the_page_lists_every_metric_and_every_axis() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/bench.md");
-    let text = std::fs::read_to_string(&page).unwrap();
-    let (before, rest) = text.split_once(BEGIN).unwrap();
-    let (there, after) = rest.split_once(END).unwrap();
-    if std::env::var_os("FABC_WRITE_DOCS").is_some() {
-        std::fs::write(&page, [before, BEGIN, &table(), END, after].concat()).unwrap();
-    } else {
-        assert_eq!(
-            there,
-            table(),
-            "write it: FABC_WRITE_DOCS=1 cargo test -p fab-bench --test metrics"
-        );
+    for (what, table) in [("metrics", metrics()), ("axes", axes())] {
+        let text = std::fs::read_to_string(&page).unwrap();
+        let begin = format!("<!-- {what}: {WRITE} -->\n");
+        let end = format!("<!-- end of {what} -->");
+        let (before, rest) = text.split_once(&begin).unwrap();
+        let (there, after) = rest.split_once(&end).unwrap();
+        if std::env::var_os("FABC_WRITE_DOCS").is_some() {
+            std::fs::write(&page, [before, &begin, &table, &end, after].concat()).unwrap();
+        } else {
+            assert_eq!(there, table, "write it: {WRITE}");
+        }
     }
 }
 

@@ -7,8 +7,8 @@ use fab_bench::starts;
 use fab_bench::starts::StartPoint;
 use fab_bench::suite::{Starts, Suite, SuiteError};
 use fab_program::{Camera, Cloth, ClothStart, ImageUp, Picker};
-use fab_world::SimulatedWorld;
 use fab_world::start::Start;
+use fab_world::{SimulatedWorld, WorldError};
 use std::path::Path;
 
 #[path = "../../../tests/recorded_data.rs"]
@@ -44,7 +44,7 @@ fn a_suite_is_read() {
 
 #[test]
 fn what_is_wrong_with_a_suite_is_named_with_what_would_be_right() {
-    let cases: [(&str, &str, &str); 12] = [
+    let cases: [(&str, &str, &str); 14] = [
         ("about =", "abuot =", "unknown field `abuot`"),
         ("\"mean\"", "\"average\"", "unknown variant `average`"),
         (
@@ -85,6 +85,16 @@ fn what_is_wrong_with_a_suite_is_named_with_what_would_be_right() {
             "gap = [{ name = \"g\", of = \"plain\", over = \"none\" }]\n[starts]",
             "names no method `none`",
         ),
+        (
+            "[[method]]\nname = \"plain\"",
+            "[vary]\nfricton = [0.5, 1.2]\n[[method]]\nname = \"plain\"",
+            "`[vary]` has no axis `fricton`; did you mean `friction`?",
+        ),
+        (
+            "[[method]]\nname = \"plain\"",
+            "[vary]\nhue_deg = [-20, 20]\n[starts_of.fold]\nlie = \"operator\"\ncount = 1\n[[method]]\nname = \"plain\"",
+            "`vary`: a cloth laid by hand lies on a table",
+        ),
     ];
     for (from, to, wanted) in cases {
         assert!(SUITE.contains(from));
@@ -110,6 +120,10 @@ fn cloth(dimx: u32, dimy: u32) -> Cloth {
 }
 
 fn lay(point: &StartPoint) -> Start {
+    try_to_lay(point).unwrap()
+}
+
+fn try_to_lay(point: &StartPoint) -> Result<Start, WorldError> {
     let camera = Camera {
         height_m: 0.65,
         fov_rad: std::f64::consts::FRAC_PI_4,
@@ -117,9 +131,7 @@ fn lay(point: &StartPoint) -> Start {
         up: ImageUp::Y,
     };
     let world = SimulatedWorld::new(&camera, Picker::default()).unwrap();
-    point
-        .lay(&world, &Cache::none(), &Interrupt::default())
-        .unwrap()
+    point.lay(&world, &Cache::none(), &Interrupt::default())
 }
 
 fn folding() -> Starts {
@@ -209,6 +221,32 @@ fn recorded_crumpled_starts_are_for_any_task() {
             .unwrap()
             .is_empty()
     );
+}
+
+#[test]
+fn a_start_of_another_size_is_laid_with_a_longer_cloth_but_not_if_it_was_recorded() {
+    let starts = Starts::Flat {
+        sides: vec![12],
+        turns_deg: vec![30.0],
+    };
+    let point = &starts::generated(&starts, &cloth(12, 10))[0];
+    let (own, larger) = (lay(point), lay(&point.scaled(1.25)));
+    assert_eq!(lay(&point.scaled(1.0)), own);
+    assert_eq!(larger.grid.spacing_m, 0.00625 * 1.25);
+    for (own, larger) in own.positions.iter().zip(&larger.positions) {
+        let off = (0..2).map(|axis| (own[axis] * 1.25 - larger[axis]).abs());
+        assert!(off.sum::<f32>() < 1e-6 && own[2] == larger[2]);
+    }
+
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("laid.npy");
+    std::fs::write(&file, fab_base::npy::encode(&own.positions)).unwrap();
+    let frame = r#"{"dimx": 12, "dimy": 10, "spacing_m": 0.00625, "up": "z"}"#;
+    std::fs::write(file.with_extension("json"), frame).unwrap();
+    let recorded = &starts::recorded(folder.path(), "fold").unwrap()[0];
+    assert_eq!(lay(&recorded.scaled(1.0)).positions, own.positions);
+    let said = try_to_lay(&recorded.scaled(1.25)).unwrap_err().to_string();
+    assert!(said.contains("whose size cannot be varied"), "{said}");
 }
 
 #[test]

@@ -12,6 +12,7 @@ pub mod protocol;
 pub mod serve;
 pub mod simulated;
 pub mod start;
+pub mod vary;
 
 #[cfg(test)]
 #[path = "../../../tests/recorded_data.rs"]
@@ -23,6 +24,7 @@ use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
+use vary::AxisValues;
 
 pub use external::ExternalWorld;
 pub use simulated::{Look, SimulatedWorld};
@@ -43,6 +45,11 @@ pub trait World {
 
     /// Returns a digest of the code behind the results: it changes whenever equal actions might have another result.
     fn code(&self) -> String;
+
+    /// Returns the values in which the world differs from the task's own; none for most worlds.
+    fn variation(&self) -> AxisValues {
+        AxisValues::default()
+    }
 
     /// Returns whether the world is repeatable: a reset restores the same cloth, and equal actions then give equal
     /// results.

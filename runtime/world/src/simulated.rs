@@ -3,13 +3,14 @@
 use super::{Executed, Grasp, Motion, World, WorldError};
 use crate::crumple;
 use crate::start::Start;
+use crate::vary::{AxisValues, Setup};
 use fab_base::interrupt::Interrupt;
 use fab_picture::DepthImage;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
 use fab_program as program;
-pub use fab_sim::Look;
-use fab_sim::{Aim, Grid, Mask, Params, SimError, Simulator, TopDownCamera};
+use fab_sim::{Aim, Grid, Mask, SimError, Simulator, TopDownCamera};
+pub use fab_sim::{Look, Params};
 use image::RgbImage;
 
 /// Why a cloth with missing particles is not laid for actions: its corners, which tasks name, may not exist.
@@ -19,6 +20,7 @@ pub const OUTLINED: &str =
 /// A simulated cloth under a simulated camera.
 pub struct SimulatedWorld {
     parameters: Params,
+    variation: AxisValues,
     look: Look,
     lens: TopDownCamera,
     camera: Camera,
@@ -50,6 +52,7 @@ impl SimulatedWorld {
                 program::Picker::PutDown => Params::default(),
                 program::Picker::Drop => Params::with_dropping_picker(),
             },
+            variation: AxisValues::default(),
             look: Look::default(),
             lens: lens.with_up(up),
             camera: Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up),
@@ -60,6 +63,30 @@ impl SimulatedWorld {
     /// Changes the colours of cloth and table.
     pub fn with_look(self, look: Look) -> SimulatedWorld {
         SimulatedWorld { look, ..self }
+    }
+
+    /// Changes the world to the values of some axes, within their bounds; how starts are laid is not the world's part.
+    ///
+    /// - `camera`: the task's camera.
+    pub fn varied(self, values: &AxisValues, camera: &program::Camera) -> SimulatedWorld {
+        let mut setup = Setup {
+            parameters: self.parameters,
+            look: self.look,
+            ..Setup::default()
+        };
+        values.apply(&mut setup);
+        let height_m = setup.camera_height_m.unwrap_or(camera.height_m);
+        SimulatedWorld {
+            parameters: setup.parameters,
+            variation: values.clone(),
+            look: setup.look,
+            lens: TopDownCamera {
+                height_m: height_m as f32,
+                ..self.lens
+            },
+            camera: Camera::top_down(height_m, camera.fov_rad, camera.image_px, camera.up),
+            cloth: self.cloth,
+        }
     }
 
     /// Lays a cloth as a start says.
@@ -104,6 +131,10 @@ impl World for SimulatedWorld {
 
     fn code(&self) -> String {
         fab_sim::CODE_DIGEST.to_owned()
+    }
+
+    fn variation(&self) -> AxisValues {
+        self.variation.clone()
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {

@@ -5,6 +5,7 @@
 
 use super::{Executed, Motion, World, WorldError, WorldPoint};
 use crate::start::Start;
+use crate::vary::AxisValues;
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 
@@ -53,6 +54,10 @@ impl<W: Wrapper> World for W {
 
     fn code(&self) -> String {
         self.inner().code()
+    }
+
+    fn variation(&self) -> AxisValues {
+        self.inner().variation()
     }
 
     fn repeats(&self) -> bool {

@@ -123,6 +123,12 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     arguments.arm.check_world(&arguments.world)?;
     let found = suites::find(&arguments.suite)?;
     let suite = suites::narrowed(found.suite, arguments.variant.as_deref());
+    if suite.vary.is_some() && arguments.world != WorldChoice::Sim {
+        return Err(Failure::environment(format!(
+            "the suite varies its worlds (`[vary]`), which only the bundled simulator can, not `--world {}`: leave the option out, or run a suite without that table",
+            arguments.world
+        )));
+    }
     let arm = on_arm::check(arguments, &suite, io)?;
     let has_operator = arguments.operator
         || arm
@@ -210,7 +216,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         suite: &suite,
         tasks: prepared.into_iter().map(|it| it.task).collect(),
         entries,
-        make_world: &setting::world,
+        make_world: &setting::varied_world,
         arm: arm.map(|arm| OnArm {
             about: arm.about,
             cloths: arm.cloths,
@@ -363,9 +369,14 @@ impl SharedQuestions {
             };
             *before = entry.repeats.max(*before);
             all_shared = all_shared.min(shared);
+            // A varied world may look the same at first, and differs after the first action.
+            let likely_shared = match entry.variation.name() {
+                None => all_shared,
+                Some(_) => 0,
+            };
             Fresh {
                 at_least: least_starts * u64::from(entry.repeats - shared),
-                likely: starts * u64::from(entry.repeats - all_shared),
+                likely: starts * u64::from(entry.repeats - likely_shared),
             }
         });
         fresh.collect()

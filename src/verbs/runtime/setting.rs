@@ -20,6 +20,7 @@ use fab_base::interrupt::Interrupt;
 use fab_program::{ClothStart, Program};
 use fab_world::crumple;
 use fab_world::start::{Grid, Start, StartFrame, Up};
+use fab_world::vary::AxisValues;
 use fab_world::{SimulatedWorld, World, WorldError};
 use serde::Deserialize;
 use serde::Serialize;
@@ -97,6 +98,12 @@ pub fn start(
     }
     let stated = stated_frame(&arguments.frame, program.cloth.spacing_m)?;
     Start::load(Path::new(text), stated).map_err(Failure::environment)
+}
+
+/// Makes a simulated world that differs from a program's own in some values.
+pub fn varied_world(program: &Program, values: &AxisValues) -> Result<Box<dyn World>, WorldError> {
+    let world = SimulatedWorld::new(&program.camera, program.picker)?;
+    Ok(Box::new(world.varied(values, &program.camera)))
 }
 
 /// Returns the task for the cloth of a start; compiles it again if that cloth has another grid.

@@ -68,6 +68,7 @@ impl<'j> RolloutWriter<'j> {
             world: world.name().to_owned(),
             params: world.parameters(),
             code: world.code(),
+            vary: world.variation(),
             policy: policy.clone(),
             start: StartFile {
                 name: job.start.name.clone(),

@@ -119,6 +119,7 @@ fn policy() -> Value {
 fn identity() -> Identity {
     Identity {
         program: "p".to_owned(),
+        vary: AxisValues([("size".to_owned(), 1.05)].into()),
         params: "w".to_owned(),
         code: "c".to_owned(),
         start: "s".to_owned(),
@@ -133,7 +134,7 @@ fn identity() -> Identity {
 fn header() -> Value {
     json!({
         "type": "header", "schema": 2, "fabc": "0", "task": "t", "program": "p", "program_file": "program.json",
-        "world": "sim", "params": "w", "code": "c", "policy": policy(),
+        "world": "sim", "params": "w", "code": "c", "vary": {"size": 1.05}, "policy": policy(),
         "start": {
             "name": "flat", "file": "start.npy", "digest": "s", "up": "z",
             "grid": { "dimx": 2, "dimy": 2, "spacing_m": 0.01 },
@@ -149,6 +150,8 @@ fn every_part_of_an_identity_tells_rollouts_apart() {
     assert_eq!(difference(header()), None);
     for (pointer, other, name) in [
         ("/program", json!("other"), "program"),
+        ("/vary/size", json!(1.06), "vary"),
+        ("/vary", json!({}), "vary"),
         ("/params", json!("other"), "params"),
         ("/code", json!("other"), "code"),
         ("/start/digest", json!("other"), "start"),

@@ -65,6 +65,31 @@ impl Start {
         }
     }
 
+    /// Turns the cloth about the table's centre, counter-clockwise as seen from above, and then shifts it.
+    ///
+    /// - `shift_m`: along the world's x and y.
+    pub fn moved(self, turn_rad: f64, shift_m: [f64; 2]) -> Start {
+        // Rounding would change the digest of a start that stays where it is.
+        if turn_rad == 0.0 && shift_m == [0.0; 2] {
+            return self;
+        }
+        let (sin, cos) = turn_rad.sin_cos();
+        let positions = self.positions.iter().map(|&[x, y, z]| {
+            let (x, y) = (f64::from(x), f64::from(y));
+            let turned = [cos * x - sin * y, sin * x + cos * y];
+            [
+                (turned[0] + shift_m[0]) as f32,
+                (turned[1] + shift_m[1]) as f32,
+                z,
+            ]
+        });
+        Start {
+            name: format!("{}, moved", self.name),
+            positions: positions.collect(),
+            ..self
+        }
+    }
+
     fn turned(name: String, seed: Option<u64>, cloth: &Cloth, angle_rad: f64) -> Start {
         let grid = Grid {
             dimx: cloth.dimx,
@@ -151,6 +176,25 @@ mod tests {
         assert_eq!(start.positions[0], [-0.0125, 0.00625, 0.005]);
         assert_eq!(start.positions[14], [0.0125, -0.00625, 0.005]);
         assert_eq!(start.center_m(), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_moved_cloth_is_turned_about_the_table_and_then_shifted() {
+        let start = Start::flat(&cloth());
+        assert_eq!(start.clone().moved(0.0, [0.0; 2]), start);
+        let moved = start.clone().moved(0.5, [0.0; 2]);
+        let turned = Start::turned_by(&cloth(), 0.5);
+        let off = |a: &Start, b: &Start, shift_m: [f32; 2]| {
+            let pairs = a.positions.iter().zip(&b.positions);
+            pairs
+                .map(|(a, b)| {
+                    let [x, y] = [0, 1].map(|axis| a[axis] - b[axis] - shift_m[axis]);
+                    x.abs() + y.abs() + (a[2] - b[2]).abs()
+                })
+                .fold(0.0, f32::max)
+        };
+        assert!(off(&moved, &turned, [0.0; 2]) < 1e-7);
+        assert!(off(&start.moved(0.5, [0.1, -0.2]), &turned, [0.1, -0.2]) < 1e-7);
     }
 
     #[test]

@@ -18,6 +18,7 @@ use fab_agent::subgoals::{SubgoalError, SubgoalSet};
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
 use fab_bench::suite::{Method, Suite};
+use fab_bench::vary::Variation;
 use fab_bench::{Entry, Task, starts};
 use fab_program::Program;
 use fab_world::WorldError;
@@ -182,7 +183,7 @@ fn programs_for(prepared: &Prepared, grid: [u32; 2], io: &Io) -> Result<Vec<Prog
     sources::compile_tasks_for(&prepared.file, None, grid, io)
 }
 
-/// Pairs tasks with methods; `None` if the user interrupted the drawing of subgoals.
+/// Pairs tasks with methods and kinds of worlds; `None` if the user interrupted the drawing of subgoals.
 pub fn entries<'a>(
     suite: &'a Suite,
     prepared: &[Prepared],
@@ -218,9 +219,10 @@ pub fn entries<'a>(
                 continue;
             }
             let examples = Examples::load(shown, &prepared.folder);
-            entries.push(Entry {
+            let own = Entry {
                 task: number,
                 method,
+                variation: Variation::default(),
                 make_policy: deciding,
                 policy: policy.description(),
                 models: deciding.answering().map(Answering::models),
@@ -235,7 +237,14 @@ pub fn entries<'a>(
                         .unwrap_or(suite.repeats),
                     false => 1,
                 },
+            };
+            let varied = suite.variations().into_iter().map(|variation| Entry {
+                variation,
+                ..own.clone()
             });
+            let varied: Vec<_> = varied.collect();
+            entries.push(own);
+            entries.extend(varied);
         }
     }
     if entries.is_empty() {

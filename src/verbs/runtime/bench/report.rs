@@ -53,8 +53,15 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
         Answers::PerStart => "",
         Answers::Shared => "starts share answers; ",
     };
+    let varied = match bench.suite.variations().len() {
+        0 => String::new(),
+        count => format!(
+            ", each start in its own world and in {}",
+            counted(count, "varied world")
+        ),
+    };
     format!(
-        "{name}: {} in `{}`{part}, {} at a time; {shared}{}",
+        "{name}: {} in `{}`{part}{varied}, {} at a time; {shared}{}",
         counted(rollouts, "rollout"),
         bench.out.display(),
         bench.side_by_side(),
@@ -76,6 +83,7 @@ impl Report<'_> {
             "suite": self.name,
             "wall_s": self.wall_s,
             "params": self.results.params,
+            "vary": self.bench.suite.vary,
             "answers": self.bench.answers,
             "out": self.bench.out.display().to_string(),
             "interrupted": self.results.stopped == Some(StopReason::Interrupted),

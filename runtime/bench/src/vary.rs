@@ -1,0 +1,412 @@
+//! The table `[vary]` of a suite: the axes along which its worlds vary, and the values that are drawn.
+//!
+//! In: bounds by axis, and a seed. Out: a [`Variation`] for each axis by itself and one for all of them, which draws
+//! the [`AxisValues`] of each start.
+//!
+//! A draw depends on the seed, the axis and the number of the start alone. So methods, repeats, shards and other tasks
+//! meet equal worlds, and neither another axis nor another start changes a draw. Ten starts in a row, from a multiple of
+//! ten on, draw one value in each tenth of the range, so that few starts fill it too.
+
+use fab_base::chance::Chance;
+use fab_world::vary::{AXES, Axis, AxisValues};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use toml::Value;
+
+/// The starts in a row that have one value in each equal part of a range.
+const BLOCK: usize = 10;
+
+/// The name of the variation along all axes at once.
+pub const ALL: &str = "all";
+
+/// The axes along which a suite's worlds vary; at least one, in the order of [`AXES`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Table", into = "Table")]
+pub struct Vary {
+    /// The seed of all draws.
+    pub seed: u64,
+    /// The bounds, each axis once.
+    pub ranges: Vec<AxisRange>,
+}
+
+/// An axis with the bounds of its draws.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisRange {
+    /// The axis.
+    pub axis: &'static Axis,
+    /// The least value.
+    pub low: f64,
+    /// The greatest value, not below `low`.
+    pub high: f64,
+}
+
+/// The table as a suite writes it.
+#[derive(Serialize, Deserialize)]
+struct Table {
+    #[serde(default)]
+    seed: u64,
+    #[serde(flatten)]
+    axes: BTreeMap<String, Value>,
+}
+
+/// Why a table `[vary]` cannot be used.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub enum VaryError {
+    /// It has no axis.
+    #[error(
+        "`[vary]` names no axis; state at least one, such as `friction = [0.5, 1.2]`, or leave the table out"
+    )]
+    Empty,
+    /// It names an unknown axis.
+    #[error("`[vary]` has no axis `{name}`; {hint}")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// What was probably meant, or what there is.
+        hint: String,
+    },
+    /// The bounds are no pair of numbers.
+    #[error(
+        "`vary.{axis}` is `{value}`; it takes two numbers, the lowest and the highest value, such as `[{low}, {high}]`"
+    )]
+    Shape {
+        /// The axis.
+        axis: &'static str,
+        /// What it has.
+        value: String,
+        /// The least value of the axis.
+        low: f64,
+        /// Its greatest value.
+        high: f64,
+    },
+    /// The lower bound is above the upper one.
+    #[error("`vary.{axis}`: {low} is greater than {high}; the lowest value comes first")]
+    Reversed {
+        /// The axis.
+        axis: &'static str,
+        /// The first number.
+        low: f64,
+        /// The second number.
+        high: f64,
+    },
+    /// A bound is outside the axis.
+    #[error("`vary.{}`: {value} is not from {} to {} ({})", axis.name, axis.low, axis.high, axis.unit)]
+    Outside {
+        /// The axis.
+        axis: &'static Axis,
+        /// The bound.
+        value: f64,
+    },
+}
+
+impl TryFrom<Table> for Vary {
+    type Error = VaryError;
+
+    fn try_from(table: Table) -> Result<Vary, VaryError> {
+        if let Some(name) = table.axes.keys().find(|name| Axis::find(name).is_none()) {
+            return Err(VaryError::Unknown {
+                name: name.clone(),
+                hint: hint(name),
+            });
+        }
+        let ranges = AXES.iter().filter_map(|axis| {
+            let bounds = table.axes.get(axis.name)?;
+            Some(AxisRange::read(axis, bounds))
+        });
+        let ranges = ranges.collect::<Result<Vec<AxisRange>, VaryError>>()?;
+        match ranges.is_empty() {
+            true => Err(VaryError::Empty),
+            false => Ok(Vary {
+                seed: table.seed,
+                ranges,
+            }),
+        }
+    }
+}
+
+impl From<Vary> for Table {
+    fn from(vary: Vary) -> Table {
+        let bounds = |range: &AxisRange| {
+            let AxisRange { axis, low, high } = *range;
+            (axis.name.to_owned(), Value::from(vec![low, high]))
+        };
+        Table {
+            seed: vary.seed,
+            axes: vary.ranges.iter().map(bounds).collect(),
+        }
+    }
+}
+
+impl AxisRange {
+    fn read(axis: &'static Axis, bounds: &Value) -> Result<AxisRange, VaryError> {
+        let number = |bound: &Value| match bound {
+            Value::Integer(whole) => Some(*whole as f64),
+            bound => bound.as_float().filter(|number| !number.is_nan()),
+        };
+        let numbers = bounds.as_array().into_iter().flatten().map(number);
+        let numbers = numbers.collect::<Option<Vec<f64>>>();
+        let Some([low, high]) = numbers.as_deref() else {
+            return Err(VaryError::Shape {
+                axis: axis.name,
+                value: bounds.to_string(),
+                low: axis.low,
+                high: axis.high,
+            });
+        };
+        let (low, high) = (*low, *high);
+        for value in [low, high] {
+            if !(axis.low..=axis.high).contains(&value) {
+                return Err(VaryError::Outside { axis, value });
+            }
+        }
+        match low > high {
+            true => Err(VaryError::Reversed {
+                axis: axis.name,
+                low,
+                high,
+            }),
+            false => Ok(AxisRange { axis, low, high }),
+        }
+    }
+
+    /// Draws the value of a start.
+    fn draw(&self, seed: u64, start: u64) -> f64 {
+        let (block, place) = (start / BLOCK as u64, (start % BLOCK as u64) as usize);
+        let mut chance = Chance::of(&format!("vary {seed} {} {block}", self.axis.name));
+        let mut parts: [usize; BLOCK] = std::array::from_fn(|part| part);
+        for last in (1..BLOCK).rev() {
+            parts.swap(last, chance.below(last + 1));
+        }
+        let within: [f64; BLOCK] = std::array::from_fn(|_| chance.fraction());
+        let share = (parts[place] as f64 + within[place]) / BLOCK as f64;
+        let drawn = self.low + (self.high - self.low) * share;
+        // Records stay readable, and what is drawn is what is written.
+        ((drawn * 1e6).round() / 1e6).clamp(self.low, self.high)
+    }
+}
+
+/// Names the axis that was probably meant, or all of them.
+fn hint(name: &str) -> String {
+    let short: String = name.chars().take(60).collect();
+    let near = AXES.iter().map(|axis| {
+        let distance = strsim::damerau_levenshtein(&short, axis.name);
+        // `camera_height` lacks only the unit.
+        let distance = match axis.name.starts_with(&short) && short.len() > 2 {
+            true => 0,
+            false => distance,
+        };
+        (distance, axis.name)
+    });
+    match near.min_by_key(|(distance, _)| *distance) {
+        Some((distance, near)) if distance <= (short.len() / 3).max(1) => {
+            format!("did you mean `{near}`?")
+        }
+        _ => {
+            let names: Vec<&str> = AXES.iter().map(|axis| axis.name).collect();
+            format!("there are `{}`", names.join("`, `"))
+        }
+    }
+}
+
+/// How the worlds of some rollouts differ from their task's own; the default is not at all.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Variation {
+    name: Option<&'static str>,
+    seed: u64,
+    ranges: Vec<AxisRange>,
+}
+
+impl Vary {
+    /// Returns a variation along each axis by itself, and one along all of them if there are several.
+    pub fn variations(&self) -> Vec<Variation> {
+        let variation = |name, ranges: &[AxisRange]| Variation {
+            name: Some(name),
+            seed: self.seed,
+            ranges: ranges.to_vec(),
+        };
+        let single = self
+            .ranges
+            .iter()
+            .map(|range| variation(range.axis.name, std::slice::from_ref(range)));
+        let all = (self.ranges.len() > 1).then(|| variation(ALL, &self.ranges));
+        single.chain(all).collect()
+    }
+}
+
+impl Variation {
+    /// Returns the name of its axis, or [`ALL`]; `None` if nothing varies.
+    pub fn name(&self) -> Option<&'static str> {
+        self.name
+    }
+
+    /// Draws the values of a start, given its number.
+    pub fn values(&self, start: u64) -> AxisValues {
+        let values = self.ranges.iter().map(|range| {
+            let value = range.draw(self.seed, start);
+            (range.axis.name.to_owned(), value)
+        });
+        AxisValues(values.collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vary(text: &str) -> Result<Vary, String> {
+        toml::from_str(text).map_err(|error: toml::de::Error| error.message().to_owned())
+    }
+
+    #[test]
+    fn axes_are_read_in_the_order_of_the_table_and_written_as_they_were() {
+        let vary = vary("hue_deg = [-20, 20]\nfriction = [0.5, 1.2]\nseed = 7").unwrap();
+        let names: Vec<_> = vary.ranges.iter().map(|range| range.axis.name).collect();
+        assert_eq!((vary.seed, &names[..]), (7, &["friction", "hue_deg"][..]));
+        let written = serde_json::json!(vary);
+        assert_eq!(
+            written,
+            serde_json::json!({"seed": 7, "friction": [0.5, 1.2], "hue_deg": [-20.0, 20.0]})
+        );
+        assert_eq!(serde_json::from_value::<Vary>(written).unwrap(), vary);
+        let names = |vary: &Vary| {
+            let all = vary.variations();
+            all.iter().map(Variation::name).collect::<Vec<_>>()
+        };
+        assert_eq!(
+            names(&vary),
+            [Some("friction"), Some("hue_deg"), Some("all")]
+        );
+        // All axes at once are the only one.
+        let one = super::tests::vary("size = [1, 1]").unwrap();
+        assert_eq!(names(&one), [Some("size")]);
+        assert_eq!(one.variations()[0].values(3).0["size"], 1.0);
+        assert!(Variation::default().values(3).is_empty());
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_table_is_said_with_what_would_be_right() {
+        for (text, wanted) in [
+            ("", "`[vary]` names no axis; state at least one"),
+            ("seed = 3", "`[vary]` names no axis"),
+            ("seed = -3\nsize = [1, 1]", "invalid value: integer `-3`"),
+            (
+                "fricton = [0.5, 1.2]",
+                "`[vary]` has no axis `fricton`; did you mean `friction`?",
+            ),
+            (
+                "camera_height = [640, 660]",
+                "has no axis `camera_height`; did you mean `camera_height_mm`?",
+            ),
+            (
+                "wind = [1, 2]",
+                "has no axis `wind`; there are `size`, `friction`, `self_friction`",
+            ),
+            (
+                "size = 1.1",
+                "`vary.size` is `1.1`; it takes two numbers, the lowest and the highest value, such as `[0.5, 2]`",
+            ),
+            ("size = [1]", "`vary.size` is `[1]`; it takes two numbers"),
+            ("size = [1, \"2\"]", "`vary.size` is `[1, \"2\"]`"),
+            ("size = [1, nan]", "`vary.size` is `[1, nan]`"),
+            ("size = [1, inf]", "`vary.size`: inf is not from 0.5 to 2"),
+            ("size = [0.9, 1.0, 1.1]", "`vary.size` is `[0.9, 1.0, 1.1]`"),
+            (
+                "size = [1.1, 0.9]",
+                "`vary.size`: 1.1 is greater than 0.9; the lowest value comes first",
+            ),
+            (
+                "size = [0.9, 11]",
+                "`vary.size`: 11 is not from 0.5 to 2 (factor)",
+            ),
+            (
+                "camera_height_mm = [0.64, 0.66]",
+                "`vary.camera_height_mm`: 0.64 is not from 100 to 5000 (mm)",
+            ),
+        ] {
+            let said = vary(text).unwrap_err();
+            assert!(said.contains(wanted), "{text}: {said}");
+        }
+    }
+
+    #[test]
+    fn draws_are_those_of_the_stated_generator() {
+        // From twenty lines of Python after `docs/bench.md`: SHA-256 of `hashlib`, SplitMix64 in whole numbers.
+        for (seed, axis, [low, high], start, wanted) in [
+            (0, "friction", [0.5, 1.2], 0, 0.873456),
+            (0, "friction", [0.5, 1.2], 1, 1.090418),
+            (7, "size", [0.9, 1.1], 39, 1.030945),
+            (7, "camera_height_mm", [640.0, 660.0], 13, 644.402821),
+        ] {
+            let axis = Axis::find(axis).unwrap();
+            let range = AxisRange { axis, low, high };
+            assert_eq!(range.draw(seed, start), wanted, "{axis:?}");
+        }
+    }
+
+    #[test]
+    fn draws_fill_their_range_evenly_and_axes_are_independent() {
+        const STARTS: u64 = 4000;
+        let hundredths = |axis: &'static Axis| {
+            let range = AxisRange {
+                axis,
+                low: 2.0,
+                high: 4.0,
+            };
+            let drawn = (0..STARTS).map(|start| range.draw(5, start));
+            let drawn = drawn.map(|value| ((value - 2.0) * 50.0) as usize);
+            drawn.collect::<Vec<_>>()
+        };
+        let [a, b] = [&AXES[1], &AXES[2]].map(hundredths);
+        for drawn in [&a, &b] {
+            for ten in drawn.chunks(10) {
+                let mut tenths: Vec<usize> = ten.iter().map(|it| it / 10).collect();
+                tenths.sort_unstable();
+                assert!(tenths.iter().copied().eq(0..10), "{ten:?}");
+            }
+            // 40 are expected in each hundredth, and likewise in each pair of tenths: give or take 6.
+            for hundredth in 0..100 {
+                let count = drawn.iter().filter(|it| **it == hundredth).count();
+                assert!((12..80).contains(&count), "{hundredth}: {count}");
+            }
+        }
+        for pair in 0..100 {
+            let both = a
+                .iter()
+                .zip(&b)
+                .filter(|(a, b)| *a / 10 * 10 + *b / 10 == pair);
+            let count = both.count();
+            assert!((12..80).contains(&count), "{pair}: {count}");
+        }
+        // The order of tenths is another in each block.
+        assert_ne!(a[..10], a[10..20]);
+    }
+
+    proptest! {
+        #[test]
+        fn an_axis_draws_the_same_by_itself_among_others_and_for_every_method(
+            seed: u64,
+            start: u64,
+            kept in proptest::sample::subsequence((0..AXES.len()).collect::<Vec<_>>(), 2..AXES.len()),
+        ) {
+            let ranges = kept.iter().map(|at| {
+                let axis = &AXES[*at];
+                AxisRange { axis, low: axis.low, high: axis.low + (axis.high - axis.low) / 3.0 }
+            });
+            let vary = Vary { seed, ranges: ranges.collect() };
+            let variations = vary.variations();
+            let all = variations.last().unwrap().values(start);
+            prop_assert_eq!(all.0.len(), kept.len());
+            for (variation, range) in variations.iter().zip(&vary.ranges) {
+                let alone = variation.values(start);
+                prop_assert_eq!(&alone, &variation.clone().values(start));
+                let value = alone.0[range.axis.name];
+                prop_assert_eq!(value, all.0[range.axis.name]);
+                prop_assert!((range.low..=range.high).contains(&value), "{} {:?}", value, range);
+                let written = serde_json::to_string(&alone).unwrap();
+                prop_assert_eq!(serde_json::from_str::<AxisValues>(&written).unwrap(), alone);
+            }
+        }
+    }
+}
