@@ -232,6 +232,12 @@ impl TopDownCamera {
         }
     }
 
+    /// Tells whether anything of a marker is in the picture.
+    pub fn sees(&self, marker: &Marker) -> bool {
+        let triangles = marker.triangles(&|point| self.see(point));
+        !Window::around(&triangles, [self.size_px as usize; 2]).is_empty()
+    }
+
     /// Finds the tile under each sample of the bare table.
     fn tiles(&self, look: &Look) -> Tiles {
         let size = self.size_px as usize;
@@ -264,7 +270,8 @@ impl TopDownCamera {
             let brightness = 1.0 - look.shading.clamp(0.0, 1.0) * (1.0 - upright);
             Shade::both(look, [brightness; 2])
         };
-        scene::cloth(mask, positions, &|point| self.see(point), &shade_of)
+        let vertex_of = |index: usize, point| Some(self.see(point)?.vertex(shade_of(index)));
+        scene::cloth(mask, positions, &vertex_of)
     }
 
     /// Projects a point; `None` where it cannot be drawn.

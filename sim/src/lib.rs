@@ -82,7 +82,7 @@ pub use params::{ALGORITHM_VERSION, DROP_LEG_STEPS, Params, ParamsError, REACH_M
 pub use scenario::diagonal_fold;
 pub use scene::Marker;
 pub use simulator::{Aim, PickAndPlace, RestShortcut, Simulator};
-pub use slanted::{SlantedCamera, SlantedView};
+pub use slanted::{Picture, SlantedCamera, SlantedView};
 pub use snapshot::Snapshot;
 
 /// Digest of this crate's sources, 16 hex digits: equal results need equal code.

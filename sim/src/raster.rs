@@ -63,6 +63,13 @@ impl Window {
     }
 }
 
+impl Window {
+    /// Tells whether it has no pixels.
+    pub fn is_empty(&self) -> bool {
+        self.columns.is_empty() || self.rows.is_empty()
+    }
+}
+
 /// One sample of every pixel of a window.
 pub(crate) struct Raster {
     window: Window,
@@ -112,6 +119,7 @@ impl Raster {
         if twice_area == 0.0 || !twice_area.is_finite() {
             return;
         }
+        let side = twice_area.signum();
         let colours = if twice_area > 0.0 {
             triangle.map(|v| v.shade.top)
         } else {
@@ -126,14 +134,13 @@ impl Raster {
             for column in columns.clone() {
                 let u = column as f32 + self.offset[0];
                 let v = row as f32 + self.offset[1];
-                let weights = [
-                    cross(b, c, u, v) / twice_area,
-                    cross(c, a, u, v) / twice_area,
-                    cross(a, b, u, v) / twice_area,
-                ];
-                if weights.iter().any(|&weight| weight < 0.0) {
+                let parts = [cross(b, c, u, v), cross(c, a, u, v), cross(a, b, u, v)];
+                // Signs first, and all at once: most pixels lie outside, and a branch for each side costs more.
+                let [one, two, three] = parts.map(|part| part * side < 0.0);
+                if one | two | three {
                     continue;
                 }
+                let weights = parts.map(|part| part / twice_area);
                 let mix = |values: [f32; 3]| {
                     weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2]
                 };

@@ -19,7 +19,8 @@ pub(crate) struct Seen {
 }
 
 impl Seen {
-    fn vertex(self, shade: Shade) -> Vertex {
+    /// Returns it as a corner of a triangle.
+    pub(crate) fn vertex(self, shade: Shade) -> Vertex {
         Vertex {
             column: self.column,
             row: self.row,
@@ -32,21 +33,18 @@ impl Seen {
 /// Projects a point of the world frame, metres; `None` where it cannot be drawn.
 pub(crate) type Project<'a> = dyn Fn([f32; 3]) -> Option<Seen> + 'a;
 
-/// Projects the cloth's triangles; of a cell that cannot be drawn whole, neither.
+/// Lists the cloth's triangles; of a cell that cannot be drawn whole, neither.
 ///
 /// - `positions`: `[dimy * dimx]` points in grid order, world frame, metres.
-/// - `shade_of`: the colours at a particle, by its index.
+/// - `vertex_of`: projects and shades a particle, by its index and its point; `None` if it cannot be drawn.
 pub(crate) fn cloth(
     mask: &Mask,
     positions: &[[f32; 3]],
-    project: &Project<'_>,
-    shade_of: &dyn Fn(usize) -> Shade,
+    vertex_of: &dyn Fn(usize, [f32; 3]) -> Option<Vertex>,
 ) -> Vec<[Vertex; 3]> {
-    let vertex = |index: usize| {
-        if !mask.has(index) {
-            return None;
-        }
-        Some(project(positions[index])?.vertex(shade_of(index)))
+    let vertex = |index: usize| match mask.has(index) {
+        true => vertex_of(index, positions[index]),
+        false => None,
     };
     let count = positions.len().min(mask.grid().particle_count());
     let vertices: Vec<Option<Vertex>> = (0..count).map(vertex).collect();
@@ -159,9 +157,7 @@ impl Marker {
                     false => [c, s, 0.0],
                 };
                 let light = 0.72 + 0.4 * dot(outward, LIGHT) / dot(outward, outward).sqrt();
-                let colour = self
-                    .colour()
-                    .map(|channel| (f32::from(channel) * light).min(255.0));
+                let colour = in_light(self.colour().map(|channel| f32::from(channel) * light));
                 Some(seen.vertex(Shade {
                     top: colour,
                     underside: colour,
@@ -183,6 +179,11 @@ impl Marker {
         }
         triangles
     }
+}
+
+/// Limits a colour to what a picture holds; never quite black, which stands for shadow while triangles are drawn.
+pub(crate) fn in_light([red, green, blue]: [f32; 3]) -> [f32; 3] {
+    [red.clamp(1.0, 255.0), green.min(255.0), blue.min(255.0)]
 }
 
 /// Where the light comes from in the pictures for people: from the left, behind and above. A unit vector.

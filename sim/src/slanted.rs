@@ -1,11 +1,10 @@
 //! A camera that looks at the table from one side, for people: folds, heights and the picker are visible.
 //!
-//! In: particle positions in grid order, colours, the picker's marker. Out: a colour and a depth image with light and
-//! shadow. No model sees these pictures, so nothing here has a recorded counterpart.
+//! In: particle positions in grid order, colours, the picker's marker. Out: a colour picture with light and shadow. No model sees these pictures, so nothing here has a recorded counterpart.
 
-use crate::camera::{CameraError, Frame, Look, MAX_SIZE_PX, MIN_SIZE_PX, NEAR_M};
+use crate::camera::{CameraError, Look, MAX_SIZE_PX, MIN_SIZE_PX, NEAR_M};
 use crate::mask::Mask;
-use crate::raster::{Raster, Shade, Window};
+use crate::raster::{Raster, Shade, Vertex, Window};
 use crate::scene::{self, LIGHT, Marker, Seen, cross, dot};
 
 /// A pinhole camera that looks down at a point from one side; world +Z is up in its image.
@@ -17,14 +16,9 @@ pub struct SlantedCamera {
     size_px: [u32; 2],
 }
 
-// The samples of a pixel. Four are enough for pictures of at most 256 colours, and cost half of the nine of the camera
-// over the table.
-const SAMPLES: [[f32; 2]; 4] = [
-    [0.375, 0.125],
-    [0.875, 0.375],
-    [0.125, 0.625],
-    [0.625, 0.875],
-];
+// The samples of a pixel. Three are enough for pictures of at most 256 colours, and cost a third of the nine of the
+// camera over the table.
+const SAMPLES: [[f32; 2]; 3] = [[1.0 / 6.0, 0.5 / 3.0], [2.5 / 3.0, 0.5], [0.5, 2.5 / 3.0]];
 // How much the brightness of cloth follows its slope to the light.
 const RELIEF: f32 = 0.85;
 // The least and the greatest brightness of cloth; 1 when it lies flat.
@@ -34,6 +28,14 @@ const RIM: f32 = 0.66;
 /// Brightness of the table in the shadow of cloth and picker.
 const SHADOW: f32 = 0.8;
 
+// Black stands for shadow while triangles are drawn; cloth and marker are never quite black.
+const BLACK: Shade = Shade {
+    top: [0.0; 3],
+    underside: [0.0; 3],
+};
+/// Cloth below this height lies on the table, metres: one layer, or two that touch.
+const LYING_M: f32 = 0.012;
+
 /// A slanted camera over a table of which it keeps the picture.
 #[derive(Clone, Debug)]
 pub struct SlantedView {
@@ -41,8 +43,21 @@ pub struct SlantedView {
     look: Look,
     /// For each sample: the bare table's colours, row by row.
     table: [Vec<[u8; 3]>; SAMPLES.len()],
-    /// Distance from the camera's plane to the table at each pixel's centre, metres.
-    depth_m: Vec<f32>,
+    /// The sums of these colours over the samples.
+    sums: Vec<[u16; 3]>,
+    /// The picture of the bare table.
+    bare: Vec<u8>,
+}
+
+/// A colour picture, row by row from the top left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue of each pixel: `[height * width * 3]`.
+    pub rgb: Vec<u8>,
 }
 
 impl SlantedCamera {
@@ -153,93 +168,121 @@ impl SlantedView {
             });
             look.tiles[number]
         };
+        let table: [Vec<[u8; 3]>; SAMPLES.len()] =
+            SAMPLES.map(|sample| pixels().map(|pixel| colour(at(pixel, sample))).collect());
+        let sum = |pixel: usize| {
+            [0, 1, 2].map(|channel| {
+                table
+                    .iter()
+                    .map(|colours| u16::from(colours[pixel][channel]))
+                    .sum()
+            })
+        };
+        let sums: Vec<[u16; 3]> = (0..table[0].len()).map(sum).collect();
         SlantedView {
             camera,
             look: look.clone(),
-            table: SAMPLES.map(|sample| pixels().map(|pixel| colour(at(pixel, sample))).collect()),
-            depth_m: pixels()
-                .map(|pixel| at(pixel, [0.5, 0.5]).map_or(f32::INFINITY, |(_, depth_m)| depth_m))
-                .collect(),
+            bare: sums.iter().flat_map(|sum| mean(*sum)).collect(),
+            table,
+            sums,
         }
     }
 
     /// Draws the table, the cloth and the picker's marker.
     ///
     /// - `cloth`, `positions`: as for [`TopDownCamera::render`](crate::TopDownCamera::render).
-    ///
-    /// The depth of a pixel is that of its first sample on the cloth or the marker, else of the table at its centre;
-    /// infinite above the horizon.
     pub fn render(
         &self,
         cloth: impl Into<Mask>,
         positions: &[[f32; 3]],
         marker: Option<&Marker>,
-    ) -> Frame {
+    ) -> Picture {
         let mask = &cloth.into();
-        let size = self.camera.size_px.map(|side| side as usize);
-        let project = self.camera.projector();
-        // A point's shadow lies on the table, away from the light.
-        let shadow = |[x, y, z]: [f32; 3]| {
-            let along = z / LIGHT[2];
-            project([x - along * LIGHT[0], y - along * LIGHT[1], 0.0])
-        };
-        let dark = Shade {
-            top: [0.0; 3],
-            underside: [0.0; 3],
-        };
-        let mut shadows = scene::cloth(mask, positions, &shadow, &|_| dark);
-        let mut triangles = scene::cloth(mask, positions, &project, &|index| {
-            self.shade(mask, positions, index)
-        });
-        if let Some(marker) = marker {
-            shadows.extend(marker.triangles(&shadow));
-            triangles.extend(marker.triangles(&project));
+        let [width, height] = self.camera.size_px;
+        let size = [width, height].map(|side| side as usize);
+        let mut triangles = self.cloth(mask, positions);
+        triangles.extend(marker.into_iter().flat_map(|marker| self.marker(marker)));
+        // Only what stands above the table is drawn, so that anything is nearer than nothing.
+        let window = Window::around(&triangles, size);
+        let mut raster = Raster::new(window.clone(), 0.0);
+        let mut sums = Vec::with_capacity(window.rows.len() * window.columns.len());
+        for row in window.rows.clone() {
+            let [first, end] = [window.columns.start, window.columns.end];
+            sums.extend_from_slice(&self.sums[row * size[0] + first..row * size[0] + end]);
         }
-        // Cloth and marker are above the table, so nothing hides behind it.
-        let [mut shadows_seen, mut seen] =
-            [&shadows, &triangles].map(|of| Raster::new(Window::around(of, size), 0.0));
-        let n_pixels = size[0] * size[1];
-        let mut sums = vec![[0_u16; 3]; n_pixels];
-        let mut depth_m = self.depth_m.clone();
-        let mut is_cloth = vec![false; n_pixels];
-        let mut colours = Vec::with_capacity(n_pixels);
+        let in_window = |column: usize, row: usize| {
+            (row - window.rows.start) * window.columns.len() + column - window.columns.start
+        };
         for (offset, table) in SAMPLES.iter().zip(&self.table) {
-            colours.clone_from(table);
-            for (raster, triangles) in [(&mut shadows_seen, &shadows), (&mut seen, &triangles)] {
-                raster.clear(*offset);
-                for triangle in triangles {
-                    raster.draw(triangle);
-                }
+            raster.clear(*offset);
+            for triangle in &triangles {
+                raster.draw(triangle);
             }
-            for ([column, row], _, _) in shadows_seen.drawn() {
-                let colour = &mut colours[row * size[0] + column];
-                *colour = colour.map(|channel| (f32::from(channel) * SHADOW) as u8);
-            }
-            for ([column, row], colour, inverse_depth) in seen.drawn() {
-                let pixel = row * size[0] + column;
-                colours[pixel] = colour;
-                if !is_cloth[pixel] {
-                    is_cloth[pixel] = true;
-                    depth_m[pixel] = 1.0 / inverse_depth;
-                }
-            }
-            for (sum, colour) in sums.iter_mut().zip(&colours) {
+            for ([column, row], colour, _) in raster.drawn() {
+                // The table's own part of this sample gives way.
+                let tile = table[row * size[0] + column];
+                let colour = match colour == [0; 3] {
+                    true => tile.map(|channel| (f32::from(channel) * SHADOW) as u8),
+                    false => colour,
+                };
+                let sum = &mut sums[in_window(column, row)];
                 for channel in 0..3 {
-                    sum[channel] += u16::from(colour[channel]);
+                    sum[channel] =
+                        sum[channel] - u16::from(tile[channel]) + u16::from(colour[channel]);
                 }
             }
         }
-        let samples = SAMPLES.len() as u16;
-        Frame {
-            width: self.camera.size_px[0],
-            height: self.camera.size_px[1],
-            rgb: sums
-                .iter()
-                .flatten()
-                .map(|sum| ((sum + samples / 2) / samples) as u8)
-                .collect(),
-            depth_m,
+        let mut rgb = self.bare.clone();
+        for (row, sums) in window
+            .rows
+            .clone()
+            .zip(sums.chunks(window.columns.len().max(1)))
+        {
+            let first = 3 * (row * size[0] + window.columns.start);
+            let pixels = rgb[first..].chunks_exact_mut(3);
+            for (pixel, sum) in pixels.zip(sums) {
+                pixel.copy_from_slice(&mean(*sum));
+            }
         }
+        Picture { width, height, rgb }
+    }
+
+    /// Tells whether anything of a marker, or of its shadow, is in the picture.
+    pub fn sees(&self, marker: &Marker) -> bool {
+        let size = self.camera.size_px.map(|side| side as usize);
+        !Window::around(&self.marker(marker), size).is_empty()
+    }
+
+    /// Lists the cloth's triangles in the light, and black ones for its shadow.
+    fn cloth(&self, mask: &Mask, positions: &[[f32; 3]]) -> Vec<[Vertex; 3]> {
+        let project = self.camera.projector();
+        let lit =
+            |index: usize, point| Some(project(point)?.vertex(self.shade(mask, positions, index)));
+        let dark = |index: usize, point: [f32; 3]| {
+            // Cloth that lies on the table hides its shadow, except at its rim.
+            let is_hidden = point[2] < LYING_M && !is_near_rim(mask, index, 2);
+            match is_hidden {
+                true => None,
+                false => Some(project(shadow_of(point))?.vertex(BLACK)),
+            }
+        };
+        let mut triangles = scene::cloth(mask, positions, &lit);
+        triangles.extend(scene::cloth(mask, positions, &dark));
+        triangles
+    }
+
+    /// Likewise of a marker.
+    fn marker(&self, marker: &Marker) -> Vec<[Vertex; 3]> {
+        let project = self.camera.projector();
+        let mut triangles = marker.triangles(&project);
+        let shadows = marker.triangles(&|point| project(shadow_of(point)));
+        triangles.extend(shadows.into_iter().map(|corners| {
+            corners.map(|vertex| Vertex {
+                shade: BLACK,
+                ..vertex
+            })
+        }));
+        triangles
     }
 
     /// Returns the colours at a particle in the light; the rim is darker.
@@ -250,25 +293,47 @@ impl SlantedView {
             false => LIGHT[2],
         };
         let [least, greatest] = BRIGHTNESS;
-        let rim = if is_rim(mask, index) { RIM } else { 1.0 };
+        let rim = if is_near_rim(mask, index, 1) {
+            RIM
+        } else {
+            1.0
+        };
         let brightness = |facing: f32| {
             rim * (1.0 + RELIEF * (facing.max(0.0) - LIGHT[2])).clamp(least, greatest)
         };
         let shade = Shade::both(&self.look, [brightness(facing), brightness(-facing)]);
         Shade {
-            top: shade.top.map(|channel| channel.min(255.0)),
-            underside: shade.underside.map(|channel| channel.min(255.0)),
+            top: scene::in_light(shade.top),
+            underside: scene::in_light(shade.underside),
         }
     }
 }
 
-/// Tells whether a particle lies at an edge of the cloth.
-fn is_rim(mask: &Mask, index: usize) -> bool {
+/// Returns where a point's shadow lies on the table, which is behind cloth and marker.
+fn shadow_of([x, y, z]: [f32; 3]) -> [f32; 3] {
+    let along = z / LIGHT[2];
+    [x - along * LIGHT[0], y - along * LIGHT[1], 0.0]
+}
+
+/// Returns the mean of a pixel's samples.
+fn mean(sum: [u16; 3]) -> [u8; 3] {
+    let samples = SAMPLES.len() as u16;
+    sum.map(|channel| ((channel + samples / 2) / samples) as u8)
+}
+
+/// Tells whether a particle is less than `cells` from an edge of the cloth, along a row or a column.
+fn is_near_rim(mask: &Mask, index: usize, cells: usize) -> bool {
     let (dimx, dimy) = (mask.grid().dimx, mask.grid().dimy);
     let (column, row) = (index % dimx, index / dimx);
-    let inside = column > 0 && row > 0 && column + 1 < dimx && row + 1 < dimy;
-    !inside
-        || [index - 1, index + 1, index - dimx, index + dimx]
-            .iter()
-            .any(|&it| !mask.has(it))
+    let inside = column.min(row) >= cells && column + cells < dimx && row + cells < dimy;
+    let is_missing = |away: usize| {
+        let around = [
+            index - away,
+            index + away,
+            index - away * dimx,
+            index + away * dimx,
+        ];
+        around.iter().any(|&it| !mask.has(it))
+    };
+    !inside || (1..=cells).any(is_missing)
 }

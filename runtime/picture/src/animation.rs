@@ -96,6 +96,8 @@ pub struct Animation {
     palette: Palette,
     path: PathBuf,
     size: [u32; 2],
+    /// The last picture, to look up the colours of changed pixels only.
+    last: Option<RgbImage>,
     /// What a viewer shows before the waiting picture.
     shown: Option<Vec<u8>>,
     /// The picture whose time is not over yet.
@@ -170,6 +172,7 @@ impl Animation {
             palette,
             path: path.to_owned(),
             size,
+            last: None,
             shown: None,
             waiting: None,
             pictures: 0,
@@ -185,7 +188,7 @@ impl Animation {
     /// Adds a picture, to be shown for no time until [`Animation::hold`] gives it some.
     ///
     /// A picture equal to the one before is that one. Returns whether it differs.
-    pub fn show(&mut self, picture: &RgbImage) -> Result<bool, AnimationError> {
+    pub fn show(&mut self, picture: RgbImage) -> Result<bool, AnimationError> {
         let found = [picture.width(), picture.height()];
         if found != self.size {
             return Err(AnimationError::Size {
@@ -193,10 +196,8 @@ impl Animation {
                 expected: self.size,
             });
         }
-        let numbers: Vec<u8> = picture
-            .pixels()
-            .map(|pixel| self.palette.number(pixel.0))
-            .collect();
+        let numbers = self.numbers(&picture);
+        self.last = Some(picture);
         if self
             .waiting
             .as_ref()
@@ -210,6 +211,25 @@ impl Animation {
             delay_cs: 0,
         });
         Ok(true)
+    }
+
+    /// Finds the number of each pixel's colour.
+    fn numbers(&mut self, picture: &RgbImage) -> Vec<u8> {
+        let (Some(last), Some(waiting)) = (&self.last, &self.waiting) else {
+            let pixels = picture.pixels();
+            return pixels.map(|pixel| self.palette.number(pixel.0)).collect();
+        };
+        let both = picture
+            .as_raw()
+            .chunks_exact(3)
+            .zip(last.as_raw().chunks_exact(3));
+        let numbered = both.zip(&waiting.numbers);
+        numbered
+            .map(|((new, old), number)| match (new == old, new) {
+                (false, &[red, green, blue]) => self.palette.number([red, green, blue]),
+                _ => *number,
+            })
+            .collect()
     }
 
     /// Shows the last picture for longer, hundredths of a second; nothing without one.
@@ -367,9 +387,9 @@ mod tests {
         let mut animation = Animation::create(&path, [20, 12], palette()).unwrap();
         let pictures = [spot(3, 4), spot(5, 4), spot(5, 9)];
         for picture in &pictures {
-            assert!(animation.show(picture).unwrap());
+            assert!(animation.show(picture.clone()).unwrap());
             animation.hold(8);
-            assert!(!animation.show(picture).unwrap());
+            assert!(!animation.show(picture.clone()).unwrap());
             animation.hold(5);
         }
         assert!(!path.exists());
@@ -399,7 +419,7 @@ mod tests {
         let empty = Animation::create(&path, [20, 12], palette()).unwrap();
         assert_eq!(empty.finish().unwrap(), None);
         let mut dropped = Animation::create(&path, [20, 12], palette()).unwrap();
-        dropped.show(&spot(1, 1)).unwrap();
+        dropped.show(spot(1, 1)).unwrap();
         drop(dropped);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
         let nowhere = folder.path().join("absent/a.gif");
@@ -408,7 +428,7 @@ mod tests {
             .unwrap();
         assert!(refused.to_string().contains("absent/a.gif"), "{refused}");
         let mut narrow = Animation::create(&path, [19, 12], palette()).unwrap();
-        let refused = narrow.show(&spot(1, 1)).unwrap_err().to_string();
+        let refused = narrow.show(spot(1, 1)).unwrap_err().to_string();
         assert_eq!(
             refused,
             "a picture of [20, 12] pixels does not fit an animation of [19, 12]"

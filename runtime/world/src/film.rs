@@ -8,8 +8,8 @@ use fab_base::interrupt::Interrupt;
 use fab_picture::animation::{Animation, AnimationError, MAX_COLOURS, Palette, Written};
 use fab_program as program;
 use fab_sim::{
-    CameraError, Frame, ImageUp, Look, Marker, Mask, PickAndPlace, SimError, Simulator,
-    SlantedCamera, SlantedView, TopDownCamera,
+    CameraError, ImageUp, Look, Marker, PickAndPlace, Picture, SimError, Simulator, SlantedCamera,
+    SlantedView, TopDownCamera,
 };
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
@@ -36,7 +36,7 @@ const PLANNED_STEPS: u64 = 520;
 /// The share of the size that may be spent ahead of the plan, since motions differ.
 const AHEAD: f64 = 0.15;
 /// Width and height of the slanted picture, pixels.
-const SLANTED_PX: [u32; 2] = [448, 336];
+const SLANTED_PX: [u32; 2] = [384, 288];
 
 /// From where a film is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -70,6 +70,8 @@ pub struct FilmPlan {
     pub camera: TopDownCamera,
     /// The number of motions expected, which decides how many bytes each may take.
     pub motions: u32,
+    /// The largest file, bytes; [`MAX_BYTES`] unless something smaller is wanted.
+    pub max_bytes: u64,
 }
 
 /// A finished film.
@@ -101,11 +103,7 @@ impl fmt::Display for Film {
         )?;
         match self.left_out {
             0 => Ok(()),
-            n => write!(
-                f,
-                "; {n} pictures left out, to keep it below {:.0} MB",
-                MAX_BYTES as f64 / 1e6
-            ),
+            n => write!(f, "; {n} pictures left out, to keep the file small"),
         }
     }
 }
@@ -125,6 +123,7 @@ struct Recording {
 struct Open {
     animation: Animation,
     scene: Scene,
+    shown: State,
     /// The cloth's steps up to the last picture.
     at_step: u64,
     /// How long nothing has changed, hundredths of a second.
@@ -132,6 +131,15 @@ struct Open {
     /// The bytes that the plan grants by now.
     granted: f64,
     left_out: u32,
+}
+
+/// What a picture depends on. Equal ones need not be drawn twice: a third of the time nothing is in motion but the
+/// picker outside the picture.
+#[derive(PartialEq)]
+struct State {
+    positions: Vec<[f32; 3]>,
+    /// `None` outside the picture.
+    marker: Option<Marker>,
 }
 
 /// A camera and what it needs.
@@ -223,33 +231,36 @@ impl Recording {
             path: self.plan.path.clone(),
             why: error.to_string(),
         })?;
-        let picture = scene.picture(cloth);
+        let shown = scene.state(cloth);
+        let picture = scene.picture(cloth, &shown);
         let size = [picture.width(), picture.height()];
         let mut animation = Animation::create(&self.plan.path, size, palette(look))?;
-        animation.show(&picture)?;
+        animation.show(picture)?;
         animation.hold(START_CS);
         self.open = Some(Open {
             animation,
             scene,
+            shown,
             at_step: cloth.steps(),
             still_cs: 0,
-            granted: MAX_BYTES as f64 * AHEAD,
+            granted: self.plan.max_bytes as f64 * AHEAD,
             left_out: 0,
         });
         Ok(())
     }
 
     fn step(&mut self, cloth: &Simulator) -> Result<(), AnimationError> {
+        let max_bytes = self.plan.max_bytes as f64;
         let planned_steps = u64::from(self.plan.motions.max(1)) * PLANNED_STEPS;
         let Some(open) = &mut self.open else {
             return Ok(());
         };
         open.pass_time(cloth);
-        open.granted +=
-            MAX_BYTES as f64 * (1.0 - 2.0 * AHEAD) * STEPS_A_PICTURE as f64 / planned_steps as f64;
-        let spent = open.animation.bytes() as f64;
-        // The rest is for the ends of motions, which are always shown.
-        if spent > open.granted.min(MAX_BYTES as f64 * (1.0 - AHEAD)) {
+        let share = STEPS_A_PICTURE as f64 / planned_steps as f64;
+        // The end of what may be spent is for the ends of motions.
+        let most = max_bytes * (1.0 - AHEAD);
+        open.granted = (open.granted + share * max_bytes * (1.0 - 2.0 * AHEAD)).min(most);
+        if open.animation.bytes() as f64 > open.granted {
             open.left_out += 1;
             return Ok(());
         }
@@ -257,11 +268,13 @@ impl Recording {
     }
 
     fn end_motion(&mut self, cloth: &Simulator) -> Result<(), AnimationError> {
+        let max_bytes = self.plan.max_bytes as f64;
         let Some(open) = &mut self.open else {
             return Ok(());
         };
         open.pass_time(cloth);
-        if open.animation.bytes() as f64 > MAX_BYTES as f64 * (1.0 - 0.3 * AHEAD) {
+        // Half of that is for the last picture of all, whose end is not known in advance.
+        if open.animation.bytes() as f64 > max_bytes * (1.0 - 0.5 * AHEAD) {
             open.left_out += 1;
             return Ok(());
         }
@@ -283,9 +296,14 @@ impl Open {
     }
 
     fn show(&mut self, cloth: &Simulator) -> Result<(), AnimationError> {
-        if self.animation.show(&self.scene.picture(cloth))? {
+        let state = self.scene.state(cloth);
+        if state == self.shown {
+            return Ok(());
+        }
+        if self.animation.show(self.scene.picture(cloth, &state))? {
             self.still_cs = 0;
         }
+        self.shown = state;
         Ok(())
     }
 }
@@ -301,18 +319,34 @@ impl Scene {
         }
     }
 
-    fn picture(&self, cloth: &Simulator) -> RgbImage {
-        let (mask, positions): (&Mask, _) = (cloth.mask(), cloth.positions());
-        let marker: Marker = cloth.marker();
-        let Frame {
-            width, height, rgb, ..
-        } = match self {
-            Scene::Slanted(view) => view.render(mask, &positions, Some(&marker)),
+    /// Draws what a state shows.
+    fn picture(&self, cloth: &Simulator, state: &State) -> RgbImage {
+        let (mask, positions) = (cloth.mask(), &state.positions);
+        let marker = state.marker.as_ref();
+        let (width, height, rgb) = match self {
+            Scene::Slanted(view) => {
+                let Picture { width, height, rgb } = view.render(mask, positions, marker);
+                (width, height, rgb)
+            }
             Scene::Table(camera, look) => {
-                camera.render_marked(mask, &positions, look, Some(&marker))
+                let frame = camera.render_marked(mask, positions, look, marker);
+                (frame.width, frame.height, frame.rgb)
             }
         };
-        RgbImage::from_raw(width, height, rgb).expect("a frame holds width * height pixels")
+        RgbImage::from_raw(width, height, rgb).expect("a picture holds width * height pixels")
+    }
+
+    /// Finds out what is to be drawn.
+    fn state(&self, cloth: &Simulator) -> State {
+        let marker = cloth.marker();
+        let sees = match self {
+            Scene::Slanted(view) => view.sees(&marker),
+            Scene::Table(camera, _) => camera.sees(&marker),
+        };
+        State {
+            positions: cloth.positions(),
+            marker: sees.then_some(marker),
+        }
     }
 }
 
@@ -411,4 +445,125 @@ fn palette(look: &Look) -> Palette {
     colours.dedup();
     debug_assert!(colours.len() <= MAX_COLOURS, "{}", colours.len());
     Palette::new(colours)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use fab_sim::{Grid, Params};
+    use std::fs;
+
+    fn plan(path: PathBuf, view: FilmView, max_bytes: u64) -> FilmPlan {
+        FilmPlan {
+            path,
+            view,
+            camera: TopDownCamera::new(0.65, 45f32.to_radians(), 224).unwrap(),
+            motions: 2,
+            max_bytes,
+        }
+    }
+
+    /// Folds a cloth twice; `interrupted` stops the second fold at its first step.
+    fn fold(recorder: Option<&Recorder>, interrupted: &[bool]) -> Simulator {
+        let grid = Grid::new(24, 24, 0.00625).unwrap();
+        let mut cloth = Simulator::flat(grid, &Params::default());
+        if let Some(recorder) = recorder {
+            recorder.begin(&cloth, &Look::default());
+        }
+        for (stop, side) in interrupted.iter().zip([-1.0_f32, 1.0]) {
+            let interrupt = Interrupt::default();
+            if *stop {
+                interrupt.raise();
+            }
+            let [from, to] = [[side * 0.07, 0.07], [0.0, -0.05]];
+            let done = pick_and_place(&mut cloth, from, to, recorder, &interrupt);
+            assert_eq!(done.is_err(), *stop);
+        }
+        cloth
+    }
+
+    #[test]
+    fn a_film_is_the_same_each_time_and_changes_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let plain = fold(None, &[false, false]).digest();
+        for view in [FilmView::Slanted, FilmView::Table] {
+            let mut bytes = Vec::new();
+            for name in ["a.gif", "b.gif"] {
+                let path = folder.path().join(name);
+                let recorder = Recorder::new(plan(path.clone(), view, MAX_BYTES));
+                assert_eq!(fold(Some(&recorder), &[false, false]).digest(), plain);
+                assert!(!path.exists());
+                let film = recorder.finish().unwrap().unwrap();
+                assert_eq!((film.left_out, film.view), (0, view));
+                // Two motions of about 4 s, a start and three holds; what stands still is shortened.
+                assert!((7.0..11.0).contains(&film.shown_s), "{film}");
+                assert!((40..120).contains(&film.pictures), "{film}");
+                bytes.push(fs::read(path).unwrap());
+                assert_eq!(recorder.finish().unwrap(), None);
+            }
+            assert_eq!(bytes[0], bytes[1]);
+            fs::remove_file(folder.path().join("a.gif")).unwrap();
+            fs::remove_file(folder.path().join("b.gif")).unwrap();
+            assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        }
+    }
+
+    #[test]
+    fn an_interrupted_motion_leaves_a_whole_film() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.gif");
+        let recorder = Recorder::new(plan(path.clone(), FilmView::Table, MAX_BYTES));
+        fold(Some(&recorder), &[false, true]);
+        let film = recorder.finish().unwrap().unwrap();
+        let bytes = fs::read(path).unwrap();
+        assert_eq!(
+            (film.bytes, bytes.last()),
+            (bytes.len() as u64, Some(&b';'))
+        );
+        assert!(film.pictures > 20, "{film}");
+    }
+
+    #[test]
+    fn a_film_that_would_be_too_large_has_fewer_pictures_and_says_so() {
+        let folder = tempfile::tempdir().unwrap();
+        let small = 60_000;
+        let recorder = Recorder::new(plan(folder.path().join("a.gif"), FilmView::Slanted, small));
+        fold(Some(&recorder), &[false, false]);
+        let film = recorder.finish().unwrap().unwrap();
+        assert!(
+            film.bytes < small && film.left_out > 5 && film.pictures > 10,
+            "{film:?}"
+        );
+        assert!(film.to_string().contains(" pictures left out"), "{film}");
+    }
+
+    #[test]
+    fn a_film_that_cannot_be_written_stops_no_motion_and_says_why() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("absent").join("a.gif");
+        let recorder = Recorder::new(plan(path, FilmView::Table, MAX_BYTES));
+        fold(Some(&recorder), &[false]);
+        let refused = recorder.finish().unwrap_err().to_string();
+        assert!(refused.contains("absent/a.gif"), "{refused}");
+        let unused = Recorder::new(plan(
+            folder.path().join("b.gif"),
+            FilmView::Table,
+            MAX_BYTES,
+        ));
+        assert_eq!(unused.finish().unwrap(), None);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn every_colour_of_a_film_has_a_place_in_its_palette() {
+        let _ = palette(&Look::default());
+        let dark = Look {
+            top: [0; 3],
+            underside: [255; 3],
+            ..Look::default()
+        };
+        let _ = palette(&dark);
+    }
 }

@@ -89,6 +89,7 @@ impl VideoArguments {
             view: ViewArgument::film(self.view),
             camera: film::table_camera(&program.camera).map_err(Failure::environment)?,
             motions,
+            max_bytes: film::MAX_BYTES,
         })))
     }
 }

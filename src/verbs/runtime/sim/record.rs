@@ -104,6 +104,7 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
         view: ViewArgument::film(arguments.view),
         camera: render::camera(arguments.camera, None)?,
         motions: u32::try_from(moves.len()).unwrap_or(u32::MAX),
+        max_bytes: film::MAX_BYTES,
     });
     recorder.begin(&cloth, &Look::default());
     let mut moved = Vec::new();
