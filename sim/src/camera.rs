@@ -5,15 +5,15 @@
 //! world axis may be up in its image. Drawing triangles is `raster`'s business.
 
 use crate::mask::Mask;
-use crate::mesh;
 use crate::raster::{Raster, Shade, Vertex, Window};
+use crate::scene::{self, Marker, Seen};
 
 /// Smallest image side, pixels.
 pub const MIN_SIZE_PX: u32 = 16;
 /// Largest image side, pixels.
 pub const MAX_SIZE_PX: u32 = 2048;
 // Surfaces nearer to the camera than this are not drawn, metres (PyFleX: 0.01).
-const NEAR_M: f32 = 0.01;
+pub(crate) const NEAR_M: f32 = 0.01;
 // Colour samples along a pixel's side. The recorded images were rendered at 720 pixels and reduced to 224.
 const OFFSETS: [f32; 3] = [0.5 / 3.0, 1.5 / 3.0, 2.5 / 3.0];
 
@@ -66,6 +66,17 @@ pub enum CameraError {
     /// The image is too small or too large.
     #[error("an image side of `{0}` pixels is outside `{MIN_SIZE_PX}` to `{MAX_SIZE_PX}`")]
     Size(u32),
+    /// A slanted camera does not look down at the table from one side.
+    #[error(
+        "a camera at `{position_m:?}` m that looks at `{target_m:?}` m does not look down from one side; put it at least \
+         `0.05` m above what it looks at, and as far aside"
+    )]
+    Slant {
+        /// Where it is, metres.
+        position_m: [f32; 3],
+        /// What it looks at, metres.
+        target_m: [f32; 3],
+    },
 }
 
 /// Colours of the scene, RGB.
@@ -163,6 +174,17 @@ impl TopDownCamera {
     /// Colour is the mean of 3 x 3 samples a pixel; depth is that of the pixel's centre alone, so no
     /// depth lies between two surfaces.
     pub fn render(&self, cloth: impl Into<Mask>, positions: &[[f32; 3]], look: &Look) -> Frame {
+        self.render_marked(cloth, positions, look, None)
+    }
+
+    /// Draws as [`TopDownCamera::render`] does, with the picker's marker if there is one.
+    pub fn render_marked(
+        &self,
+        cloth: impl Into<Mask>,
+        positions: &[[f32; 3]],
+        look: &Look,
+        marker: Option<&Marker>,
+    ) -> Frame {
         let mask = &cloth.into();
         let camera = TopDownCamera {
             up: ImageUp::Y,
@@ -170,9 +192,12 @@ impl TopDownCamera {
             ..*self
         };
         let size = camera.size_px as usize;
-        let triangles = camera.triangles(mask, positions, look);
+        let mut triangles = camera.triangles(mask, positions, look);
+        if let Some(marker) = marker {
+            triangles.extend(marker.triangles(&|point| camera.see(point)));
+        }
         let background = 1.0 / camera.height_m;
-        let mut raster = Raster::new(Window::around(&triangles, size), background);
+        let mut raster = Raster::new(Window::around(&triangles, [size, size]), background);
         let tiles = camera.tiles(look);
         let mut sums = tiles.sums(self.up);
         let mut depth_m = vec![1.0 / background; size * size];
@@ -207,6 +232,12 @@ impl TopDownCamera {
         }
     }
 
+    /// Tells whether anything of a marker is in the picture.
+    pub fn sees(&self, marker: &Marker) -> bool {
+        let triangles = marker.triangles(&|point| self.see(point));
+        !Window::around(&triangles, [self.size_px as usize; 2]).is_empty()
+    }
+
     /// Finds the tile under each sample of the bare table.
     fn tiles(&self, look: &Look) -> Tiles {
         let size = self.size_px as usize;
@@ -229,50 +260,30 @@ impl TopDownCamera {
         }
     }
 
-    /// Projects the cloth's triangles; of a cell that cannot be drawn whole, neither.
+    /// Projects the cloth's triangles, each vertex the darker the more its surface stands.
     fn triangles(&self, mask: &Mask, positions: &[[f32; 3]], look: &Look) -> Vec<[Vertex; 3]> {
-        let vertices = self.vertices(mask, positions, look);
-        let mut triangles = Vec::with_capacity(2 * vertices.len());
-        for cell in mesh::cells(mask) {
-            let corners = cell.map(|corners| {
-                // The mesh is anticlockwise as seen from above, the raster takes clockwise for the top.
-                let [first, second, third] = corners.map(|index| vertices.get(index)?.as_ref());
-                Some([*first?, *third?, *second?])
-            });
-            if let [Some(one), Some(other)] = corners {
-                triangles.extend([one, other]);
-            }
-        }
-        triangles
+        let shade_of = |index: usize| {
+            let upright = match scene::normal(mask, positions, index) {
+                ([_, _, up], length) if length > 0.0 => up.abs() / length,
+                _ => 1.0,
+            };
+            let brightness = 1.0 - look.shading.clamp(0.0, 1.0) * (1.0 - upright);
+            Shade::both(look, [brightness; 2])
+        };
+        let vertex_of = |index: usize, point| Some(self.see(point)?.vertex(shade_of(index)));
+        scene::cloth(mask, positions, &vertex_of)
     }
 
-    /// Projects and shades every particle; `None` for those that are missing or cannot be drawn.
-    fn vertices(&self, mask: &Mask, positions: &[[f32; 3]], look: &Look) -> Vec<Option<Vertex>> {
-        let shade_of = |upright: f32| {
-            let brightness = 1.0 - look.shading.clamp(0.0, 1.0) * (1.0 - upright);
-            let paint = |colour: [u8; 3]| colour.map(|c| f32::from(c) * brightness);
-            Shade {
-                top: paint(look.top),
-                underside: paint(look.underside),
-            }
-        };
-        (0..positions.len().min(mask.grid().particle_count()))
-            .map(|index| {
-                if !mask.has(index) {
-                    return None;
-                }
-                let point = positions[index];
-                let below_m = self.height_m - point[2];
-                let [column, row] = self.project(point);
-                let drawable = below_m >= NEAR_M && column.is_finite() && row.is_finite();
-                drawable.then(|| Vertex {
-                    column,
-                    row,
-                    inverse_depth: 1.0 / below_m,
-                    shade: shade_of(upright(mask, positions, index)),
-                })
-            })
-            .collect()
+    /// Projects a point; `None` where it cannot be drawn.
+    fn see(&self, point: [f32; 3]) -> Option<Seen> {
+        let below_m = self.height_m - point[2];
+        let [column, row] = self.project(point);
+        let drawable = below_m >= NEAR_M && column.is_finite() && row.is_finite();
+        drawable.then_some(Seen {
+            column,
+            row,
+            inverse_depth: 1.0 / below_m,
+        })
     }
 }
 
@@ -322,33 +333,5 @@ impl Tiles {
         let kinds: Vec<Vec<u16>> = (0..=side).map(row_of).collect();
         let rows = rows.iter().map(|&row| kinds[usize::from(row)].as_slice());
         rows.collect::<Vec<_>>().concat()
-    }
-}
-
-/// Returns how much the surface at a particle faces up or down: 1 lying, 0 standing.
-fn upright(mask: &Mask, positions: &[[f32; 3]], index: usize) -> f32 {
-    let dimx = mask.grid().dimx;
-    let column = index % dimx;
-    // Beyond an edge stands the particle itself, so that the slope there is that of one side.
-    let at = |neighbour: Option<usize>| {
-        let there = neighbour.filter(|&neighbour| mask.has(neighbour));
-        let point = positions.get(there.unwrap_or(index));
-        point.copied().unwrap_or_default()
-    };
-    let between = |a: [f32; 3], b: [f32; 3]| [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
-    let left = (column > 0).then(|| index - 1);
-    let right = (column + 1 < dimx).then_some(index + 1);
-    let u = between(at(left), at(right));
-    let v = between(at(index.checked_sub(dimx)), at(Some(index + dimx)));
-    let normal = [
-        u[1] * v[2] - u[2] * v[1],
-        u[2] * v[0] - u[0] * v[2],
-        u[0] * v[1] - u[1] * v[0],
-    ];
-    let length = (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]).sqrt();
-    if length > 0.0 {
-        normal[2].abs() / length
-    } else {
-        1.0
     }
 }

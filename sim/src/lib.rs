@@ -1,7 +1,7 @@
-//! Simulates a cloth on a table, and a camera that looks straight down on it; all on the CPU.
+//! Simulates a cloth on a table, and cameras that look down on it; all on the CPU.
 //!
 //! A [`Simulator`] is one cloth, one table and one picker. A [`TopDownCamera`] draws colour and depth of any
-//! positions, simulated or not. Nothing here knows of tasks, prompts or models.
+//! positions, simulated or not, and a [`SlantedView`] shows them to a person. Nothing here knows of tasks, prompts or models.
 //!
 //! Lay a cloth, fold one corner onto the opposite one, and take a picture before and after:
 //!
@@ -65,8 +65,10 @@ mod picker;
 mod planes;
 mod raster;
 mod scenario;
+mod scene;
 mod sides;
 mod simulator;
+mod slanted;
 mod snapshot;
 mod solver;
 mod springs;
@@ -78,7 +80,9 @@ pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use mask::{Mask, MaskError};
 pub use params::{ALGORITHM_VERSION, DROP_LEG_STEPS, Params, ParamsError, REACH_M, Route};
 pub use scenario::diagonal_fold;
+pub use scene::Marker;
 pub use simulator::{Aim, PickAndPlace, RestShortcut, Simulator};
+pub use slanted::{Picture, SlantedCamera, SlantedView};
 pub use snapshot::Snapshot;
 
 /// Digest of this crate's sources, 16 hex digits: equal results need equal code.

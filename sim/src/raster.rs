@@ -3,6 +3,7 @@
 //! In: vertices in pixels. Out: for each pixel, the nearest surface's colour
 //! and inverse depth. Knows neither world nor camera.
 
+use crate::camera::Look;
 use std::ops::Range;
 
 /// Colours of both sides at a vertex, 0 to 255 per channel.
@@ -10,6 +11,17 @@ use std::ops::Range;
 pub(crate) struct Shade {
     pub top: [f32; 3],
     pub underside: [f32; 3],
+}
+
+impl Shade {
+    /// Returns the cloth's colours times the brightness of its top and of its underside.
+    pub fn both(look: &Look, [top, underside]: [f32; 2]) -> Shade {
+        let paint = |colour: [u8; 3], brightness: f32| colour.map(|c| f32::from(c) * brightness);
+        Shade {
+            top: paint(look.top, top),
+            underside: paint(look.underside, underside),
+        }
+    }
 }
 
 /// A projected corner of a triangle.
@@ -32,9 +44,9 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// Returns the pixels that triangles can touch, of an image of `size` x `size`.
-    pub fn around(triangles: &[[Vertex; 3]], size: usize) -> Window {
-        let range = |coordinate: fn(&Vertex) -> f32| {
+    /// Returns the pixels that triangles can touch, of an image of `[width, height]`.
+    pub fn around(triangles: &[[Vertex; 3]], [width, height]: [usize; 2]) -> Window {
+        let range = |coordinate: fn(&Vertex) -> f32, size: usize| {
             let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
             for value in triangles.iter().flatten().map(coordinate) {
                 low = low.min(value);
@@ -45,9 +57,16 @@ impl Window {
             (low.floor().max(0.0) as usize).min(end)..end
         };
         Window {
-            columns: range(|vertex| vertex.column),
-            rows: range(|vertex| vertex.row),
+            columns: range(|vertex| vertex.column, width),
+            rows: range(|vertex| vertex.row, height),
         }
+    }
+}
+
+impl Window {
+    /// Tells whether it has no pixels.
+    pub fn is_empty(&self) -> bool {
+        self.columns.is_empty() || self.rows.is_empty()
     }
 }
 
@@ -100,6 +119,7 @@ impl Raster {
         if twice_area == 0.0 || !twice_area.is_finite() {
             return;
         }
+        let side = twice_area.signum();
         let colours = if twice_area > 0.0 {
             triangle.map(|v| v.shade.top)
         } else {
@@ -114,14 +134,13 @@ impl Raster {
             for column in columns.clone() {
                 let u = column as f32 + self.offset[0];
                 let v = row as f32 + self.offset[1];
-                let weights = [
-                    cross(b, c, u, v) / twice_area,
-                    cross(c, a, u, v) / twice_area,
-                    cross(a, b, u, v) / twice_area,
-                ];
-                if weights.iter().any(|&weight| weight < 0.0) {
+                let parts = [cross(b, c, u, v), cross(c, a, u, v), cross(a, b, u, v)];
+                // Signs first, and all at once: most pixels lie outside, and a branch for each side costs more.
+                let [one, two, three] = parts.map(|part| part * side < 0.0);
+                if one | two | three {
                     continue;
                 }
+                let weights = parts.map(|part| part / twice_area);
                 let mix = |values: [f32; 3]| {
                     weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2]
                 };

@@ -11,6 +11,7 @@ use crate::layout::Layout;
 use crate::mask::Mask;
 use crate::params::{Params, ParamsError, REACH_M};
 use crate::picker::{self, Gripper, Way};
+use crate::scene::Marker;
 use crate::snapshot::Snapshot;
 use crate::solver::{Outcome, Solver};
 
@@ -188,6 +189,17 @@ impl Simulator {
         place: [f32; 2],
         interrupted: &dyn Fn() -> bool,
     ) -> Result<PickAndPlace, SimError> {
+        self.pick_and_place_watched(pick, place, interrupted, &mut |_| {})
+    }
+
+    /// Does the same as [`Simulator::pick_and_place`], and shows the cloth to `watch` after every step.
+    pub fn pick_and_place_watched(
+        &mut self,
+        pick: [f32; 2],
+        place: [f32; 2],
+        interrupted: &dyn Fn() -> bool,
+        watch: &mut dyn FnMut(&Simulator),
+    ) -> Result<PickAndPlace, SimError> {
         for [x_m, y_m] in [pick, place] {
             // Written so that a NaN is out of reach too.
             if !(x_m.abs() <= REACH_M && y_m.abs() <= REACH_M) {
@@ -222,6 +234,7 @@ impl Simulator {
                 grasped = grasped.or(self.held);
                 self.step_to(next)?;
                 steps += 1;
+                watch(self);
             }
         }
         Ok(PickAndPlace {
@@ -261,6 +274,20 @@ impl Simulator {
     /// Returns the centre of the picker's sphere, world frame, metres.
     pub fn sphere(&self) -> [f32; 3] {
         self.sphere
+    }
+
+    /// Returns a marker of where the picker grasps: at the particle that it holds, else at its sphere's lowest point.
+    pub fn marker(&self) -> Marker {
+        let [x, y, z] = self.sphere;
+        let lowest = [x, y, z - self.params.picker_radius_m];
+        let held = self
+            .held()
+            .first()
+            .and_then(|&particle| self.solver.points().get(particle).copied());
+        Marker {
+            tip: held.unwrap_or(lowest),
+            holds: held.is_some(),
+        }
     }
 
     /// Returns the state between two steps.

@@ -1,7 +1,10 @@
 //! The camera: geometry, sides, and what is left out.
 #![allow(clippy::unwrap_used)]
 
-use fab_sim::{CameraError, Frame, Grid, ImageUp, Look, Mask, Params, Simulator, TopDownCamera};
+use fab_sim::{
+    CameraError, Frame, Grid, ImageUp, Look, Marker, Mask, Params, Picture, Simulator,
+    SlantedCamera, SlantedView, TopDownCamera,
+};
 
 fn folding_camera(size_px: u32) -> TopDownCamera {
     TopDownCamera::new(0.65, 45f32.to_radians(), size_px).unwrap()
@@ -263,5 +266,130 @@ fn slopes_at_a_hole_are_shaded_as_at_an_edge() {
     assert_eq!(
         camera.render(&mask, &wide, &look),
         camera.render(alone, &narrow, &look)
+    );
+}
+
+/// The slanted view of the tests: from the front, 320 by 240 pixels.
+fn slanted() -> SlantedCamera {
+    SlantedCamera::new([0.0, -0.5, 0.5], [0.0; 3], 0.8, [320, 240]).unwrap()
+}
+
+#[test]
+fn the_slanted_camera_projects_as_a_pinhole_does() {
+    let camera = slanted();
+    let [column, row] = camera.project([0.0; 3]).unwrap();
+    assert!(
+        (column - 160.0).abs() < 1e-3 && (row - 120.0).abs() < 1e-3,
+        "{column} {row}"
+    );
+    // 0.1 m to the right, at the target's depth of 0.5 * sqrt(2) m: a seventh of the focal length, 378.44 pixels.
+    let [column, row] = camera.project([0.1, 0.0, 0.0]).unwrap();
+    assert!(
+        (column - 213.52).abs() < 0.05 && (row - 120.0).abs() < 1e-3,
+        "{column} {row}"
+    );
+    // What is behind is farther up, and what is higher too.
+    let [_, behind] = camera.project([0.0, 0.1, 0.0]).unwrap();
+    let [_, above] = camera.project([0.0, 0.0, 0.1]).unwrap();
+    assert!(
+        (behind - 85.60).abs() < 0.05 && (above - 77.95).abs() < 0.05,
+        "{behind} {above}"
+    );
+    assert_eq!(camera.project([0.0, -1.0, 1.0]), None);
+}
+
+#[test]
+fn the_slanted_view_shows_cloth_shadow_and_marker() {
+    let grid = Grid::new(21, 21, 0.00625).unwrap();
+    let look = Look::default();
+    let camera = slanted();
+    let view = SlantedView::new(camera, &look);
+    let flat = grid.flat_positions(&Params::default());
+    let picture = view.render(grid, &flat, None);
+    let at = |picture: &Picture, point: [f32; 3]| {
+        let [column, row] = camera.project(point).unwrap().map(|it| it as usize);
+        let first = 3 * (row * picture.width as usize + column);
+        [0, 1, 2].map(|channel| picture.rgb[first + channel])
+    };
+    // A flat cloth has its declared colour.
+    assert_eq!(at(&picture, [0.01, 0.0, flat[0][2]]), look.top);
+    assert_eq!(at(&picture, [0.2, 0.1, 0.0]), look.tiles[0]);
+
+    // Raised, it shows the same colour higher up, and darkens the table away from the light.
+    let mut raised = flat.clone();
+    raised.iter_mut().for_each(|point| point[2] += 0.1);
+    let picture = view.render(grid, &raised, None);
+    assert_eq!(at(&picture, [0.01, 0.0, raised[0][2]]), look.top);
+    let shadow = at(&picture, [0.09, -0.05, 0.0]);
+    assert_eq!(
+        shadow,
+        look.tiles[1].map(|channel| (f32::from(channel) * 0.8) as u8)
+    );
+
+    // The other way up it shows its underside.
+    let mut turned = flat.clone();
+    turned.iter_mut().for_each(|point| point[0] = -point[0]);
+    let picture = view.render(grid, &turned, None);
+    assert_eq!(at(&picture, [0.01, 0.0, flat[0][2]]), look.underside);
+
+    for holds in [false, true] {
+        let marker = Marker {
+            tip: [0.0, 0.0, 0.05],
+            holds,
+        };
+        assert!(view.sees(&marker));
+        let picture = view.render(grid, &flat, Some(&marker));
+        let [red, _, blue] = at(&picture, [0.0, 0.0, 0.059]);
+        assert_eq!(blue > 100 && red < blue / 2, holds, "{red} {blue}");
+    }
+    let far = Marker {
+        tip: [5.0, 0.0, 0.1],
+        holds: false,
+    };
+    assert!(!view.sees(&far));
+}
+
+#[test]
+fn slanted_cameras_that_cannot_be_are_refused() {
+    let build = |position, fov, size| SlantedCamera::new(position, [0.0; 3], fov, size);
+    for position in [
+        [0.0, 0.0, 0.5],
+        [0.0, -0.5, 0.0],
+        [0.0, f32::NAN, 0.5],
+        [0.0, -20.0, 0.5],
+    ] {
+        let refused = build(position, 0.8, [320, 240]).unwrap_err();
+        assert!(matches!(refused, CameraError::Slant { .. }), "{refused}");
+    }
+    let wide = build([0.0, -0.5, 0.5], 3.0, [320, 240]);
+    assert_eq!(wide.unwrap_err(), CameraError::FieldOfView(3.0));
+    let flat = build([0.0, -0.5, 0.5], 0.8, [320, 8]);
+    assert_eq!(flat.unwrap_err(), CameraError::Size(8));
+}
+
+#[test]
+fn a_marker_hides_only_what_is_below_it() {
+    let grid = Grid::new(21, 21, 0.00625).unwrap();
+    let flat = grid.flat_positions(&Params::default());
+    let (camera, look) = (folding_camera(224), Look::default());
+    let plain = camera.render(grid, &flat, &look);
+    let marker = Marker {
+        tip: [0.03, 0.02, 0.01],
+        holds: true,
+    };
+    let marked = camera.render_marked(grid, &flat, &look, Some(&marker));
+    let differ = (0..224 * 224).filter(|&at| plain.depth_m[at] != marked.depth_m[at]);
+    let apart = differ.map(|at| [at % 224, at / 224]).collect::<Vec<_>>();
+    let [column, row] = camera.project(marker.tip).map(|it| it as usize);
+    // A ball of 9 mm is four pixels, and the rod leans outwards.
+    assert!(
+        apart.contains(&[column, row]) && apart.len() < 120,
+        "{}",
+        apart.len()
+    );
+    assert!(
+        apart
+            .iter()
+            .all(|[c, r]| c.abs_diff(column) < 12 && r.abs_diff(row) < 12)
     );
 }

@@ -215,3 +215,28 @@ fn parameters_read_back_as_written() {
     assert_eq!(serde_json::from_str::<Params>(&text).unwrap(), params);
     assert!(serde_json::from_str::<Params>(r#"{"bent": 1}"#).is_err());
 }
+
+#[test]
+fn a_watched_motion_is_the_same_and_is_shown_step_by_step() {
+    let grid = Grid::new(20, 20, 0.00625).unwrap();
+    let corner = Simulator::flat(grid, &Params::default()).positions()[0];
+    let (from, to) = ([corner[0], corner[1]], [0.02, -0.01]);
+    let mut plain = Simulator::flat(grid, &Params::default());
+    let done = plain.pick_and_place(from, to, &|| false).unwrap();
+    let mut watched = Simulator::flat(grid, &Params::default());
+    let mut shown = Vec::new();
+    let again = watched
+        .pick_and_place_watched(from, to, &|| false, &mut |cloth| {
+            shown.push((cloth.steps(), cloth.marker()));
+        })
+        .unwrap();
+    assert_eq!((again, watched.digest()), (done.clone(), plain.digest()));
+    let steps: Vec<u64> = shown.iter().map(|(step, _)| *step).collect();
+    assert_eq!(steps, (1..=u64::from(done.steps)).collect::<Vec<_>>());
+    // It is at the held corner while it holds, and comes from and goes home.
+    let holding: Vec<_> = shown.iter().filter(|(_, marker)| marker.holds).collect();
+    let [first, last] = [holding[0], holding[holding.len() - 1]].map(|(_, marker)| marker.tip);
+    let near = |tip: [f32; 3], at: [f32; 2]| (tip[0] - at[0]).hypot(tip[1] - at[1]) < 0.02;
+    assert!(near(first, from) && near(last, to), "{first:?} {last:?}");
+    assert!(!shown[0].1.holds && !shown[shown.len() - 1].1.holds);
+}

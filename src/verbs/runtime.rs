@@ -21,6 +21,7 @@ pub mod estimate;
 pub mod operator;
 pub mod setting;
 pub mod step_scene;
+pub mod video;
 
 super::verbs! {
     /// Verbs that need the runtime.

@@ -15,6 +15,53 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     replace(path, bytes, &neighbour, || File::create(&neighbour))
 }
 
+/// A file under construction that appears under its name only once it is whole.
+///
+/// What is written goes to a temporary file beside it. [`NewFile::finish`] syncs and renames that; dropping removes it.
+#[derive(Debug)]
+pub struct NewFile {
+    file: File,
+    neighbour: PathBuf,
+    path: PathBuf,
+}
+
+impl NewFile {
+    /// Begins a file that will be at `path`, in place of any that is there.
+    pub fn create(path: &Path) -> io::Result<NewFile> {
+        let neighbour = neighbour(path, "part");
+        Ok(NewFile {
+            file: File::create(&neighbour)?,
+            neighbour,
+            path: path.to_owned(),
+        })
+    }
+
+    /// Syncs what was written and gives it its name.
+    pub fn finish(self) -> io::Result<()> {
+        self.file.sync_all()?;
+        fs::rename(&self.neighbour, &self.path)?;
+        sync_folder(&self.path);
+        Ok(())
+    }
+}
+
+impl Write for NewFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Drop for NewFile {
+    fn drop(&mut self) {
+        // It is not there any more once it was renamed.
+        let _ = fs::remove_file(&self.neighbour);
+    }
+}
+
 /// Gives an existing file new content, and keeps its owner, its mode and its links, symbolic and hard.
 ///
 /// It is replaced by renaming, so a crash leaves either the old content or the new. Two kinds of files are rewritten in
@@ -231,6 +278,24 @@ mod tests {
         assert_eq!((made.mode(), made.len()), (information.mode(), 0));
         let private = create_private(&folder.path().join("private")).unwrap();
         assert_eq!(private.metadata().unwrap().mode() & 0o777, 0o600);
+    }
+
+    #[test]
+    fn a_new_file_appears_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = file(&folder, "old");
+        let mut dropped = NewFile::create(&path).unwrap();
+        dropped.write_all(b"half").unwrap();
+        assert_eq!(names(&folder).len(), 2);
+        drop(dropped);
+        assert_eq!(names(&folder), ["a.fab"]);
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+
+        let mut whole = NewFile::create(&path).unwrap();
+        whole.write_all(b"new").unwrap();
+        whole.finish().unwrap();
+        assert_eq!(names(&folder), ["a.fab"]);
+        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Pictures and the cameras that take them: colour, depth, sets of pixels, PNG files.
+//! Pictures and the cameras that take them: colour, depth, sets of pixels, PNG files, animated GIF files.
 //!
 //! In: files, camera readings, world points. Out: pictures, [`Mask`]s and coordinates. World points are metres,
 //! right-handed, z up; pixels are `[column, row]` from the top left corner. `fab-vision` interprets what a picture
@@ -22,6 +22,7 @@
 //! # Ok::<(), &str>(())
 //! ```
 
+pub mod animation;
 pub mod arrow;
 pub mod camera;
 pub mod hull;

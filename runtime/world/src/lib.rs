@@ -7,6 +7,7 @@ pub mod conformance;
 pub mod crumple;
 pub mod expert;
 pub mod external;
+pub mod film;
 pub mod metrics;
 pub mod protocol;
 pub mod serve;

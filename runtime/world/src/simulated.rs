@@ -2,6 +2,7 @@
 
 use super::{Executed, Grasp, Motion, World, WorldError};
 use crate::crumple;
+use crate::film::{self, Recorder};
 use crate::start::Start;
 use crate::vary::{AxisValues, Setup};
 use fab_base::interrupt::Interrupt;
@@ -25,6 +26,7 @@ pub struct SimulatedWorld {
     lens: TopDownCamera,
     camera: Camera,
     cloth: Option<Simulator>,
+    recorder: Option<Recorder>,
 }
 
 impl SimulatedWorld {
@@ -35,18 +37,9 @@ impl SimulatedWorld {
         camera: &program::Camera,
         picker: program::Picker,
     ) -> Result<SimulatedWorld, WorldError> {
-        let lens = TopDownCamera::new(
-            camera.height_m as f32,
-            camera.fov_rad as f32,
-            camera.image_px,
-        )
-        .map_err(|error| WorldError::Camera {
+        let lens = film::table_camera(camera).map_err(|error| WorldError::Camera {
             why: error.to_string(),
         })?;
-        let up = match camera.up {
-            program::ImageUp::Y => fab_sim::ImageUp::Y,
-            program::ImageUp::X => fab_sim::ImageUp::X,
-        };
         Ok(SimulatedWorld {
             parameters: match picker {
                 program::Picker::PutDown => Params::default(),
@@ -54,10 +47,19 @@ impl SimulatedWorld {
             },
             variation: AxisValues::default(),
             look: Look::default(),
-            lens: lens.with_up(up),
+            lens,
             camera: Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up),
             cloth: None,
+            recorder: None,
         })
+    }
+
+    /// Takes a film of everything that happens.
+    pub fn with_recorder(self, recorder: Recorder) -> SimulatedWorld {
+        SimulatedWorld {
+            recorder: Some(recorder),
+            ..self
+        }
     }
 
     /// Changes the colours of cloth and table.
@@ -144,7 +146,11 @@ impl World for SimulatedWorld {
                 why: OUTLINED.to_owned(),
             });
         }
-        self.cloth = Some(self.lay(start)?);
+        let cloth = self.lay(start)?;
+        if let Some(recorder) = &self.recorder {
+            recorder.begin(&cloth, &self.look);
+        }
+        self.cloth = Some(cloth);
         Ok(())
     }
 
@@ -166,11 +172,10 @@ impl World for SimulatedWorld {
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
         let cloth = self.cloth.as_mut().ok_or(WorldError::NotReset)?;
         let on_table = |point: &super::WorldPoint| [point.x as f32, point.y as f32];
-        let done = cloth
-            .pick_and_place(on_table(&motion.pick), on_table(&motion.place), &|| {
-                interrupt.is_raised()
-            })
-            .map_err(stopped)?;
+        let [pick, place] = [&motion.pick, &motion.place].map(on_table);
+        let recorder = self.recorder.as_ref();
+        let done =
+            film::pick_and_place(cloth, pick, place, recorder, interrupt).map_err(stopped)?;
         Ok(Executed {
             motion: *motion,
             grasp: done

@@ -20,6 +20,7 @@ use crate::verbs::runtime::setting::model_arguments::SpendArguments;
 use crate::verbs::runtime::setting::models;
 use crate::verbs::runtime::setting::policies::Deciding;
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
+use crate::verbs::runtime::video::{Filmed, VideoArguments};
 use clap::Args;
 use clap::ValueHint;
 use fab_agent::examples::Examples;
@@ -70,6 +71,9 @@ pub struct RunArguments {
     #[arg(long)]
     #[serde(default)]
     pub operator: bool,
+    #[command(flatten)]
+    #[serde(default, skip_serializing_if = "VideoArguments::is_absent")]
+    pub video: VideoArguments,
     /// The run folder; default: the next free `runs/TASK-NNNN`.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
@@ -100,6 +104,7 @@ pub enum Destination<'a> {
 /// Runs one rollout and reports it.
 pub fn run(arguments: &RunArguments, io: &Io) -> Result<Exit, Failure> {
     arguments.arm.check_world(&arguments.world)?;
+    arguments.video.check(&arguments.world)?;
     play(arguments, Destination::New, io)
 }
 
@@ -165,8 +170,10 @@ pub fn play(
     let subgoals = prepare(&shown, &start, &beside, &make_expert_world, &interrupt)?;
     // The path of the arm's journal; nothing moves before it is known.
     let journal = OnceLock::new();
+    // The film; the run folder, where it is written, is made later.
+    let film = OnceLock::new();
     let make_world = || match &arguments.world {
-        WorldChoice::Sim => setting::world(&program),
+        WorldChoice::Sim => setting::filmed_world(&program, film.get()),
         WorldChoice::Arm => {
             setting::arm::world(&program, &arguments.arm, moving, journal.get(), io)
         }
@@ -265,6 +272,9 @@ pub fn play(
     };
     let folder = folder.map_err(Failure::environment)?;
     let _ = journal.set(folder.path().to_owned());
+    if let Some(recorder) = arguments.video.recorder(&program, folder.path())? {
+        let _ = film.set(recorder);
+    }
     // From here on, only this process writes into the folder.
     let noted = ledger::read(folder.path()).map_err(Failure::environment)?;
     let spent = noted.spent;
@@ -278,6 +288,7 @@ pub fn play(
     if let (Some(_), Some(run)) = (&arm, journal.get()) {
         preflight::report_run_state(run, io);
     }
+    let filmed = film.get().map(|recorder| Filmed::of(recorder, io));
     let report = done.map_err(|error| match error {
         // An interrupt also ends the wait for a cloth, so that a failed start then counts as interrupted.
         RunError::World(WorldError::Start { .. } | WorldError::Interrupted)
@@ -292,8 +303,21 @@ pub fn play(
     } else {
         io.report(
             arguments.json,
-            || serde_json::to_value(&report).expect("a report has string keys and finite numbers"),
-            || report::summary(&report, program.goal.as_ref()),
+            || {
+                let mut document = serde_json::to_value(&report)
+                    .expect("a report has string keys and finite numbers");
+                if let Some(filmed) = &filmed {
+                    document["video"] = filmed.json();
+                }
+                document
+            },
+            || {
+                let mut text = report::summary(&report, program.goal.as_ref());
+                if let Some(filmed) = &filmed {
+                    text.push_str(&format!("\n{}", filmed.text()));
+                }
+                text
+            },
         );
     }
     let judged = report.operator.as_ref().map(|judgement| judgement.reached);

@@ -19,6 +19,7 @@ use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_program::{ClothStart, Program};
 use fab_world::crumple;
+use fab_world::film::Recorder;
 use fab_world::start::{Grid, Start, StartFrame, Up};
 use fab_world::vary::AxisValues;
 use fab_world::{SimulatedWorld, World, WorldError};
@@ -56,6 +57,18 @@ pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
         &program.camera,
         program.picker,
     )?))
+}
+
+/// Makes a simulated world for a program, filmed if there is a recorder.
+pub fn filmed_world(
+    program: &Program,
+    recorder: Option<&Recorder>,
+) -> Result<Box<dyn World>, WorldError> {
+    let Some(recorder) = recorder else {
+        return world(program);
+    };
+    let world = SimulatedWorld::new(&program.camera, program.picker)?;
+    Ok(Box::new(world.with_recorder(recorder.clone())))
 }
 
 /// Lays the cloth as the command line says, or else as the task does; `folder` holds the task's file.

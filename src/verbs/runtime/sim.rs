@@ -5,6 +5,7 @@
 
 mod crumple;
 mod export;
+mod record;
 mod render;
 mod replay;
 mod time;
@@ -17,6 +18,7 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::verbs::runtime::sim::crumple::CrumpleArguments;
 use crate::verbs::runtime::sim::export::ExportArguments;
+use crate::verbs::runtime::sim::record::RecordArguments;
 use crate::verbs::runtime::sim::render::DrawArguments;
 use crate::verbs::runtime::sim::replay::ReplayArguments;
 use crate::verbs::runtime::sim::time::TimeArguments;
@@ -45,6 +47,8 @@ pub enum SimVerb {
     Crumple(CrumpleArguments),
     /// Draws particle positions as the camera over the table sees them.
     Render(DrawArguments),
+    /// Films picks and places, given or recorded, as an animated GIF.
+    Record(RecordArguments),
     /// Writes particle positions in the world frame, or the cloth as a mesh.
     Export(ExportArguments),
 }
@@ -59,6 +63,7 @@ pub fn run(arguments: &SimArguments, io: &Io) -> Result<Exit, Failure> {
         SimVerb::Time(arguments) => time::run(arguments, io),
         SimVerb::Crumple(arguments) => crumple::run(arguments, io),
         SimVerb::Render(arguments) => render::run(arguments, io),
+        SimVerb::Record(arguments) => record::run(arguments, io),
         SimVerb::Export(arguments) => export::run(arguments, io),
     }
 }

@@ -49,7 +49,7 @@ const GREY_PER_M: f32 = 255.0;
 
 /// Draws the picture and writes it.
 pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
-    let camera = camera(arguments)?;
+    let camera = camera(arguments.camera, arguments.size)?;
     let path = output_path(arguments)?;
     let state = files::read_state(&arguments.state)?;
     files::not_onto_itself(&arguments.state.file, &path)?;
@@ -90,13 +90,13 @@ pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Sets up one of the paper's cameras (protocol, section 3).
-fn camera(arguments: &DrawArguments) -> Result<TopDownCamera, Failure> {
-    let (height_m, size_px, up) = match arguments.camera {
+/// Sets up one of the paper's cameras (protocol, section 3), with another side if one is asked for.
+pub fn camera(camera: CameraArgument, side_px: Option<u32>) -> Result<TopDownCamera, Failure> {
+    let (height_m, size_px, up) = match camera {
         CameraArgument::Folding => (0.65, 224, ImageUp::Y),
         CameraArgument::Smoothing => (1.0, 720, ImageUp::X),
     };
-    let size_px = arguments.size.unwrap_or(size_px);
+    let size_px = side_px.unwrap_or(size_px);
     TopDownCamera::new(height_m, std::f32::consts::FRAC_PI_4, size_px)
         .map(|camera| camera.with_up(up))
         .map_err(|error| Failure::usage(format!("`--size {size_px}`: {error}")))

@@ -78,7 +78,11 @@ struct Row {
 pub fn run(arguments: &ReplayArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     let params = params(&arguments.changes)?;
-    let wanted = choose(demonstrations::read(&arguments.folder)?, arguments)?;
+    let wanted = choose(
+        demonstrations::read(&arguments.folder)?,
+        arguments.task.as_deref(),
+        arguments.ids.as_deref(),
+    )?;
     // Damaged files should be reported before minutes have passed.
     for demonstration in &wanted {
         let start = demonstration.positions()?.start;
@@ -141,20 +145,21 @@ fn params(changes: &[String]) -> Result<Params, Failure> {
 }
 
 /// Selects the demonstrations that the command line asks for.
-fn choose(
+pub fn choose(
     mut all: Vec<Demonstration>,
-    arguments: &ReplayArguments,
+    task: Option<&str>,
+    ids: Option<&[u64]>,
 ) -> Result<Vec<Demonstration>, Failure> {
-    if let Some(task) = &arguments.task {
+    if let Some(task) = task {
         let there = listed(all.iter().map(|it| it.task.as_str()));
-        all.retain(|it| it.task == *task);
+        all.retain(|it| it.task == task);
         if all.is_empty() {
             return Err(Failure::usage(format!(
                 "`--task {task}`: there is no such task; there are {there}"
             )));
         }
     }
-    if let Some(ids) = &arguments.ids {
+    if let Some(ids) = ids {
         if let Some(absent) = ids.iter().find(|id| all.iter().all(|it| it.id != **id)) {
             let there = listed(all.iter().map(|it| it.id));
             return Err(Failure::usage(format!(
@@ -167,7 +172,7 @@ fn choose(
 }
 
 /// Lists the available values for a message, sorted and without duplicates; a very long list is cut.
-fn listed<T: Ord + Display>(values: impl Iterator<Item = T>) -> String {
+pub fn listed<T: Ord + Display>(values: impl Iterator<Item = T>) -> String {
     const MOST: usize = 50;
     let values: BTreeSet<T> = values.collect();
     let mut names: Vec<String> = values.iter().take(MOST).map(T::to_string).collect();
@@ -177,7 +182,8 @@ fn listed<T: Ord + Display>(values: impl Iterator<Item = T>) -> String {
     names.join(", ")
 }
 
-fn lay(it: &Demonstration, start: &[[f32; 3]], params: &Params) -> Result<Simulator, Failure> {
+/// Lays the cloth of a demonstration.
+pub fn lay(it: &Demonstration, start: &[[f32; 3]], params: &Params) -> Result<Simulator, Failure> {
     Simulator::from_positions(it.grid, start, params).map_err(|error| {
         let (task, id) = (&it.task, it.id);
         Failure::environment(format!("the start of `{task}` {id} is no cloth's: {error}"))

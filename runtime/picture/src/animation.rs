@@ -1,0 +1,437 @@
+//! Animated pictures as GIF files, written picture by picture.
+//!
+//! In: pictures of one size, each with how long it is shown. Out: a file that appears under its name once it is whole.
+//! Only the pixels that change are stored, and one [`Palette`] serves all pictures. Memory does not grow with the
+//! number of pictures. What is drawn, and when, is the caller's business.
+
+use fab_base::files::NewFile;
+use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
+use image::RgbImage;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// The most colours of a palette; one more number means "as before".
+pub const MAX_COLOURS: usize = 255;
+/// The number of pixels that stay as they were.
+const SAME: u8 = 255;
+/// Colours of which the nearest one is remembered; more are looked up anew.
+const MAX_REMEMBERED: usize = 1 << 16;
+
+/// Why an animation cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum AnimationError {
+    /// The file cannot be written.
+    #[error("cannot write `{path}`: {why}")]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// The system's error.
+        why: String,
+    },
+    /// A picture has another size than the first one.
+    #[error("a picture of {found:?} pixels does not fit an animation of {expected:?}")]
+    Size {
+        /// Width and height of the picture.
+        found: [u32; 2],
+        /// Width and height of the first one.
+        expected: [u32; 2],
+    },
+}
+
+/// The colours of an animation.
+#[derive(Clone, Debug)]
+pub struct Palette {
+    colours: Vec<[u8; 3]>,
+    nearest: HashMap<[u8; 3], u8>,
+}
+
+impl Palette {
+    /// Takes the first [`MAX_COLOURS`] colours; black, if there is none.
+    pub fn new(colours: impl IntoIterator<Item = [u8; 3]>) -> Palette {
+        let mut colours: Vec<[u8; 3]> = colours.into_iter().take(MAX_COLOURS).collect();
+        if colours.is_empty() {
+            colours.push([0; 3]);
+        }
+        Palette {
+            colours,
+            nearest: HashMap::new(),
+        }
+    }
+
+    /// Returns the number of the nearest colour; of equally near ones, the first.
+    fn number(&mut self, colour: [u8; 3]) -> u8 {
+        if let Some(&number) = self.nearest.get(&colour) {
+            return number;
+        }
+        let distance = |other: &[u8; 3]| -> i32 {
+            let of = |channel: usize| i32::from(other[channel]) - i32::from(colour[channel]);
+            [0, 1, 2]
+                .map(|channel| of(channel) * of(channel))
+                .iter()
+                .sum()
+        };
+        let numbered = (0_u8..).zip(&self.colours);
+        let nearest = numbered.min_by_key(|(_, other)| distance(other));
+        let number = nearest.map_or(0, |(number, _)| number);
+        if self.nearest.len() >= MAX_REMEMBERED {
+            self.nearest.clear();
+        }
+        self.nearest.insert(colour, number);
+        number
+    }
+
+    /// Returns 256 colours as a GIF file has them.
+    fn bytes(&self) -> Vec<u8> {
+        let mut bytes = self.colours.concat();
+        bytes.resize(3 * 256, 0);
+        bytes
+    }
+}
+
+/// An animation that is being written; dropping it before [`Animation::finish`] leaves no file.
+pub struct Animation {
+    encoder: Encoder<Counted>,
+    palette: Palette,
+    path: PathBuf,
+    size: [u32; 2],
+    /// The last picture, to look up the colours of changed pixels only.
+    last: Option<RgbImage>,
+    /// What a viewer shows before the waiting picture.
+    shown: Option<Vec<u8>>,
+    /// The picture whose time is not over yet.
+    waiting: Option<Waiting>,
+    pictures: u32,
+    shown_cs: u64,
+}
+
+/// A picture that is not written yet.
+struct Waiting {
+    numbers: Vec<u8>,
+    delay_cs: u32,
+}
+
+/// A finished animation.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// The file.
+    pub path: PathBuf,
+    /// Pictures in it.
+    pub pictures: u32,
+    /// How long they are shown together, hundredths of a second.
+    pub shown_cs: u64,
+    /// Its size.
+    pub bytes: u64,
+}
+
+/// Counts what goes into a file.
+struct Counted {
+    file: io::BufWriter<NewFile>,
+    bytes: u64,
+}
+
+impl Write for Counted {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        self.bytes += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Animation {
+    /// Begins an animation that repeats for ever.
+    ///
+    /// - `size`: width and height of its pictures, pixels, at most 65,535.
+    pub fn create(
+        path: &Path,
+        size: [u32; 2],
+        palette: Palette,
+    ) -> Result<Animation, AnimationError> {
+        let unwritable = |why: String| AnimationError::Unwritable {
+            path: path.to_owned(),
+            why,
+        };
+        let [width, height] = size.map(|side| u16::try_from(side).unwrap_or(u16::MAX));
+        let file = NewFile::create(path).map_err(|error| unwritable(error.to_string()))?;
+        let counted = Counted {
+            file: io::BufWriter::new(file),
+            bytes: 0,
+        };
+        let begun =
+            Encoder::new(counted, width, height, &palette.bytes()).and_then(|mut encoder| {
+                encoder.set_repeat(Repeat::Infinite)?;
+                Ok(encoder)
+            });
+        Ok(Animation {
+            encoder: begun.map_err(|error| unwritable(error.to_string()))?,
+            palette,
+            path: path.to_owned(),
+            size,
+            last: None,
+            shown: None,
+            waiting: None,
+            pictures: 0,
+            shown_cs: 0,
+        })
+    }
+
+    /// Returns the bytes written so far, without the picture whose time is not over yet.
+    pub fn bytes(&self) -> u64 {
+        self.encoder.get_ref().bytes
+    }
+
+    /// Adds a picture, to be shown for no time until [`Animation::hold`] gives it some.
+    ///
+    /// A picture equal to the one before is that one. Returns whether it differs.
+    pub fn show(&mut self, picture: RgbImage) -> Result<bool, AnimationError> {
+        let found = [picture.width(), picture.height()];
+        if found != self.size {
+            return Err(AnimationError::Size {
+                found,
+                expected: self.size,
+            });
+        }
+        let numbers = self.numbers(&picture);
+        self.last = Some(picture);
+        if self
+            .waiting
+            .as_ref()
+            .is_some_and(|waiting| waiting.numbers == numbers)
+        {
+            return Ok(false);
+        }
+        self.write_waiting()?;
+        self.waiting = Some(Waiting {
+            numbers,
+            delay_cs: 0,
+        });
+        Ok(true)
+    }
+
+    /// Finds the number of each pixel's colour.
+    fn numbers(&mut self, picture: &RgbImage) -> Vec<u8> {
+        let (Some(last), Some(waiting)) = (&self.last, &self.waiting) else {
+            let pixels = picture.pixels();
+            return pixels.map(|pixel| self.palette.number(pixel.0)).collect();
+        };
+        let both = picture
+            .as_raw()
+            .chunks_exact(3)
+            .zip(last.as_raw().chunks_exact(3));
+        let numbered = both.zip(&waiting.numbers);
+        numbered
+            .map(|((new, old), number)| match (new == old, new) {
+                (false, &[red, green, blue]) => self.palette.number([red, green, blue]),
+                _ => *number,
+            })
+            .collect()
+    }
+
+    /// Shows the last picture for longer, hundredths of a second; nothing without one.
+    pub fn hold(&mut self, longer_cs: u32) {
+        if let Some(waiting) = &mut self.waiting {
+            waiting.delay_cs += longer_cs;
+        }
+    }
+
+    /// Ends the file and gives it its name; `None`, and no file, if it has no picture.
+    pub fn finish(mut self) -> Result<Option<Written>, AnimationError> {
+        self.write_waiting()?;
+        if self.pictures == 0 {
+            return Ok(None);
+        }
+        let path = self.path;
+        let unwritable = |why: String| AnimationError::Unwritable {
+            path: path.clone(),
+            why,
+        };
+        let counted = self
+            .encoder
+            .into_inner()
+            .map_err(|error| unwritable(error.to_string()))?;
+        let file = counted
+            .file
+            .into_inner()
+            .map_err(|error| unwritable(error.to_string()))?;
+        file.finish()
+            .map_err(|error| unwritable(error.to_string()))?;
+        Ok(Some(Written {
+            path,
+            pictures: self.pictures,
+            shown_cs: self.shown_cs,
+            bytes: counted.bytes,
+        }))
+    }
+
+    /// Writes the waiting picture: the smallest rectangle with all changed pixels.
+    fn write_waiting(&mut self) -> Result<(), AnimationError> {
+        let Some(Waiting { numbers, delay_cs }) = self.waiting.take() else {
+            return Ok(());
+        };
+        let width = self.size[0] as usize;
+        // A viewer takes a delay of 0 for one of its own choice.
+        let delay = u16::try_from(delay_cs.max(2)).unwrap_or(u16::MAX);
+        let mut frame = Frame {
+            delay,
+            dispose: DisposalMethod::Keep,
+            ..Frame::default()
+        };
+        let [left, top, right, bottom] = match &self.shown {
+            Some(shown) => changed(shown, &numbers, width),
+            None => [0, 0, width, self.size[1] as usize],
+        };
+        let side = |length: usize| u16::try_from(length).unwrap_or(u16::MAX);
+        (frame.left, frame.top) = (side(left), side(top));
+        (frame.width, frame.height) = (side(right - left), side(bottom - top));
+        let mut pixels = Vec::with_capacity((right - left) * (bottom - top));
+        for row in top..bottom {
+            let here = row * width + left..row * width + right;
+            match &self.shown {
+                Some(shown) => {
+                    let both = numbers[here.clone()].iter().zip(&shown[here]);
+                    pixels.extend(both.map(|(new, old)| if new == old { SAME } else { *new }));
+                }
+                None => pixels.extend_from_slice(&numbers[here]),
+            }
+        }
+        frame.transparent = self.shown.is_some().then_some(SAME);
+        frame.buffer = Cow::Owned(pixels);
+        let written = self.encoder.write_frame(&frame);
+        written.map_err(|error: EncodingError| AnimationError::Unwritable {
+            path: self.path.clone(),
+            why: error.to_string(),
+        })?;
+        self.pictures += 1;
+        self.shown_cs += u64::from(delay);
+        self.shown = Some(numbers);
+        Ok(())
+    }
+}
+
+/// Returns left, top, right and bottom of the smallest rectangle with all changes; one pixel if there is none.
+fn changed(old: &[u8], new: &[u8], width: usize) -> [usize; 4] {
+    let mut found: Option<[usize; 4]> = None;
+    let rows = old.chunks(width).zip(new.chunks(width)).enumerate();
+    for (row, (old, new)) in rows {
+        let differs = |column: &usize| old[*column] != new[*column];
+        let Some(first) = (0..old.len()).find(differs) else {
+            continue;
+        };
+        let last = (0..old.len()).rfind(differs).unwrap_or(first);
+        let [left, top, right, _] = found.unwrap_or([first, row, last + 1, row]);
+        found = Some([left.min(first), top, right.max(last + 1), row + 1]);
+    }
+    found.unwrap_or([0, 0, 1, 1])
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use image::Rgb;
+    use std::fs;
+
+    const RED: [u8; 3] = [200, 0, 0];
+    const WHITE: [u8; 3] = [250, 250, 250];
+
+    /// A white picture with a red pixel.
+    fn spot(column: u32, row: u32) -> RgbImage {
+        let mut picture = RgbImage::from_pixel(20, 12, Rgb(WHITE));
+        picture.put_pixel(column, row, Rgb(RED));
+        picture
+    }
+
+    fn palette() -> Palette {
+        Palette::new([RED, WHITE])
+    }
+
+    /// Decodes a file: rectangle and delay of each frame, and the pictures as a viewer composes them.
+    fn decoded(path: &Path) -> (Vec<[u16; 5]>, Vec<Vec<u8>>) {
+        let mut options = gif::DecodeOptions::new();
+        options.set_color_output(gif::ColorOutput::RGBA);
+        let mut decoder = options.read_info(fs::File::open(path).unwrap()).unwrap();
+        let (width, height) = (usize::from(decoder.width()), usize::from(decoder.height()));
+        let (mut frames, mut pictures) = (Vec::new(), Vec::new());
+        let mut canvas = vec![0; 3 * width * height];
+        while let Some(frame) = decoder.read_next_frame().unwrap() {
+            for (number, pixel) in frame.buffer.chunks(4).enumerate() {
+                let column = usize::from(frame.left) + number % usize::from(frame.width);
+                let row = usize::from(frame.top) + number / usize::from(frame.width);
+                if pixel[3] > 0 {
+                    let at = 3 * (row * width + column);
+                    canvas[at..at + 3].copy_from_slice(&pixel[..3]);
+                }
+            }
+            frames.push([
+                frame.left,
+                frame.top,
+                frame.width,
+                frame.height,
+                frame.delay,
+            ]);
+            pictures.push(canvas.clone());
+        }
+        (frames, pictures)
+    }
+
+    #[test]
+    fn pictures_come_back_whole_and_only_changes_are_stored() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.gif");
+        let mut animation = Animation::create(&path, [20, 12], palette()).unwrap();
+        let pictures = [spot(3, 4), spot(5, 4), spot(5, 9)];
+        for picture in &pictures {
+            assert!(animation.show(picture.clone()).unwrap());
+            animation.hold(8);
+            assert!(!animation.show(picture.clone()).unwrap());
+            animation.hold(5);
+        }
+        assert!(!path.exists());
+        let written = animation.finish().unwrap().unwrap();
+        assert_eq!((written.pictures, written.shown_cs), (3, 39));
+        assert_eq!(written.bytes, fs::metadata(&path).unwrap().len());
+        let (frames, found) = decoded(&path);
+        assert_eq!(
+            frames,
+            [[0, 0, 20, 12, 13], [3, 4, 3, 1, 13], [5, 4, 1, 6, 13]]
+        );
+        assert_eq!(found, pictures.map(RgbImage::into_raw));
+    }
+
+    #[test]
+    fn a_colour_becomes_the_nearest_of_the_palette() {
+        let mut palette = Palette::new([[0, 0, 0], [100, 0, 0], [100, 0, 0], [0, 200, 0]]);
+        let numbers = [[10, 10, 10], [90, 9, 9], [60, 150, 0]].map(|colour| palette.number(colour));
+        assert_eq!(numbers, [0, 1, 3]);
+        assert_eq!(Palette::new([[7; 3]; 300]).colours.len(), MAX_COLOURS);
+    }
+
+    #[test]
+    fn an_animation_without_pictures_or_without_an_end_leaves_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.gif");
+        let empty = Animation::create(&path, [20, 12], palette()).unwrap();
+        assert_eq!(empty.finish().unwrap(), None);
+        let mut dropped = Animation::create(&path, [20, 12], palette()).unwrap();
+        dropped.show(spot(1, 1)).unwrap();
+        drop(dropped);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        let nowhere = folder.path().join("absent/a.gif");
+        let refused = Animation::create(&nowhere, [20, 12], palette())
+            .err()
+            .unwrap();
+        assert!(refused.to_string().contains("absent/a.gif"), "{refused}");
+        let mut narrow = Animation::create(&path, [19, 12], palette()).unwrap();
+        let refused = narrow.show(spot(1, 1)).unwrap_err().to_string();
+        assert_eq!(
+            refused,
+            "a picture of [20, 12] pixels does not fit an animation of [19, 12]"
+        );
+    }
+}

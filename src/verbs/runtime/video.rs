@@ -1,0 +1,148 @@
+//! `--video` and `--view`: where a film of the simulated cloth goes, from where it is taken, and what became of it.
+
+use crate::exit::Failure;
+use crate::io::Io;
+use crate::verbs::runtime::setting::worlds::WorldChoice;
+use clap::Args;
+use clap::ValueEnum;
+use clap::ValueHint;
+use fab_picture::animation::AnimationError;
+use fab_program::Program;
+use fab_world::film::{self, Film, FilmPlan, FilmView, Recorder};
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Name of the video in a run folder.
+pub const VIDEO_FILE: &str = "video.gif";
+
+/// Whether a run is filmed, and how.
+#[derive(Args, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct VideoArguments {
+    /// Film the whole motion as an animated GIF; default: video.gif in the run folder. With `--world sim` only.
+    #[arg(long, value_name = "FILE.gif", num_args = 0..=1, value_hint = ValueHint::FilePath)]
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "given"
+    )]
+    pub video: Option<Option<PathBuf>>,
+    /// From where the video is taken.
+    #[arg(long, value_enum, requires = "video")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub view: Option<ViewArgument>,
+}
+
+/// From where a video is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ViewArgument {
+    /// As the camera over the table sees it.
+    Table,
+    /// From one side, with light and shadow; the default.
+    Slanted,
+}
+
+/// Reads an option that was given, with or without a value.
+fn given<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Option<PathBuf>>, D::Error> {
+    Option::deserialize(from).map(Some)
+}
+
+impl ViewArgument {
+    /// Returns the view of a film.
+    pub fn film(view: Option<ViewArgument>) -> FilmView {
+        match view {
+            Some(ViewArgument::Table) => FilmView::Table,
+            Some(ViewArgument::Slanted) | None => FilmView::Slanted,
+        }
+    }
+}
+
+impl VideoArguments {
+    /// Tells whether neither is given.
+    pub fn is_absent(&self) -> bool {
+        *self == VideoArguments::default()
+    }
+
+    /// Refuses a video of a world that has no simulated cloth, and a file that cannot be one.
+    pub fn check(&self, world: &WorldChoice) -> Result<(), Failure> {
+        let Some(file) = &self.video else {
+            return Ok(());
+        };
+        if *world != WorldChoice::Sim {
+            return Err(Failure::usage(format!(
+                "`--video` films the bundled simulator's cloth, and `--world {world}` has none; use `--world sim`, or leave `--video` out"
+            )));
+        }
+        file.as_deref()
+            .map_or(Ok(()), |path| check_file("--video", path))
+    }
+
+    /// Prepares the film of a run; `None` if it is not filmed.
+    pub fn recorder(&self, program: &Program, folder: &Path) -> Result<Option<Recorder>, Failure> {
+        let Some(file) = &self.video else {
+            return Ok(None);
+        };
+        let motions = program.horizon.saturating_mul(program.actions_per_step());
+        Ok(Some(Recorder::new(FilmPlan {
+            path: file.clone().unwrap_or_else(|| folder.join(VIDEO_FILE)),
+            view: ViewArgument::film(self.view),
+            camera: film::table_camera(&program.camera).map_err(Failure::environment)?,
+            motions,
+            max_bytes: film::MAX_BYTES,
+        })))
+    }
+}
+
+/// Refuses a file that is no GIF by its name, or whose folder is missing, before anything moves.
+pub fn check_file(option: &str, path: &Path) -> Result<(), Failure> {
+    let shown = path.display();
+    if !path
+        .extension()
+        .is_some_and(|found| found.eq_ignore_ascii_case("gif"))
+    {
+        return Err(Failure::usage(format!(
+            "`{option} {shown}` is no GIF file; name one that ends in `.gif`"
+        )));
+    }
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => Err(Failure::environment(format!(
+            "cannot write `{shown}`: there is no folder `{}`",
+            folder.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// What became of the film of a run.
+pub struct Filmed {
+    film: Result<Option<Film>, AnimationError>,
+}
+
+impl Filmed {
+    /// Ends the film; a fault is told on stderr, since the run itself is whole without a film.
+    pub fn of(recorder: &Recorder, io: &Io) -> Filmed {
+        let film = recorder.finish();
+        if let Err(error) = &film {
+            io.talk(&format!("warning: there is no video: {error}"));
+        }
+        Filmed { film }
+    }
+
+    /// Returns the film as JSON; null if there is none.
+    pub fn json(&self) -> Value {
+        json!(self.film.as_ref().ok().and_then(Option::as_ref))
+    }
+
+    /// Says in one line what became of it.
+    pub fn text(&self) -> String {
+        match &self.film {
+            Ok(Some(film)) => film.to_string(),
+            Ok(None) => "video: none, since no cloth was laid".to_owned(),
+            Err(error) => format!("video: none, since {error}"),
+        }
+    }
+}
