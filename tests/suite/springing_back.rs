@@ -63,10 +63,13 @@ fn a_step_that_springs_back_is_warned_of_with_the_smallest_fold_that_stays() {
     let [[message, help]] = found.as_slice() else {
         panic!("{drawn}");
     };
-    assert!(message.contains("carried 48 mm and springs back to 0 mm"), "{message}");
+    assert!(
+        message.contains("carried 48 mm and springs back to 0 mm"),
+        "{message}"
+    );
     // From 80 mm on it stays, and at 70 mm it does not.
-    let (_, from) = help.split_once("keeps folds from ").unwrap();
-    let (mm, cure) = from.split_once(" mm on; write `at ").unwrap();
+    let (_, from) = help.split_once("that this cloth keeps is ").unwrap();
+    let (mm, cure) = from.split_once(" mm; write `at ").unwrap();
     let mm: u32 = mm.parse().unwrap();
     assert!((71..=82).contains(&mm), "{help}");
     assert_eq!(warned(&check()), found);
@@ -80,9 +83,20 @@ fn a_step_that_springs_back_is_warned_of_with_the_smallest_fold_that_stays() {
 
 #[test]
 fn a_run_says_how_far_the_cloth_moved_and_how_much_of_that_stayed() {
-    for (share, sentence, stays) in [("0.1", "mm, sprang back to 0", false), ("0.3", "mm, stayed at 1", true)] {
+    for (share, sentence, stays) in [
+        ("0.1", "mm, sprang back to 0", false),
+        ("0.3", "mm, rests 1", true),
+    ] {
         let folder = folder_with(share);
-        let words = ["run", "pocket.fab", "--policy", "expert", "--out", "run", "--json"];
+        let words = [
+            "run",
+            "pocket.fab",
+            "--policy",
+            "expert",
+            "--out",
+            "run",
+            "--json",
+        ];
         let ended = said(folder.path(), &words);
         assert!(ended.stderr.contains(sentence), "{}", ended.stderr);
         let cloth = &json(&ended)["progress"][0]["cloth"];
@@ -91,7 +105,10 @@ fn a_run_says_how_far_the_cloth_moved_and_how_much_of_that_stayed() {
         let planned_mm = share.parse::<f64>().unwrap() * 477.0;
         assert!((carried_mm - planned_mm).abs() < 15.0, "{cloth}");
         assert_eq!(stayed_mm > planned_mm / 2.0, stays, "{cloth}");
-        assert!(cloth["farthest_mm"].as_f64().unwrap() >= stayed_mm, "{cloth}");
+        assert!(
+            cloth["farthest_mm"].as_f64().unwrap() >= stayed_mm,
+            "{cloth}"
+        );
         let record = fs::read_to_string(folder.path().join("run/rollout.jsonl")).unwrap();
         let step: Value = serde_json::from_str(record.lines().nth(1).unwrap()).unwrap();
         assert_eq!(&step["cloth"], cloth);

@@ -50,12 +50,12 @@ fn finding(fold: &Fold, step: &StepTrial) -> Option<(String, String)> {
         Effect::Missed => {
             return Some((
                 "nothing is grasped at its pick".to_owned(),
-                "pick a point where the cloth lies on the table or on itself".to_owned(),
+                "pick another point of the cloth".to_owned(),
             ));
         }
         Effect::WentBack { .. } if step.planned_mm < 1.0 => {
             return Some((
-                "at that time its pick already lies at its place".to_owned(),
+                "its pick already lies at its place".to_owned(),
                 "leave the step out, or place it elsewhere".to_owned(),
             ));
         }
@@ -82,9 +82,11 @@ fn finding(fold: &Fold, step: &StepTrial) -> Option<(String, String)> {
                     "write `at {}` or more",
                     exact::written(hundredths / 100.0, 2)
                 ),
-                false => "choose a place that is at least so far away".to_owned(),
+                false => "choose a place at least that far away".to_owned(),
             };
-            format!("from here in this direction this cloth keeps folds from {mm} mm on; {cure}")
+            format!(
+                "the smallest fold from here in this direction that this cloth keeps is {mm} mm; {cure}"
+            )
         }
     };
     Some((why, help))

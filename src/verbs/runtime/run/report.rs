@@ -87,7 +87,7 @@ fn cloth(moved: &ClothMoved) -> String {
             held.carried_mm, held.stayed_mm
         ),
         Some(held) => format!(
-            ", cloth moved {:.0} mm, stayed at {:.0}",
+            ", cloth moved {:.0} mm, rests {:.0} mm away",
             held.carried_mm, held.stayed_mm
         ),
         None => format!(", cloth moved at most {:.0} mm", moved.farthest_mm),
