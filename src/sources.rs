@@ -6,7 +6,7 @@ use clap::Args;
 use clap::ValueHint;
 use fab_base::npy;
 use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, diag};
-use fab_program::Program;
+use fab_program::{PINS_FILE, Program, Trial, pins_folder};
 use serde::Deserialize;
 use serde::Serialize;
 use serde_json::json;
@@ -93,6 +93,24 @@ impl Loader for Looking {
         let found = found.entry((path.to_owned(), wanted));
         found.or_insert_with(look).clone()
     }
+
+    fn trial(&self, title: &str) -> Option<Trial> {
+        pinned_trial(&self.disk.folder, title)
+    }
+}
+
+/// The part of a file of pins that a check reads.
+#[derive(Deserialize)]
+struct Tried {
+    tried: Option<Trial>,
+}
+
+/// Returns what `fabc subgoals` found of a task's demonstration. A file that cannot be read counts as none: a rollout
+/// draws such pictures anew.
+fn pinned_trial(folder: &Path, title: &str) -> Option<Trial> {
+    let path = folder.join(pins_folder(title)).join(PINS_FILE);
+    let bytes = read_bounded(&inside(folder, &path).ok()?).ok()?;
+    serde_json::from_slice::<Tried>(&bytes).ok()?.tried
 }
 
 /// Reads the file at a path in a folder as the kind of file that is wanted; says what it found.

@@ -5,6 +5,7 @@
 
 use crate::diag::{self, CODES, Code, CodeEntry, Color, GROUPS};
 use crate::{Listed, LoadError, Loader, Wanted};
+use fab_program::Trial;
 
 /// The name of an example's file.
 const FILE: &str = "example.fab";
@@ -156,6 +157,16 @@ impl Loader for Files<'_> {
     fn look(&self, path: &str, _wanted: Wanted) -> Listed {
         look(path)
     }
+
+    fn trial(&self, title: &str) -> Option<Trial> {
+        trial(title)
+    }
+}
+
+/// Returns what the demonstration of an example with a wrong step did, as `fabc subgoals` found it.
+pub fn trial(title: &str) -> Option<Trial> {
+    let found = serde_json::from_str(include_str!("diag/examples/F0510.json")).ok();
+    found.filter(|_| title == "example")
 }
 
 /// Returns what the examples' folder `listed` holds; other files that examples name are not looked for.

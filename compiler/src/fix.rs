@@ -116,6 +116,10 @@ impl Loader for Overlay<'_> {
     fn look(&self, path: &str, wanted: Wanted) -> Listed {
         self.loader.look(path, wanted)
     }
+
+    fn trial(&self, title: &str) -> Option<fab_program::Trial> {
+        self.loader.trial(title)
+    }
 }
 
 /// Tries of the edits of one compilation.

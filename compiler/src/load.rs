@@ -10,6 +10,7 @@ use crate::path;
 use crate::syntax;
 use fab_grammar::ast::{Experts, Name, Task};
 use fab_grammar::{FileId, Kind, Node, Sources, Span, Tree};
+use fab_program::Trial;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most files in one compilation.
@@ -135,6 +136,11 @@ impl<'a> Loaded<'a> {
     /// - `path`: relative to the entry's folder.
     pub fn look(&self, path: &str, wanted: Wanted) -> Listed {
         self.loader.look(path, wanted)
+    }
+
+    /// Returns what the steps of a task's demonstration did when it was last executed; see [`Loader::trial`].
+    pub fn trial(&self, title: &str) -> Option<Trial> {
+        self.loader.trial(title)
     }
 
     /// Returns whether any file uses a constant or a keypoint of this name, or may do so in text that did not parse.

@@ -1,5 +1,7 @@
 //! The compiler's only access to the outside: it asks for texts by name, and for what lies where a task names a file.
 
+use fab_program::Trial;
+
 /// Gives the compiler texts, its only access to the outside.
 pub trait Loader {
     /// Returns the text of a file.
@@ -15,6 +17,13 @@ pub trait Loader {
     /// [`Listed::Nothing`] to read.
     fn look(&self, _path: &str, _wanted: Wanted) -> Listed {
         Listed::Unknown
+    }
+
+    /// Returns what the steps of a task's demonstration did to the cloth when it was last executed, if that is known.
+    ///
+    /// `title` is the task's, or `task/variant`. A result of another demonstration is not used.
+    fn trial(&self, _title: &str) -> Option<Trial> {
+        None
     }
 }
 

@@ -16,7 +16,8 @@ mod common;
 
 use fab_compiler::diag::{self, CODES, Color, Diagnostic, Severity};
 use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, line_and_column};
-use std::collections::BTreeSet;
+use fab_program::Trial;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::PathBuf;
 
@@ -355,6 +356,14 @@ fn folder() -> PathBuf {
 
 struct Fixtures;
 
+impl Fixtures {
+    /// What `fabc subgoals` found of the fixtures' demonstrations, by title.
+    fn trials() -> BTreeMap<String, Trial> {
+        let text = fs::read_to_string(folder().join("trials.json")).expect("a file of trials");
+        serde_json::from_str(&text).expect("trials by title")
+    }
+}
+
 impl Loader for Fixtures {
     fn load(&self, name: &str) -> Result<String, LoadError> {
         fs::read_to_string(folder().join(name)).map_err(|_| LoadError {
@@ -378,6 +387,10 @@ impl Loader for Fixtures {
             Some(_) => Listed::Nothing("no such file".to_owned()),
         }
     }
+
+    fn trial(&self, title: &str) -> Option<Trial> {
+        Fixtures::trials().remove(title)
+    }
 }
 
 /// The fixtures, with one of them changed.
@@ -397,5 +410,9 @@ impl Loader for Edited {
 
     fn look(&self, path: &str, wanted: Wanted) -> Listed {
         Fixtures.look(path, wanted)
+    }
+
+    fn trial(&self, title: &str) -> Option<Trial> {
+        Fixtures.trial(title)
     }
 }

@@ -20,6 +20,8 @@ use crate::solver::{Outcome, Solver};
 pub struct PickAndPlace {
     /// Index of the particle that was held; `None` if none was within reach (a missed grasp).
     pub grasped: Option<usize>,
+    /// Where that particle was when the picker let go of it, world frame, metres; `None` if none was held.
+    pub released_at: Option<[f32; 3]>,
     /// Steps simulated.
     pub steps: u32,
     /// Time simulated, seconds.
@@ -215,6 +217,7 @@ impl Simulator {
         let surface_m = uppermost.map_or(0.0, |particle| points[particle][2]);
         let aimed_at = uppermost.filter(|_| self.aim == Aim::Uppermost);
         let mut grasped = None;
+        let mut released_at = None;
         let mut steps = 0;
         for leg in picker::legs(pick, place, surface_m, &self.params) {
             let mut way = Way::new(self.sphere, &leg, &self.params);
@@ -228,7 +231,12 @@ impl Simulator {
                     return Err(SimError::EndlessRoute);
                 }
                 match leg.gripper {
-                    Gripper::Open => self.release(),
+                    Gripper::Open => {
+                        if let Some(particle) = self.held {
+                            released_at = Some(self.positions()[particle]);
+                        }
+                        self.release();
+                    }
                     Gripper::Closed => self.grasp(aimed_at),
                 }
                 grasped = grasped.or(self.held);
@@ -239,6 +247,7 @@ impl Simulator {
         }
         Ok(PickAndPlace {
             grasped,
+            released_at,
             steps,
             time_s: f64::from(steps) * f64::from(self.params.step_secs),
         })

@@ -96,6 +96,10 @@ fn wrong_answers_are_named_with_their_values() {
             "which is not a valid answer",
         ),
         (
+            "s/\"released_at\":\\[[-0-9.]*/\"released_at\":[1e999/",
+            "which is not a valid answer",
+        ),
+        (
             "s/\"duration_s\":[0-9.]*/\"duration_s\":-1/",
             "negative duration",
         ),

@@ -70,6 +70,7 @@ mod sim_replay;
 mod sim_verbs;
 mod skipped_steps;
 mod snap;
+mod springing_back;
 mod stand_in;
 mod steered;
 mod tidy;

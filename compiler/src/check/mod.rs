@@ -13,6 +13,7 @@ mod cloth;
 mod conditions;
 mod context;
 mod demos;
+mod effect;
 mod examples;
 mod experts;
 mod expressions;

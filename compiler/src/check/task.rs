@@ -6,8 +6,8 @@
 use super::context::{Context, Declared};
 use super::names::Names;
 use super::{
-    actions, annotate, camera, certainty, cloth, demos, experts, goal, horizon, keypoints, picker,
-    stage, subgoals, test, unspoken, unused, verify,
+    actions, annotate, camera, certainty, cloth, demos, effect, experts, goal, horizon, keypoints,
+    picker, stage, subgoals, test, unspoken, unused, verify,
 };
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::sections::{RequiredFor, SECTIONS};
@@ -128,6 +128,7 @@ pub(super) fn check<'a>(
     };
     contradictions(&program, merged, context.report)?;
     certainty::check(&program, merged, context);
+    effect::check(&program, merged, context);
     if merged.variant.is_none() {
         // A variant leaves parts out on purpose, so that runs can be compared.
         unspoken::check(&program, merged, context);

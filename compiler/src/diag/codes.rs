@@ -340,6 +340,10 @@ codes! {
     "a task does not state its number of steps"
     "A task without subgoals has no steps to count, so it must state a `horizon`."
 
+    "F0510" StepChangesNothing Warning
+    "a demonstrated step changes nothing"
+    "Cloth that is folded over too little opens again when it is let go. `fabc subgoals` executes the demonstration in the simulator. If a step leaves the cloth as it was, it searches the smallest fold from the same point in the same direction that stays, and keeps the result beside the pictures. `fabc check` reads it there while cloth, picker and folds are the same; it simulates nothing itself."
+
     "F0601" SaidNowhere Warning
     "a component is never used"
     "No stage names it in `say` or `system`, so no model ever reads it."

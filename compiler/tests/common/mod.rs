@@ -40,6 +40,10 @@ impl Loader for Memory {
     fn look(&self, path: &str, _wanted: Wanted) -> Listed {
         explain::look(path)
     }
+
+    fn trial(&self, title: &str) -> Option<fab_program::Trial> {
+        explain::trial(title)
+    }
 }
 
 /// Compiles one file.

@@ -14,6 +14,7 @@ use fab_base::jsonl::Reader;
 use fab_model::calls::{self, Usage};
 use fab_program::{Fold, Goal};
 use fab_world::Executed;
+use fab_world::metrics::ClothMoved;
 use fab_world::start::{Grid, Up};
 use fab_world::vary::AxisValues;
 use serde::{Deserialize, Serialize};
@@ -125,6 +126,8 @@ pub struct Step {
     pub executed: Option<Executed>,
     /// SHA-256 of all positions' bits after the action, as `fabc sim replay` prints it, if the world knows them.
     pub digest: Option<String>,
+    /// How far the action moved the cloth; null if the world does not know its particles.
+    pub cloth: Option<ClothMoved>,
     /// The cloth's coverage after the action, if the world knows it.
     #[serde(flatten)]
     pub measures: Measures,
@@ -391,6 +394,8 @@ pub struct RunCosts {
 pub struct Progress {
     /// From 1.
     pub step: u32,
+    /// How far its action moved the cloth; null if it had none, or if the world does not know its particles.
+    pub cloth: Option<ClothMoved>,
     /// The cloth's coverage after it.
     #[serde(flatten)]
     pub measures: Measures,

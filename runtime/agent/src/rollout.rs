@@ -33,6 +33,7 @@ use fab_program::Program;
 use fab_program::render::RenderError;
 use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
+use fab_world::metrics::ClothMoved;
 use fab_world::start::Start;
 use fab_world::{Grasp, WorldError};
 use score::{Scored, meets, score};
@@ -136,6 +137,8 @@ pub enum Event<'a> {
         without: &'a [String],
         /// The result of the grasp.
         grasp: Grasp,
+        /// How far it moved the cloth, if the world knows its particles.
+        moved: Option<ClothMoved>,
         /// Wall time of the whole step, seconds.
         seconds: f64,
         /// What the rollout's calls added up to so far.

@@ -10,11 +10,13 @@ use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 use fab_picture::png;
 use fab_picture::png::PictureError;
-use fab_program::{Arrow, Fold, Program, SubgoalImage, SubgoalStep, Subgoals};
+use fab_program::{
+    Arrow, Effect, Fold, Program, StepTrial, SubgoalImage, SubgoalStep, Subgoals, Trial,
+};
 use fab_vision::VisionError;
-use fab_world::expert;
+use fab_world::metrics::{ClothMoved, cloth_moved};
 use fab_world::start::Start;
-use fab_world::{World, WorldError};
+use fab_world::{Motion, World, WorldError, expert, smallest_fold};
 use image::RgbImage;
 use pins::Pinned;
 use serde::{Deserialize, Serialize};
@@ -65,6 +67,15 @@ pub enum Origin {
     Absent,
     /// Drawn for this run, because the pinned ones show another fold, cloth or camera.
     DrawnAnew,
+}
+
+/// Pictures that were drawn anew.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    /// The pictures.
+    pub set: SubgoalSet,
+    /// What the steps did to the cloth; `None` if the task demonstrates nothing.
+    pub trial: Option<Trial>,
 }
 
 /// The pictures around one step.
@@ -143,13 +154,15 @@ impl SubgoalSet {
                     Pinned::OfAnotherFold => Origin::DrawnAnew,
                 };
                 let unseen = &mut |_: Demonstrated<'_>| {};
-                let drawn = draw_until(folds.len(), program, folds, world, interrupt, unseen)?;
+                let (drawn, _) = draw_until(folds.len(), program, folds, world, interrupt, unseen)?;
                 Ok(SubgoalSet { origin, ..drawn })
             }
         }
     }
 
     /// Draws the demonstration again, even if pictures are pinned; the author's own pictures are loaded.
+    ///
+    /// For a step that changes nothing, the smallest fold that stays is searched.
     ///
     /// - `watch`: shown each step before its execution.
     pub fn draw(
@@ -158,12 +171,16 @@ impl SubgoalSet {
         world: &mut dyn World,
         interrupt: &Interrupt,
         watch: &mut dyn FnMut(Demonstrated<'_>),
-    ) -> Result<SubgoalSet, SubgoalError> {
+    ) -> Result<Drawn, SubgoalError> {
+        let alone = |set| Drawn { set, trial: None };
         match &program.subgoals {
-            None => Ok(SubgoalSet::none()),
-            Some(Subgoals::Images { images }) => load_images(images, folder),
+            None => Ok(alone(SubgoalSet::none())),
+            Some(Subgoals::Images { images }) => load_images(images, folder).map(alone),
             Some(Subgoals::Demonstrate { folds }) => {
-                draw_until(folds.len(), program, folds, world, interrupt, watch)
+                let (set, steps) =
+                    draw_until(folds.len(), program, folds, world, interrupt, watch)?;
+                let trial = tried(program, steps, world, interrupt)?;
+                Ok(Drawn { set, trial })
             }
         }
     }
@@ -212,7 +229,8 @@ impl SubgoalSet {
                             SubgoalStep::Next => number + 1,
                         };
                         let unseen = &mut |_: Demonstrated<'_>| {};
-                        let mut set = draw_until(last, program, folds, world, interrupt, unseen)?;
+                        let (mut set, _) =
+                            draw_until(last, program, folds, world, interrupt, unseen)?;
                         let mut picture = set.pictures.swap_remove(last);
                         if let (Arrow::Drawn, Some([tail, tip])) = (arrow, set.arrows[number]) {
                             fab_vision::draw_arrow(&mut picture, tail, tip)?;
@@ -258,7 +276,57 @@ fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, Sub
     Ok(set)
 }
 
-/// Draws the pictures up to number `last`, from 0, and the arrows between them.
+/// An executed step of a demonstration.
+struct DoneStep {
+    /// The particles before it.
+    before: Vec<[f32; 3]>,
+    motion: Motion,
+    moved: ClothMoved,
+}
+
+/// Judges the steps of a demonstration, and searches the smallest fold for those that changed nothing.
+fn tried(
+    program: &Program,
+    steps: Vec<DoneStep>,
+    world: &mut dyn World,
+    interrupt: &Interrupt,
+) -> Result<Option<Trial>, WorldError> {
+    let Some(of) = program.demonstration_hash() else {
+        return Ok(None);
+    };
+    let tenths = |mm: f64| (mm * 10.0).round() / 10.0;
+    let mut trial = Trial {
+        of,
+        steps: Vec::new(),
+    };
+    for step in steps {
+        let DoneStep { motion, moved, .. } = step;
+        let effect = match moved.held {
+            None => Effect::Missed,
+            Some(held) if moved.went_back() == Some(true) => {
+                let cloth = Start {
+                    name: "the cloth before the step".to_owned(),
+                    positions: step.before,
+                    ..Start::flat(&program.cloth)
+                };
+                Effect::WentBack {
+                    carried_mm: tenths(held.carried_mm),
+                    stayed_mm: tenths(held.stayed_mm),
+                    smallest: smallest_fold::find(&cloth, &motion, world, interrupt)?,
+                }
+            }
+            Some(_) => Effect::Changed,
+        };
+        let way = motion.place - motion.pick;
+        trial.steps.push(StepTrial {
+            planned_mm: tenths(way.x.hypot(way.y) * 1000.0),
+            effect,
+        });
+    }
+    Ok(Some(trial))
+}
+
+/// Draws the pictures up to number `last`, from 0, and the arrows between them; also returns what was executed.
 fn draw_until(
     last: usize,
     program: &Program,
@@ -266,8 +334,9 @@ fn draw_until(
     world: &mut dyn World,
     interrupt: &Interrupt,
     watch: &mut dyn FnMut(Demonstrated<'_>),
-) -> Result<SubgoalSet, SubgoalError> {
+) -> Result<(SubgoalSet, Vec<DoneStep>), SubgoalError> {
     let start = Start::flat(&program.cloth);
+    let mut steps = Vec::new();
     world.reset(&start)?;
     let mut observation = world.observe()?;
     let mut set = SubgoalSet {
@@ -292,9 +361,19 @@ fn draw_until(
             observation: &observation,
             ends_px: ends,
         });
-        world.act(&motion, interrupt)?;
+        let before = world.particles().unwrap_or_default();
+        let executed = world.act(&motion, interrupt)?;
+        let after = world.particles().unwrap_or_default();
+        // Folds are executed only where particles are known.
+        if let Some(moved) = cloth_moved(&before, &after, &executed) {
+            steps.push(DoneStep {
+                before,
+                motion,
+                moved,
+            });
+        }
         observation = world.observe()?;
         set.pictures.push(observation.rgb.clone());
     }
-    Ok(set)
+    Ok((set, steps))
 }

@@ -258,6 +258,8 @@ impl World for ArmWorld {
                 HandContents::Nothing => Grasp::Missed,
                 HandContents::Unknown => Grasp::Unverified,
             },
+            // It holds cloth, and does not know which particle.
+            released_at: None,
             duration_s: done.duration_s,
         })
     }

@@ -259,6 +259,10 @@ fn a_pick_beside_the_cloth_grasps_nothing(make: &MakeWorld<'_>) -> Result<Confor
         &format!("a pick beside the cloth is called {grasp:?} in place of missed"),
     )?;
     demand(
+        executed.released_at.is_none(),
+        "a pick beside the cloth says where it let go of a particle",
+    )?;
+    demand(
         world.particles() == before,
         "an empty gripper moved the cloth",
     )?;

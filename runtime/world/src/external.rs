@@ -364,6 +364,7 @@ impl World for ExternalWorld {
             Answered::Refused(why) => return Err(WorldError::Motion { why }),
         };
         let numbers = done.pick.iter().chain(&done.place);
+        let numbers = numbers.chain(done.released_at.iter().flatten());
         if !numbers
             .chain([&done.duration_s])
             .all(|number| number.is_finite())
@@ -381,6 +382,7 @@ impl World for ExternalWorld {
                 place: WorldPoint::from(done.place),
             },
             grasp: done.grasp,
+            released_at: done.released_at.map(WorldPoint::from),
             duration_s: done.duration_s,
         })
     }

@@ -12,6 +12,7 @@ pub mod metrics;
 pub mod protocol;
 pub mod serve;
 pub mod simulated;
+pub mod smallest_fold;
 pub mod start;
 pub mod vary;
 
@@ -150,6 +151,9 @@ pub struct Executed {
     pub motion: Motion,
     /// What was held between pick and place.
     pub grasp: Grasp,
+    /// Where the held particle was when it was let go of; `None` if none was held, or if the world does not know it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub released_at: Option<WorldPoint>,
     /// Duration in the world, seconds.
     pub duration_s: f64,
 }

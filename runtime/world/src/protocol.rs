@@ -167,6 +167,9 @@ pub struct Done {
     pub place: [f64; 3],
     /// What was held in between.
     pub grasp: Grasp,
+    /// Where the held particle was when it was let go of, if the world knows it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub released_at: Option<[f64; 3]>,
     /// How long it took in the world.
     pub duration_s: f64,
 }

@@ -142,6 +142,7 @@ impl Served {
                     pick: done.motion.pick.into(),
                     place: done.motion.place.into(),
                     grasp: done.grasp,
+                    released_at: done.released_at.map(Into::into),
                     duration_s: done.duration_s,
                 })
             }

@@ -181,6 +181,7 @@ impl World for SimulatedWorld {
             grasp: done
                 .grasped
                 .map_or(Grasp::Missed, |particle| Grasp::Particle(particle as u32)),
+            released_at: done.released_at.map(|point| point.map(f64::from).into()),
             duration_s: done.time_s,
         })
     }

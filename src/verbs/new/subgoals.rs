@@ -4,13 +4,13 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::new::staging::Staging;
 use crate::verbs::runtime::setting;
-use fab_agent::subgoals::{SubgoalError, SubgoalSet};
+use fab_agent::subgoals::{self, SubgoalError, SubgoalSet};
 use fab_program::{Program, Subgoals};
 use fab_world::WorldError;
 use std::path::{Path, PathBuf};
 
 /// The pictures of `demonstrate`, and the world parameters with which they were drawn.
-pub struct Drawn(Option<(SubgoalSet, String)>);
+pub struct Drawn(Option<(subgoals::Drawn, String)>);
 
 impl Drawn {
     /// Executes a task's demonstration, if it has one.
@@ -28,7 +28,7 @@ impl Drawn {
             &mut |_| {},
         );
         match drawn {
-            Ok(set) => Ok(Drawn(Some((set, world.parameters())))),
+            Ok(drawn) => Ok(Drawn(Some((drawn, world.parameters())))),
             Err(SubgoalError::World(WorldError::Interrupted)) => Err(Failure::interrupted()),
             Err(error) => Err(Failure::environment(error)),
         }
@@ -36,10 +36,10 @@ impl Drawn {
 
     /// Stages the pictures; returns their paths relative to the task.
     pub fn stage(&self, program: &Program, staging: &mut Staging) -> Result<Vec<PathBuf>, Failure> {
-        let Some((set, parameters)) = &self.0 else {
+        let Some((drawn, parameters)) = &self.0 else {
             return Ok(Vec::new());
         };
-        let pinned = set
+        let pinned = drawn
             .pin(program, staging.aside(), parameters)
             .map_err(Failure::environment)?;
         let aside = staging.aside();

@@ -1,6 +1,7 @@
 //! `fabc subgoals`: draws a task's demonstration and pins the pictures beside its file.
 
 mod offered;
+mod tried;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -10,15 +11,16 @@ use crate::sources::TaskArguments;
 use crate::verbs::runtime::setting;
 use clap::Args;
 use clap::ValueHint;
-use fab_agent::subgoals::{Demonstrated, Origin, SubgoalError, SubgoalSet};
+use fab_agent::subgoals::{Demonstrated, Drawn, Origin, SubgoalError, SubgoalSet};
 use fab_base::files;
+use fab_compiler::diag;
 use fab_picture::png;
 use fab_program::{Arrow, SubgoalStep};
 use fab_vision::VisionError;
 use fab_world::WorldError;
 use image::{RgbImage, imageops};
 use offered::Offered;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Arguments of `subgoals`.
@@ -46,15 +48,24 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let mut offered = Offered::of(&program);
     let watch = &mut |step: Demonstrated<'_>| offered.look(step);
     let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt, watch);
-    let set = drawn.map_err(failure)?;
+    let drawn = drawn.map_err(failure)?;
     let mut files = match shipped::is_shipped(&arguments.task.file, io) {
         true => Vec::new(),
-        false => set
+        false => drawn
             .pin(&program, &folder, &world.parameters())
             .map_err(Failure::environment)?,
     };
     for note in offered.notes {
         io.talk(&format!("note: {note}"));
+    }
+    let Drawn { set, trial } = drawn;
+    let mut diagnostics = json!([]);
+    if let Some(trial) = &trial {
+        let tried = tried::compile(&arguments.task.file, &program, trial)?;
+        if !tried.diagnostics.is_empty() {
+            io.painted_talk(&sources::findings(&tried, io.talk_color()));
+        }
+        diagnostics = diag::to_json(&tried.diagnostics, &tried.sources);
     }
     let name = &program.task;
     match (set.origin, &arguments.sheet) {
@@ -90,7 +101,7 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
         })?;
         files.push(path.clone());
     }
-    report(&files, arguments, io);
+    report(&files, &diagnostics, arguments, io);
     Ok(Exit::Done)
 }
 
@@ -126,13 +137,13 @@ fn sheet(set: &SubgoalSet) -> Result<RgbImage, VisionError> {
     Ok(sheet)
 }
 
-fn report(files: &[PathBuf], arguments: &SubgoalsArguments, io: &Io) {
+fn report(files: &[PathBuf], diagnostics: &Value, arguments: &SubgoalsArguments, io: &Io) {
     let names: Vec<String> = files
         .iter()
         .map(|file| file.display().to_string())
         .collect();
     if arguments.json {
-        io.json(&json!({ "files": names }));
+        io.json(&json!({ "files": names, "diagnostics": diagnostics }));
     } else if !names.is_empty() {
         io.data(&names.join("\n"));
     }

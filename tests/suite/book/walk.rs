@@ -351,6 +351,10 @@ impl Loader for Files<'_> {
     fn look(&self, path: &str, _wanted: Wanted) -> Listed {
         fab_compiler::explain::look(path)
     }
+
+    fn trial(&self, title: &str) -> Option<fab_program::Trial> {
+        fab_compiler::explain::trial(title)
+    }
 }
 
 /// Wraps sections into a task that extends `half`.

@@ -19,6 +19,7 @@ pub mod shape;
 pub mod stage;
 pub mod subgoals;
 pub mod test;
+pub mod trial;
 pub mod uses;
 pub mod values;
 pub mod verify;

@@ -16,6 +16,7 @@ use crate::sheet::Sheet;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
 use fab_program::{Arrow, Proposal, SubgoalStep};
+use fab_world::metrics::cloth_moved;
 use fab_world::{World, WorldError, WorldPoint};
 use std::time::{Duration, Instant};
 
@@ -232,6 +233,7 @@ impl<'j> Turn<'j> {
             ));
         };
         let drawn = keeper.keep_action(&mut self.line, &observation.rgb, &action)?;
+        let before = world.particles();
         let executed = match self
             .timer
             .time("act", || world.act(&action.motion, job.interrupt))
@@ -242,6 +244,9 @@ impl<'j> Turn<'j> {
                 return Ok(self.stop_for(&error));
             }
         };
+        self.line.cloth = before
+            .zip(world.particles())
+            .and_then(|(before, after)| cloth_moved(&before, &after, &executed));
         let after = match world.observe() {
             Ok(after) => after,
             Err(error) => return Ok(self.stop_for(&error)),
@@ -268,6 +273,7 @@ impl<'j> Turn<'j> {
             action: &action,
             without: self.line.accepted.as_ref().map_or(&[], |it| &it.without),
             grasp,
+            moved: self.line.cloth,
             seconds: begun.elapsed().as_secs_f64(),
             spent: keeper.asking.spent(),
         });

@@ -181,6 +181,7 @@ impl<'j> RolloutWriter<'j> {
         if line.executed.is_some() || line.skipped.is_some() {
             self.progress.push(Progress {
                 step: line.step,
+                cloth: line.cloth,
                 measures: line.measures,
             });
         }

@@ -3,10 +3,10 @@
 //! In: a program and the folder of its file. Out: the pictures that `fabc subgoals` drew, if they still match the
 //! program. `pins.json` beside them records what they were drawn from, and their hashes.
 
-use super::{ArrowPx, Origin, SubgoalError, SubgoalSet};
+use super::{ArrowPx, Drawn, Origin, SubgoalError, SubgoalSet};
 use fab_base::files;
 use fab_picture::png;
-use fab_program::{Fold, Program, Subgoals};
+use fab_program::{Fold, PINS_FILE, Program, Subgoals, Trial, pins_folder};
 use fab_world::World;
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
@@ -25,10 +25,12 @@ struct Pins {
     arrows: Vec<ArrowPx>,
     /// Hashes of the pictures' pixels, in order.
     pictures: Vec<String>,
+    /// What the steps did to the cloth, for `fabc check`; older files lack it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tried: Option<Trial>,
 }
 
 const PINS_FORMAT: u32 = 2;
-const PINS_FILE: &str = "pins.json";
 
 /// The result of looking for pinned pictures.
 pub(super) enum Pinned {
@@ -45,7 +47,7 @@ pub(super) fn load(program: &Program, folds: &[Fold], folder: &Path, world: &dyn
     if !matches!(own, Pinned::Absent) || program.variant.is_none() {
         return own;
     }
-    let tasks = folder.join(format!("{}.subgoals", program.task));
+    let tasks = folder.join(pins_folder(&program.task));
     match of_folder(program, folds, &tasks, world) {
         Pinned::Fitting(set) => Pinned::Fitting(set),
         // The task folds differently from its variant, so having nothing pinned for the variant is fine.
@@ -94,7 +96,7 @@ fn of_folder(program: &Program, folds: &[Fold], source: &Path, world: &dyn World
     })
 }
 
-impl SubgoalSet {
+impl Drawn {
     /// Writes the pictures where [`SubgoalSet::obtain`] looks for them, and returns the files.
     ///
     /// The description is written last, so an interrupted call leaves no complete-looking set.
@@ -118,7 +120,7 @@ impl SubgoalSet {
             fs::remove_file(&description).map_err(|error| unwritable(&description, error))?;
         }
         let mut files = Vec::new();
-        for (number, picture) in self.pictures.iter().enumerate() {
+        for (number, picture) in self.set.pictures.iter().enumerate() {
             let path = target.join(format!("{number}.png"));
             files::write_whole(&path, &png::encode(picture))
                 .map_err(|error| unwritable(&path, error))?;
@@ -128,8 +130,9 @@ impl SubgoalSet {
             format: PINS_FORMAT,
             drawn_from: drawn_from(program, folds),
             params: params.to_owned(),
-            arrows: self.arrows.iter().copied().flatten().collect(),
-            pictures: self.pictures.iter().map(hash_of).collect(),
+            arrows: self.set.arrows.iter().copied().flatten().collect(),
+            pictures: self.set.pictures.iter().map(hash_of).collect(),
+            tried: self.trial.clone(),
         };
         let text = serde_json::to_string_pretty(&pins).expect("pins hold finite numbers") + "\n";
         files::write_whole(&description, text.as_bytes())
@@ -141,7 +144,7 @@ impl SubgoalSet {
 
 /// Variants of a task may fold differently, so each has its own pictures.
 fn pin_folder(program: &Program, folder: &Path) -> PathBuf {
-    folder.join(format!("{}.subgoals", program.title().replace('/', ".")))
+    folder.join(pins_folder(&program.title()))
 }
 
 fn drawn_from(program: &Program, folds: &[Fold]) -> String {

@@ -2,14 +2,16 @@
 //!
 //! In: particle positions in grid order, world frame, metres. Out: numbers. Coverage is measured twice: [`coverage`] as
 //! SoftGym does, for comparison with published numbers, and [`true_coverage`], which does not depend on the cloth's
-//! rotation. If the particles are not known, [`seen_coverage`] compares two pictures. The program defines what counts
-//! as success.
+//! rotation. If the particles are not known, [`seen_coverage`] compares two pictures. [`cloth_moved`] says how far an
+//! action moved the cloth. The program defines what counts as success.
 
+mod cloth_moved;
 mod grid_coverage;
 mod seen_coverage;
 mod true_coverage;
 mod whole_cloth;
 
+pub use cloth_moved::{ClothMoved, HeldMoved, cloth_moved};
 pub use grid_coverage::{coverage, covered_area_m2, flat_area_m2, outlined_coverage};
 pub use seen_coverage::seen_coverage;
 pub use true_coverage::{true_coverage, true_covered_area_m2};

@@ -12,6 +12,7 @@ use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
 use fab_program::{Goal, Metric};
 use fab_world::Grasp;
+use fab_world::metrics::ClothMoved;
 use std::path::Path;
 
 /// Shows one event on stderr, unless it belongs to one of the `earlier` steps, which were shown in an earlier run.
@@ -40,10 +41,11 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
             action,
             without,
             grasp,
+            moved,
             seconds,
             spent,
         } => {
-            let moved = if action.pick_px == action.pick_on_cloth_px {
+            let beside = if action.pick_px == action.pick_on_cloth_px {
                 String::new()
             } else {
                 format!(", taken at {} on the cloth", action.pick_on_cloth_px)
@@ -58,9 +60,10 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
                 Grasp::Particle(_) | Grasp::Held => "",
             };
             io.talk(&format!(
-                "step {step}/{horizon}: pick {}{moved}, place {}{missed}{without}   {seconds:.1} s{}",
+                "step {step}/{horizon}: pick {}{beside}, place {}{missed}{}{without}   {seconds:.1} s{}",
                 action.pick_px,
                 action.place_px,
+                moved.as_ref().map(cloth).unwrap_or_default(),
                 so_far(&spent)
             ));
         }
@@ -73,6 +76,21 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
             ));
         }
         Event::Note(note) => io.talk(&format!("note: {note}")),
+    }
+}
+
+/// Says how far an action moved the cloth, and how much of that stayed.
+fn cloth(moved: &ClothMoved) -> String {
+    match &moved.held {
+        Some(held) if held.sprang_back() => format!(
+            ", cloth moved {:.0} mm, sprang back to {:.0}",
+            held.carried_mm, held.stayed_mm
+        ),
+        Some(held) => format!(
+            ", cloth moved {:.0} mm, rests {:.0} mm away",
+            held.carried_mm, held.stayed_mm
+        ),
+        None => format!(", cloth moved at most {:.0} mm", moved.farthest_mm),
     }
 }
 

@@ -1,0 +1,90 @@
+//! What the steps of a demonstration did to the cloth when they were last executed.
+//!
+//! `fabc subgoals` finds it out and keeps it beside the pictures, so that `fabc check` needs no simulator.
+
+use crate::data::cloth::{Cloth, ClothStart};
+use crate::data::program::{Program, hex};
+use crate::data::subgoals::Subgoals;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// The file that holds what a demonstration was drawn from, and its [`Trial`], in the folder that [`pins_folder`] names.
+pub const PINS_FILE: &str = "pins.json";
+
+/// Returns the name of the folder beside a task's file that holds its pinned pictures.
+///
+/// - `title`: as [`Program::title`] gives it. Variants may fold differently, so each has its own.
+pub fn pins_folder(title: &str) -> String {
+    format!("{}.subgoals", title.replace('/', "."))
+}
+
+/// The results of a demonstration's steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// What was executed, as [`Program::demonstration_hash`] says it.
+    pub of: String,
+    /// The result of each step.
+    pub steps: Vec<StepTrial>,
+}
+
+/// The result of one step; distances are along the table.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StepTrial {
+    /// From pick to place, millimetres.
+    pub planned_mm: f64,
+    /// What became of the cloth.
+    pub effect: Effect,
+}
+
+/// What a step did to the cloth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Effect {
+    /// It lies otherwise than before.
+    Changed,
+    /// It went back to where it was.
+    WentBack {
+        /// How far the picked point was carried, millimetres.
+        carried_mm: f64,
+        /// How far it then lay from where it was, millimetres.
+        stayed_mm: f64,
+        /// The smallest fold from the same pick in the same direction that stays.
+        smallest: SmallestFold,
+    },
+    /// Nothing was grasped.
+    Missed,
+}
+
+/// The shortest way that a picked point must be carried for the fold to stay, as a search found it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SmallestFold {
+    /// The shortest that stayed, millimetres.
+    From {
+        /// Its length.
+        mm: u32,
+    },
+    /// None stayed.
+    NoneUpTo {
+        /// The longest that was tried, millimetres.
+        mm: u32,
+    },
+}
+
+impl Program {
+    /// Returns the identity of the task's demonstration: SHA-256 of the flat cloth, the picker and the folds, hex;
+    /// `None` without one.
+    pub fn demonstration_hash(&self) -> Option<String> {
+        let Some(Subgoals::Demonstrate { folds }) = &self.subgoals else {
+            return None;
+        };
+        // It is executed on the flat cloth, whatever start a rollout has.
+        let cloth = Cloth {
+            start: ClothStart::Flat,
+            ..self.cloth.clone()
+        };
+        let bytes = serde_json::to_vec(&(cloth, &self.picker, folds))
+            .expect("a demonstration has string keys and finite numbers");
+        Some(hex(&Sha256::digest(bytes)))
+    }
+}

@@ -1,0 +1,93 @@
+//! Warns of demonstrated steps that change nothing.
+//!
+//! The compiler has no simulator: `fabc subgoals` executes a demonstration, and the loader gives what it found
+//! ([`Trial`]). A result of another cloth, picker or list of folds is not used.
+
+use super::context::Context;
+use crate::diag::{Code, Diagnostic};
+use crate::merge::Merged;
+use fab_grammar::ast::{FoldBlock, Move};
+use fab_program::{Effect, Fold, Program, SmallestFold, StepTrial, Subgoals, Trial, exact};
+
+/// Warns of each step of the task's demonstration that changes nothing, if that was found out.
+pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+    let (Some(Subgoals::Demonstrate { folds }), Some(part)) = (&program.subgoals, merged.subgoals)
+    else {
+        return;
+    };
+    let Some(trial) = trial(program, context) else {
+        return;
+    };
+    let moves: Vec<Move<'_>> = part.demonstrations().flat_map(FoldBlock::moves).collect();
+    for ((part, fold), step) in moves.iter().zip(folds).zip(&trial.steps) {
+        let Some((why, help)) = finding(fold, step) else {
+            continue;
+        };
+        let message = format!("this step changes nothing: {why}");
+        let diagnostic = Diagnostic::new(Code::StepChangesNothing, part.span(), message);
+        context.remark(diagnostic.help(help));
+    }
+}
+
+/// Returns the results of just this demonstration: the program's own, or for a variant those of the task itself.
+fn trial(program: &Program, context: &Context<'_, '_>) -> Option<Trial> {
+    let wanted = program.demonstration_hash()?;
+    let mut titles = vec![program.title()];
+    if program.variant.is_some() {
+        titles.push(program.task.clone());
+    }
+    let found = titles
+        .iter()
+        .filter_map(|title| context.loaded.trial(title));
+    found.into_iter().find(|trial| trial.of == wanted)
+}
+
+/// Returns what is wrong with a step, and what to do about it; `None` if it changes the cloth.
+fn finding(fold: &Fold, step: &StepTrial) -> Option<(String, String)> {
+    let whole = |mm: f64| exact::written(mm, 0);
+    let (carried_mm, stayed_mm, smallest) = match step.effect {
+        Effect::Changed => return None,
+        Effect::Missed => {
+            return Some((
+                "nothing is grasped at its pick".to_owned(),
+                "pick another point of the cloth".to_owned(),
+            ));
+        }
+        Effect::WentBack { .. } if step.planned_mm < 1.0 => {
+            return Some((
+                "its pick already lies at its place".to_owned(),
+                "leave the step out, or place it elsewhere".to_owned(),
+            ));
+        }
+        Effect::WentBack {
+            carried_mm,
+            stayed_mm,
+            smallest,
+        } => (carried_mm, stayed_mm, smallest),
+    };
+    let why = format!(
+        "the cloth is carried {} mm and springs back to {} mm",
+        whole(carried_mm),
+        whole(stayed_mm)
+    );
+    let help = match smallest {
+        SmallestFold::NoneUpTo { mm } => format!(
+            "no fold from here in this direction stays, up to {mm} mm; pick or place another point"
+        ),
+        SmallestFold::From { mm } => {
+            let whole_way_mm = step.planned_mm / fold.fraction;
+            let hundredths = (f64::from(mm) / whole_way_mm * 100.0).ceil();
+            let cure = match hundredths <= 100.0 {
+                true => format!(
+                    "write `at {}` or more",
+                    exact::written(hundredths / 100.0, 2)
+                ),
+                false => "choose a place at least that far away".to_owned(),
+            };
+            format!(
+                "the smallest fold from here in this direction that this cloth keeps is {mm} mm; {cure}"
+            )
+        }
+    };
+    Some((why, help))
+}

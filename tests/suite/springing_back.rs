@@ -1,0 +1,133 @@
+//! Steps after which the cloth springs back: what a run says, and what `subgoals` and `check` warn of.
+
+use super::support::{Captured, fabc, finish, root};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// A corner of the default cloth carried `share` of its diagonal of 477 mm, and what is needed to run that.
+fn task(share: &str) -> String {
+    format!(
+        "use \"half.fab\"
+
+task pocket extends half {{
+    cloth grid(55, 55)
+    keypoints {{
+        aim = center()
+    }}
+    actions {{
+        pick:  any of cloth
+        place: any of cloth
+    }}
+    subgoals {{
+        demonstrate {{
+            fold corner(back_left) -> corner(front_right) at {share}
+        }}
+    }}
+}}
+"
+    )
+}
+
+fn said(folder: &Path, words: &[&str]) -> Captured {
+    finish(fabc(folder).args(words))
+}
+
+fn folder_with(share: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("half.fab"), fab_compiler::explain::HALF).unwrap();
+    fs::write(folder.path().join("pocket.fab"), task(share)).unwrap();
+    folder
+}
+
+fn json(said: &Captured) -> Value {
+    serde_json::from_str(&said.stdout).unwrap_or_else(|_| panic!("{said:?}"))
+}
+
+/// The messages and helps of warnings about steps.
+fn warned(document: &Value) -> Vec<[String; 2]> {
+    let all = document["diagnostics"].as_array().unwrap().iter();
+    let warned = all.filter(|it| it["code"] == "F0510");
+    warned
+        .map(|it| [it["message"].to_string(), it["help"].to_string()])
+        .collect()
+}
+
+#[test]
+fn a_step_that_springs_back_is_warned_of_with_the_smallest_fold_that_stays() {
+    let folder = folder_with("0.1");
+    let check = || json(&said(folder.path(), &["check", "pocket.fab", "--json"]));
+    assert_eq!(warned(&check()), Vec::<[String; 2]>::new());
+    let drawn = json(&said(folder.path(), &["subgoals", "pocket.fab", "--json"]));
+    let found = warned(&drawn);
+    let [[message, help]] = found.as_slice() else {
+        panic!("{drawn}");
+    };
+    assert!(
+        message.contains("carried 48 mm and springs back to 0 mm"),
+        "{message}"
+    );
+    // From 80 mm on it stays, and at 70 mm it does not.
+    let (_, from) = help.split_once("that this cloth keeps is ").unwrap();
+    let (mm, cure) = from.split_once(" mm; write `at ").unwrap();
+    let mm: u32 = mm.parse().unwrap();
+    assert!((71..=82).contains(&mm), "{help}");
+    assert_eq!(warned(&check()), found);
+    // What it advises stays, and so has no warning.
+    let (share, _) = cure.split_once('`').unwrap();
+    fs::write(folder.path().join("pocket.fab"), task(share)).unwrap();
+    assert!(warned(&check()).is_empty(), "an old result is used");
+    let drawn = json(&said(folder.path(), &["subgoals", "pocket.fab", "--json"]));
+    assert!(warned(&drawn).is_empty(), "{drawn}");
+}
+
+#[test]
+fn a_run_says_how_far_the_cloth_moved_and_how_much_of_that_stayed() {
+    for (share, sentence, stays) in [
+        ("0.1", "mm, sprang back to 0", false),
+        ("0.3", "mm, rests 1", true),
+    ] {
+        let folder = folder_with(share);
+        let words = [
+            "run",
+            "pocket.fab",
+            "--policy",
+            "expert",
+            "--out",
+            "run",
+            "--json",
+        ];
+        let ended = said(folder.path(), &words);
+        assert!(ended.stderr.contains(sentence), "{}", ended.stderr);
+        let cloth = &json(&ended)["progress"][0]["cloth"];
+        let carried_mm = cloth["held"]["carried_mm"].as_f64().unwrap();
+        let stayed_mm = cloth["held"]["stayed_mm"].as_f64().unwrap();
+        let planned_mm = share.parse::<f64>().unwrap() * 477.0;
+        assert!((carried_mm - planned_mm).abs() < 15.0, "{cloth}");
+        assert_eq!(stayed_mm > planned_mm / 2.0, stays, "{cloth}");
+        assert!(
+            cloth["farthest_mm"].as_f64().unwrap() >= stayed_mm,
+            "{cloth}"
+        );
+        let record = fs::read_to_string(folder.path().join("run/rollout.jsonl")).unwrap();
+        let step: Value = serde_json::from_str(record.lines().nth(1).unwrap()).unwrap();
+        assert_eq!(&step["cloth"], cloth);
+    }
+}
+
+#[test]
+fn no_step_of_a_shipped_task_springs_back() {
+    let mut n_steps = 0;
+    for entry in fs::read_dir(root().join("tasks")).unwrap() {
+        let pins = entry.unwrap().path().join("pins.json");
+        let Ok(text) = fs::read_to_string(&pins) else {
+            continue;
+        };
+        let pins: Value = serde_json::from_str(&text).unwrap();
+        for step in pins["tried"]["steps"].as_array().unwrap() {
+            assert_eq!(step["effect"], "changed", "{pins}");
+            n_steps += 1;
+        }
+    }
+    assert!(n_steps > 20, "{n_steps}");
+}
