@@ -10,7 +10,7 @@ use crate::grid::Grid;
 use crate::layout::Layout;
 use crate::mask::Mask;
 use crate::params::{Params, ParamsError, REACH_M};
-use crate::picker::{self, Gripper, Way};
+use crate::picker::{self, Gripper, Leg, Manner, Way};
 use crate::snapshot::Snapshot;
 use crate::solver::{Outcome, Solver};
 
@@ -188,6 +188,20 @@ impl Simulator {
         place: [f32; 2],
         interrupted: &dyn Fn() -> bool,
     ) -> Result<PickAndPlace, SimError> {
+        self.pick_and_place_in(&Manner::default(), pick, place, interrupted)
+    }
+
+    /// Does the same in a stated manner.
+    ///
+    /// A crease is pressed after the release and before the picker goes home.
+    pub fn pick_and_place_in(
+        &mut self,
+        manner: &Manner,
+        pick: [f32; 2],
+        place: [f32; 2],
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<PickAndPlace, SimError> {
+        manner.check()?;
         for [x_m, y_m] in [pick, place] {
             // Written so that a NaN is out of reach too.
             if !(x_m.abs() <= REACH_M && y_m.abs() <= REACH_M) {
@@ -202,16 +216,42 @@ impl Simulator {
         let uppermost = picker::uppermost(&self.mask, &points, pick);
         let surface_m = uppermost.map_or(0.0, |particle| points[particle][2]);
         let aimed_at = uppermost.filter(|_| self.aim == Aim::Uppermost);
-        let mut grasped = None;
-        let mut steps = 0;
-        for leg in picker::legs(pick, place, surface_m, &self.params) {
-            let mut way = Way::new(self.sphere, &leg, &self.params);
+        let mut done = (None, 0);
+        let legs = picker::legs(pick, place, surface_m, manner, &self.params);
+        self.go(&legs, aimed_at, &mut done, interrupted)?;
+        if let Some(press_m) = manner.press_m {
+            self.release();
+            let legs = picker::presses(pick, place, press_m, &self.params);
+            self.go(&legs, None, &mut done, interrupted)?;
+        }
+        let home = [picker::home(&self.params)];
+        self.go(&home, None, &mut done, interrupted)?;
+        let (grasped, steps) = done;
+        Ok(PickAndPlace {
+            grasped,
+            steps,
+            time_s: f64::from(steps) * f64::from(self.params.step_secs),
+        })
+    }
+
+    /// Takes the sphere along legs, one step after the other.
+    ///
+    /// - `done`: what was grasped, and the steps taken so far.
+    fn go(
+        &mut self,
+        legs: &[Leg],
+        aimed_at: Option<usize>,
+        (grasped, steps): &mut (Option<usize>, u32),
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<(), SimError> {
+        for leg in legs {
+            let mut way = Way::new(self.sphere, leg, &self.params);
             while let Some(next) = way.next(self.sphere) {
                 if interrupted() {
                     self.release();
-                    return Err(SimError::Interrupted { steps });
+                    return Err(SimError::Interrupted { steps: *steps });
                 }
-                if steps >= MAX_ROUTE_STEPS {
+                if *steps >= MAX_ROUTE_STEPS {
                     self.release();
                     return Err(SimError::EndlessRoute);
                 }
@@ -219,16 +259,12 @@ impl Simulator {
                     Gripper::Open => self.release(),
                     Gripper::Closed => self.grasp(aimed_at),
                 }
-                grasped = grasped.or(self.held);
+                *grasped = grasped.or(self.held);
                 self.step_to(next)?;
-                steps += 1;
+                *steps += 1;
             }
         }
-        Ok(PickAndPlace {
-            grasped,
-            steps,
-            time_s: f64::from(steps) * f64::from(self.params.step_secs),
-        })
+        Ok(())
     }
 
     /// Fixes particles in space, until the next call, instead of those that were held; none lets all go.

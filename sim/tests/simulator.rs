@@ -1,7 +1,7 @@
 //! What callers of the simulator rely on: grasps, errors, interruption, copies.
 #![allow(clippy::unwrap_used)]
 
-use fab_sim::{Grid, Params, SimError, Simulator, StartError};
+use fab_sim::{Grid, Manner, Params, SimError, Simulator, StartError};
 
 fn grid(dimx: usize, dimy: usize) -> Grid {
     Grid::new(dimx, dimy, 0.00625).unwrap()
@@ -214,4 +214,192 @@ fn parameters_read_back_as_written() {
     let text = serde_json::to_string(&params).unwrap();
     assert_eq!(serde_json::from_str::<Params>(&text).unwrap(), params);
     assert!(serde_json::from_str::<Params>(r#"{"bent": 1}"#).is_err());
+}
+
+// ---- manners -------------------------------------------------------------------------------------
+
+/// Carries the corner of a small cloth outward; returns its height before, and at each step.
+fn heights(manner: &Manner, params: &Params) -> (f32, Vec<f32>) {
+    let cloth = Simulator::flat(Grid::new(12, 12, 0.00625).unwrap(), params);
+    let [x, y, z] = cloth.positions()[0];
+    let (pick, place) = ([x, y], [x - 0.04, y + 0.02]);
+    let act = |cloth: &mut Simulator, stop: u32| {
+        let asked = std::cell::Cell::new(0);
+        cloth.pick_and_place_in(manner, pick, place, &|| {
+            asked.set(asked.get() + 1);
+            asked.get() > stop
+        })
+    };
+    let total = act(&mut cloth.clone(), u32::MAX).unwrap().steps;
+    // Nobody can look during an action, so each step ends an action of its own.
+    let heights = (0..total).map(|stop| {
+        let mut partial = cloth.clone();
+        act(&mut partial, stop).unwrap_err();
+        partial.positions()[0][2]
+    });
+    (z, heights.collect())
+}
+
+/// Returns how far the corner rises above where it is grasped, metres.
+fn risen(manner: &Manner, params: &Params) -> f32 {
+    let (start, heights) = heights(manner, params);
+    let highest = heights.iter().copied().fold(start, f32::max);
+    // The sphere that comes down presses the cloth onto the table before it takes hold.
+    highest - heights.into_iter().fold(start, f32::min)
+}
+
+#[test]
+fn the_held_corner_rises_by_the_lift_and_by_no_more_than_it_is_let_go_at() {
+    let dropping = Params {
+        picker_home_m: [0.0, 0.0, 0.1],
+        ..Params::with_dropping_picker()
+    };
+    for params in [&Params::default(), &dropping] {
+        for lift_m in [0.02, 0.07] {
+            let lift = Manner {
+                lift_m: Some(lift_m),
+                release_height_m: Some(0.0),
+                ..Manner::default()
+            };
+            let rose = risen(&lift, params);
+            assert!((rose - lift_m).abs() < 1.5e-3, "{lift_m}: {rose}");
+        }
+        let up_at_the_end = Manner {
+            lift_m: Some(0.02),
+            release_height_m: Some(0.06),
+            ..Manner::default()
+        };
+        let rose = risen(&up_at_the_end, params);
+        assert!((rose - 0.06).abs() < 1.5e-3, "{rose}");
+    }
+}
+
+#[test]
+fn a_drag_leaves_the_held_corner_at_the_height_of_the_table() {
+    let drag = Manner {
+        lift_m: Some(0.0),
+        ..Manner::default()
+    };
+    let (start, heights) = heights(&drag, &Params::default());
+    for z in heights {
+        assert!((-1e-4..start + 1e-3).contains(&z), "{z}");
+    }
+}
+
+#[test]
+fn half_the_speed_takes_twice_the_steps_while_the_cloth_is_held() {
+    let steps = |speed_m_s| {
+        let mut cloth = flat(12, 12);
+        let [x, y, _] = cloth.positions()[0];
+        let manner = Manner {
+            speed_m_s,
+            ..Manner::default()
+        };
+        let done = cloth.pick_and_place_in(&manner, [x, y], [x - 0.04, y], &never);
+        (done.unwrap().steps, cloth.digest())
+    };
+    let (usual, digest) = steps(None);
+    assert_eq!(steps(Some(0.5)), (usual, digest));
+    // 50 mm up, 40 mm across, 50 mm down: 28 steps at 5 mm each.
+    assert_eq!(steps(Some(0.25)).0, usual + 28);
+    assert_eq!(steps(Some(0.05)).0, usual + 9 * 28);
+    assert_eq!(steps(Some(1.0)).0, usual - 14);
+}
+
+#[test]
+fn manners_that_say_what_is_usual_change_no_bit() {
+    let end = |manner: &Manner| {
+        let mut cloth = flat(14, 14);
+        let done = cloth.pick_and_place_in(manner, [-0.04, 0.04], [0.02, 0.0], &never);
+        (done.unwrap(), cloth.digest())
+    };
+    let usual = Manner {
+        lift_m: Some(0.05),
+        speed_m_s: Some(0.5),
+        release_height_m: Some(0.0),
+        press_m: Some(0.0),
+    };
+    assert_eq!(end(&usual), end(&Manner::default()));
+}
+
+/// Folds a rather stiff cloth in half; returns how high it stands within 6 cm of the crease at most, metres.
+fn crease_top(press_m: Option<f32>) -> f32 {
+    let stiff = Params {
+        bend: 2.0,
+        ..Params::default()
+    };
+    let mut cloth = Simulator::flat(Grid::new(40, 40, 0.00625).unwrap(), &stiff);
+    let half = cloth.positions()[39][0];
+    let (pick, place) = ([-half, 0.0], [half - 0.02, 0.0]);
+    let manner = Manner {
+        press_m,
+        ..Manner::default()
+    };
+    let done = cloth.pick_and_place_in(&manner, pick, place, &never);
+    assert!(done.unwrap().grasped.is_some());
+    cloth.settle(1000).unwrap();
+    let crease = cloth.positions().iter().map(|p| p[0]).fold(1.0, f32::min);
+    assert!((crease + 0.01).abs() < 0.02, "no fold: {crease}");
+    let near = cloth
+        .positions()
+        .into_iter()
+        .filter(|p| p[0] < crease + 0.06);
+    near.map(|p| p[2]).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_pressed_crease_stays_flatter() {
+    let (loose, pressed) = (crease_top(None), crease_top(Some(0.25)));
+    assert!(pressed < loose - 4e-3, "from {loose} m to {pressed} m");
+}
+
+#[test]
+fn every_manner_ends_with_an_open_picker_at_home() {
+    let values = [None, Some(0.0), Some(0.04), Some(0.3)];
+    for (index, route) in [Params::default(), Params::with_dropping_picker()]
+        .iter()
+        .enumerate()
+    {
+        for round in 0..8 {
+            let manner = Manner {
+                lift_m: values[(round + index) % 4],
+                speed_m_s: [None, Some(0.1), Some(1.0)][round % 3],
+                release_height_m: values[(round / 2) % 4],
+                press_m: values[(3 * round + 1) % 4],
+            };
+            let mut cloth = Simulator::flat(Grid::new(10, 10, 0.00625).unwrap(), route);
+            let done = cloth.pick_and_place_in(&manner, [-0.02, 0.02], [0.02, 0.01], &never);
+            assert!(done.unwrap().grasped.is_some(), "{manner:?}");
+            assert!(cloth.held().is_empty());
+            assert_eq!(cloth.sphere(), route.picker_home_m);
+        }
+    }
+}
+
+#[test]
+fn numbers_out_of_bounds_in_a_manner_are_refused_before_anything_moves() {
+    let mut cloth = flat(6, 6);
+    for value in [f32::NAN, -0.01, 20.0] {
+        let lift_m = Some(value);
+        let manners = [
+            Manner {
+                lift_m,
+                ..Manner::default()
+            },
+            Manner {
+                speed_m_s: lift_m,
+                ..Manner::default()
+            },
+            Manner {
+                press_m: lift_m,
+                ..Manner::default()
+            },
+        ];
+        for manner in manners {
+            let error = cloth.pick_and_place_in(&manner, [0.0; 2], [0.02; 2], &never);
+            let error = error.unwrap_err().to_string();
+            assert!(error.contains(&format!("is `{value}`, outside")), "{error}");
+        }
+    }
+    assert_eq!(cloth.steps(), 0);
 }
