@@ -218,59 +218,51 @@ fn parameters_read_back_as_written() {
 
 // ---- manners -------------------------------------------------------------------------------------
 
-/// Carries the corner of a small cloth outward; returns its height before, and at each step.
-fn heights(manner: &Manner, params: &Params) -> (f32, Vec<f32>) {
-    let cloth = Simulator::flat(Grid::new(12, 12, 0.00625).unwrap(), params);
-    let [x, y, z] = cloth.positions()[0];
-    let (pick, place) = ([x, y], [x - 0.04, y + 0.02]);
-    let act = |cloth: &mut Simulator, stop: u32| {
-        let asked = std::cell::Cell::new(0);
-        cloth.pick_and_place_in(manner, pick, place, &|| {
-            asked.set(asked.get() + 1);
-            asked.get() > stop
-        })
+/// Carries the corner of a small cloth 45 mm outward; returns its height after so many steps.
+fn height_after(steps: u32, manner: &Manner, params: &Params) -> f32 {
+    let mut cloth = Simulator::flat(Grid::new(12, 12, 0.00625).unwrap(), params);
+    let [x, y, _] = cloth.positions()[0];
+    let asked = std::cell::Cell::new(0);
+    let stop = || {
+        asked.set(asked.get() + 1);
+        asked.get() > steps
     };
-    let total = act(&mut cloth.clone(), u32::MAX).unwrap().steps;
-    // Nobody can look during an action, so each step ends an action of its own.
-    let heights = (0..total).map(|stop| {
-        let mut partial = cloth.clone();
-        act(&mut partial, stop).unwrap_err();
-        partial.positions()[0][2]
-    });
-    (z, heights.collect())
-}
-
-/// Returns how far the corner rises above where it is grasped, metres.
-fn risen(manner: &Manner, params: &Params) -> f32 {
-    let (start, heights) = heights(manner, params);
-    let highest = heights.iter().copied().fold(start, f32::max);
-    // The sphere that comes down presses the cloth onto the table before it takes hold.
-    highest - heights.into_iter().fold(start, f32::min)
+    let done = cloth.pick_and_place_in(manner, [x, y], [x - 0.04, y + 0.02], &stop);
+    assert_eq!(done, Err(SimError::Interrupted { steps }));
+    cloth.positions()[0][2]
 }
 
 #[test]
-fn the_held_corner_rises_by_the_lift_and_by_no_more_than_it_is_let_go_at() {
-    let dropping = Params {
-        picker_home_m: [0.0, 0.0, 0.1],
-        ..Params::with_dropping_picker()
+fn the_held_corner_rises_by_the_lift_and_is_let_go_at_the_height_of_release() {
+    // It is grasped in step 181, and with the other picker in step 200, whose ways take 100 steps each.
+    let (usual, dropping) = (Params::default(), Params::with_dropping_picker());
+    let risen = |manner: &Manner, params: &Params, grasped: u32, then: u32| {
+        height_after(then, manner, params) - height_after(grasped, manner, params)
     };
-    for params in [&Params::default(), &dropping] {
-        for lift_m in [0.02, 0.07] {
-            let lift = Manner {
-                lift_m: Some(lift_m),
-                release_height_m: Some(0.0),
-                ..Manner::default()
-            };
-            let rose = risen(&lift, params);
-            assert!((rose - lift_m).abs() < 1.5e-3, "{lift_m}: {rose}");
-        }
-        let up_at_the_end = Manner {
-            lift_m: Some(0.02),
-            release_height_m: Some(0.06),
+    for up in [0_u32, 4, 14] {
+        let lift_m = up as f32 * 0.005;
+        let lift = Manner {
+            lift_m: Some(lift_m),
             ..Manner::default()
         };
-        let rose = risen(&up_at_the_end, params);
-        assert!((rose - 0.06).abs() < 1.5e-3, "{rose}");
+        for rose in [
+            risen(&lift, &usual, 181, 181 + up + 5),
+            risen(&lift, &dropping, 200, 350),
+        ] {
+            assert!((rose - lift_m).abs() < 1e-4, "{lift_m}: {rose}");
+        }
+        let release = Manner {
+            release_height_m: Some(0.04),
+            ..lift
+        };
+        // Nine steps across, then up or down to where it is let go.
+        let there = 181 + up + 9 + up.abs_diff(8);
+        for rose in [
+            risen(&release, &usual, 181, there),
+            risen(&release, &dropping, 200, 500),
+        ] {
+            assert!((rose - 0.04).abs() < 1e-4, "{lift_m}: {rose}");
+        }
     }
 }
 
@@ -280,10 +272,11 @@ fn a_drag_leaves_the_held_corner_at_the_height_of_the_table() {
         lift_m: Some(0.0),
         ..Manner::default()
     };
-    let (start, heights) = heights(&drag, &Params::default());
-    for z in heights {
-        assert!((-1e-4..start + 1e-3).contains(&z), "{z}");
+    for step in [181, 185, 190] {
+        let z = height_after(step, &drag, &Params::default());
+        assert!((-1e-4..0.006).contains(&z), "{step}: {z}");
     }
+    assert!(height_after(185, &Manner::default(), &Params::default()) > 0.015);
 }
 
 #[test]
