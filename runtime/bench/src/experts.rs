@@ -12,7 +12,7 @@ use fab_base::parallel::in_parallel;
 use fab_program::{Program, Sequence};
 use fab_world::WorldError;
 use fab_world::expert;
-use fab_world::expert::MakeWorld;
+use fab_world::expert::{MakeWorld, Sequences};
 use fab_world::metrics;
 use std::collections::BTreeSet;
 
@@ -77,7 +77,10 @@ pub(super) fn simulate(
             let program = program_of(bench, entry, *start)?;
             // One sequence per job, so that the job starts no thread of its own.
             let ends = expert::ends(
-                std::slice::from_ref(sequence),
+                Sequences {
+                    folds: std::slice::from_ref(sequence),
+                    manner: program.manner,
+                },
                 &laid[entry.task][*start],
                 &|| (bench.make_world)(program),
                 bench.cache,
@@ -107,7 +110,10 @@ pub(super) fn distances_m(
     let mut distances = Vec::new();
     for fraction in fractions(bench) {
         let ends = expert::ends(
-            &sequences(job.program, fraction),
+            Sequences {
+                folds: &sequences(job.program, fraction),
+                manner: job.program.manner,
+            },
             job.start,
             make_world,
             job.cache,

@@ -9,7 +9,7 @@ use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
 use fab_program as program;
 pub use fab_sim::Look;
-use fab_sim::{Aim, Grid, Mask, Params, SimError, Simulator, TopDownCamera};
+use fab_sim::{Aim, Grid, Manner, Mask, Params, SimError, Simulator, TopDownCamera};
 use image::RgbImage;
 
 /// Why a cloth with missing particles is not laid for actions: its corners, which tasks name, may not exist.
@@ -134,11 +134,21 @@ impl World for SimulatedWorld {
 
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
         let cloth = self.cloth.as_mut().ok_or(WorldError::NotReset)?;
+        let metres = |value: Option<f64>| value.map(|value| value as f32);
+        let manner = Manner {
+            lift_m: metres(motion.manner.lift_m),
+            speed_m_s: metres(motion.manner.speed_m_s),
+            release_height_m: metres(motion.manner.release_height_m),
+            press_m: metres(motion.manner.press_m),
+        };
         let on_table = |point: &super::WorldPoint| [point.x as f32, point.y as f32];
         let done = cloth
-            .pick_and_place(on_table(&motion.pick), on_table(&motion.place), &|| {
-                interrupt.is_raised()
-            })
+            .pick_and_place_in(
+                &manner,
+                on_table(&motion.pick),
+                on_table(&motion.place),
+                &|| interrupt.is_raised(),
+            )
             .map_err(stopped)?;
         Ok(Executed {
             motion: *motion,
@@ -169,6 +179,10 @@ impl World for SimulatedWorld {
 
     fn particles(&self) -> Option<Vec<[f32; 3]>> {
         self.cloth.as_ref().map(Simulator::positions)
+    }
+
+    fn refuses(&self, _: &Motion) -> Option<String> {
+        None
     }
 }
 

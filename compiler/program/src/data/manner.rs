@@ -104,6 +104,14 @@ impl Manner {
             .filter_map(move |arg| Some((arg.name, manner.get(arg.name)?)))
     }
 
+    /// Returns the same manner with one field stated; a name that is none of [`MANNERS`] changes nothing.
+    ///
+    /// - `value`: metres, or metres per second.
+    pub fn with(mut self, name: &str, value: f64) -> Manner {
+        self.set(name, value);
+        self
+    }
+
     fn get(mut self, name: &str) -> Option<f64> {
         self.slot(name).and_then(|value| *value)
     }
