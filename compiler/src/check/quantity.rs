@@ -307,6 +307,9 @@ pub(super) fn no_conversion(
     };
     context.error(match meant {
         Some(meant) => diagnostic.meant(target.span(), meant),
+        None if fitting == units_of(&[Dimension::Speed]) => {
+            diagnostic.help(format!("after `in`, write {} for speeds", among(fitting)))
+        }
         None => diagnostic.help(format!(
             "after `in`, write {lengths} for lengths, {angles} for angles, `percent` for fractions"
         )),

@@ -42,7 +42,7 @@ pub fn tables() -> Vec<(&'static str, String)> {
 /// The tables of calls: the name of each, and where its calls may be used.
 const CALLS: &[(&str, &str)] = &[
     ("cloths", "cloth"),
-    ("picker-calls", "picker"),
+    ("pickers-with-a-manner", "picker"),
     ("cameras", "camera"),
     ("points-of-the-cloth", "point of the cloth"),
     ("extractors", "extractor"),
