@@ -117,7 +117,7 @@ pub enum SimError {
     /// The route needs more steps than any sensible parameters allow.
     #[error("the picker's route takes more than `{MAX_ROUTE_STEPS}` steps")]
     EndlessRoute,
-    /// A parameter of this cloth is out of bounds; it never moved.
+    /// A parameter of this cloth, or a number of an action's manner, is out of bounds; nothing moved.
     #[error(transparent)]
     Params(#[from] ParamsError),
 }

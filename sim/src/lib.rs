@@ -79,6 +79,7 @@ pub use error::{MAX_START_DEPTH_M, MAX_START_STRETCH, SimError, StartError};
 pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use mask::{Mask, MaskError};
 pub use params::{ALGORITHM_VERSION, DROP_LEG_STEPS, Params, ParamsError, REACH_M, Route};
+pub use picker::Manner;
 pub use scenario::diagonal_fold;
 pub use scene::Marker;
 pub use simulator::{Aim, PickAndPlace, RestShortcut, Simulator};

@@ -10,7 +10,7 @@ use crate::grid::Grid;
 use crate::layout::Layout;
 use crate::mask::Mask;
 use crate::params::{Params, ParamsError, REACH_M};
-use crate::picker::{self, Gripper, Way};
+use crate::picker::{self, Gripper, Leg, Manner, Way};
 use crate::scene::Marker;
 use crate::snapshot::Snapshot;
 use crate::solver::{Outcome, Solver};
@@ -191,17 +191,21 @@ impl Simulator {
         place: [f32; 2],
         interrupted: &dyn Fn() -> bool,
     ) -> Result<PickAndPlace, SimError> {
-        self.pick_and_place_watched(pick, place, interrupted, &mut |_| {})
+        self.pick_and_place_in(&Manner::default(), pick, place, interrupted, &mut |_| {})
     }
 
-    /// Does the same as [`Simulator::pick_and_place`], and shows the cloth to `watch` after every step.
-    pub fn pick_and_place_watched(
+    /// Does the same in a stated manner, and shows the cloth to `watch` after every step.
+    ///
+    /// A crease is pressed after the release and before the picker goes home.
+    pub fn pick_and_place_in(
         &mut self,
+        manner: &Manner,
         pick: [f32; 2],
         place: [f32; 2],
         interrupted: &dyn Fn() -> bool,
         watch: &mut dyn FnMut(&Simulator),
     ) -> Result<PickAndPlace, SimError> {
+        manner.check()?;
         for [x_m, y_m] in [pick, place] {
             // Written so that a NaN is out of reach too.
             if !(x_m.abs() <= REACH_M && y_m.abs() <= REACH_M) {
@@ -216,41 +220,64 @@ impl Simulator {
         let uppermost = picker::uppermost(&self.mask, &points, pick);
         let surface_m = uppermost.map_or(0.0, |particle| points[particle][2]);
         let aimed_at = uppermost.filter(|_| self.aim == Aim::Uppermost);
-        let mut grasped = None;
-        let mut released_at = None;
-        let mut steps = 0;
-        for leg in picker::legs(pick, place, surface_m, &self.params) {
-            let mut way = Way::new(self.sphere, &leg, &self.params);
+        let mut done = PickAndPlace {
+            grasped: None,
+            released_at: None,
+            steps: 0,
+            time_s: 0.0,
+        };
+        let legs = picker::legs(pick, place, surface_m, manner, &self.params);
+        self.go(&legs, aimed_at, &mut done, interrupted, watch)?;
+        if let Some(press_m) = manner.press_m {
+            self.open(&mut done);
+            let legs = picker::presses(pick, place, press_m, &self.params);
+            self.go(&legs, None, &mut done, interrupted, watch)?;
+        }
+        let home = [picker::home(&self.params)];
+        self.go(&home, None, &mut done, interrupted, watch)?;
+        done.time_s = f64::from(done.steps) * f64::from(self.params.step_secs);
+        Ok(done)
+    }
+
+    /// Takes the sphere along legs, one step after the other, and notes in `done` what comes of it.
+    fn go(
+        &mut self,
+        legs: &[Leg],
+        aimed_at: Option<usize>,
+        done: &mut PickAndPlace,
+        interrupted: &dyn Fn() -> bool,
+        watch: &mut dyn FnMut(&Simulator),
+    ) -> Result<(), SimError> {
+        for leg in legs {
+            let mut way = Way::new(self.sphere, leg, &self.params);
             while let Some(next) = way.next(self.sphere) {
                 if interrupted() {
                     self.release();
-                    return Err(SimError::Interrupted { steps });
+                    return Err(SimError::Interrupted { steps: done.steps });
                 }
-                if steps >= MAX_ROUTE_STEPS {
+                if done.steps >= MAX_ROUTE_STEPS {
                     self.release();
                     return Err(SimError::EndlessRoute);
                 }
                 match leg.gripper {
-                    Gripper::Open => {
-                        if let Some(particle) = self.held {
-                            released_at = Some(self.positions()[particle]);
-                        }
-                        self.release();
-                    }
+                    Gripper::Open => self.open(done),
                     Gripper::Closed => self.grasp(aimed_at),
                 }
-                grasped = grasped.or(self.held);
+                done.grasped = done.grasped.or(self.held);
                 self.step_to(next)?;
-                steps += 1;
+                done.steps += 1;
                 watch(self);
             }
         }
-        Ok(PickAndPlace {
-            grasped,
-            released_at,
-            steps,
-            time_s: f64::from(steps) * f64::from(self.params.step_secs),
-        })
+        Ok(())
+    }
+
+    /// Lets go, and notes where that was.
+    fn open(&mut self, done: &mut PickAndPlace) {
+        if let Some(particle) = self.held {
+            done.released_at = Some(self.positions()[particle]);
+        }
+        self.release();
     }
 
     /// Fixes particles in space, until the next call, instead of those that were held; none lets all go.

@@ -1,7 +1,7 @@
 //! What callers of the simulator rely on: grasps, errors, interruption, copies.
 #![allow(clippy::unwrap_used)]
 
-use fab_sim::{Grid, Params, SimError, Simulator, StartError};
+use fab_sim::{Grid, Manner, Params, SimError, Simulator, StartError};
 
 fn grid(dimx: usize, dimy: usize) -> Grid {
     Grid::new(dimx, dimy, 0.00625).unwrap()
@@ -226,7 +226,7 @@ fn a_watched_motion_is_the_same_and_is_shown_step_by_step() {
     let mut watched = Simulator::flat(grid, &Params::default());
     let mut shown = Vec::new();
     let again = watched
-        .pick_and_place_watched(from, to, &|| false, &mut |cloth| {
+        .pick_and_place_in(&Manner::default(), from, to, &|| false, &mut |cloth| {
             shown.push((cloth.steps(), cloth.marker()));
         })
         .unwrap();
@@ -239,4 +239,186 @@ fn a_watched_motion_is_the_same_and_is_shown_step_by_step() {
     let near = |tip: [f32; 3], at: [f32; 2]| (tip[0] - at[0]).hypot(tip[1] - at[1]) < 0.02;
     assert!(near(first, from) && near(last, to), "{first:?} {last:?}");
     assert!(!shown[0].1.holds && !shown[shown.len() - 1].1.holds);
+}
+
+// ---- manners -------------------------------------------------------------------------------------
+
+/// Carries the corner of a small cloth 45 mm outward; returns its height after so many steps.
+fn height_after(steps: u32, manner: &Manner, params: &Params) -> f32 {
+    let mut cloth = Simulator::flat(Grid::new(12, 12, 0.00625).unwrap(), params);
+    let [x, y, _] = cloth.positions()[0];
+    let asked = std::cell::Cell::new(0);
+    let stop = || {
+        asked.set(asked.get() + 1);
+        asked.get() > steps
+    };
+    let done = cloth.pick_and_place_in(manner, [x, y], [x - 0.04, y + 0.02], &stop, &mut |_| {});
+    assert_eq!(done, Err(SimError::Interrupted { steps }));
+    cloth.positions()[0][2]
+}
+
+#[test]
+fn the_held_corner_rises_by_the_lift_and_is_let_go_at_the_height_of_release() {
+    // It is grasped in step 181, and with the other picker in step 200, whose ways take 100 steps each.
+    let (usual, dropping) = (Params::default(), Params::with_dropping_picker());
+    let risen = |manner: &Manner, params: &Params, grasped: u32, then: u32| {
+        height_after(then, manner, params) - height_after(grasped, manner, params)
+    };
+    for up in [0_u32, 4, 14] {
+        let lift_m = up as f32 * 0.005;
+        let lift = Manner {
+            lift_m: Some(lift_m),
+            ..Manner::default()
+        };
+        for rose in [
+            risen(&lift, &usual, 181, 181 + up + 5),
+            risen(&lift, &dropping, 200, 350),
+        ] {
+            assert!((rose - lift_m).abs() < 1e-4, "{lift_m}: {rose}");
+        }
+        let release = Manner {
+            release_height_m: Some(0.04),
+            ..lift
+        };
+        // Nine steps across, then up or down to where it is let go.
+        let there = 181 + up + 9 + up.abs_diff(8);
+        for rose in [
+            risen(&release, &usual, 181, there),
+            risen(&release, &dropping, 200, 500),
+        ] {
+            assert!((rose - 0.04).abs() < 1e-4, "{lift_m}: {rose}");
+        }
+    }
+}
+
+#[test]
+fn a_drag_leaves_the_held_corner_at_the_height_of_the_table() {
+    let drag = Manner {
+        lift_m: Some(0.0),
+        ..Manner::default()
+    };
+    for step in [181, 185, 190] {
+        let z = height_after(step, &drag, &Params::default());
+        assert!((-1e-4..0.006).contains(&z), "{step}: {z}");
+    }
+    assert!(height_after(185, &Manner::default(), &Params::default()) > 0.015);
+}
+
+#[test]
+fn half_the_speed_takes_twice_the_steps_while_the_cloth_is_held() {
+    let steps = |speed_m_s| {
+        let mut cloth = flat(12, 12);
+        let [x, y, _] = cloth.positions()[0];
+        let manner = Manner {
+            speed_m_s,
+            ..Manner::default()
+        };
+        let done = cloth.pick_and_place_in(&manner, [x, y], [x - 0.04, y], &never, &mut |_| {});
+        (done.unwrap().steps, cloth.digest())
+    };
+    let (usual, digest) = steps(None);
+    assert_eq!(steps(Some(0.5)), (usual, digest));
+    // 50 mm up, 40 mm across, 50 mm down: 28 steps at 5 mm each.
+    assert_eq!(steps(Some(0.25)).0, usual + 28);
+    assert_eq!(steps(Some(0.05)).0, usual + 9 * 28);
+    assert_eq!(steps(Some(1.0)).0, usual - 14);
+}
+
+#[test]
+fn manners_that_say_what_is_usual_change_no_bit() {
+    let end = |manner: &Manner| {
+        let mut cloth = flat(14, 14);
+        let done = cloth.pick_and_place_in(manner, [-0.04, 0.04], [0.02, 0.0], &never, &mut |_| {});
+        (done.unwrap(), cloth.digest())
+    };
+    let usual = Manner {
+        lift_m: Some(0.05),
+        speed_m_s: Some(0.5),
+        release_height_m: Some(0.0),
+        press_m: Some(0.0),
+    };
+    assert_eq!(end(&usual), end(&Manner::default()));
+}
+
+/// Folds a rather stiff cloth in half; returns how high it stands within 6 cm of the crease at most, metres.
+fn crease_top(press_m: Option<f32>) -> f32 {
+    let stiff = Params {
+        bend: 2.0,
+        ..Params::default()
+    };
+    let mut cloth = Simulator::flat(Grid::new(40, 40, 0.00625).unwrap(), &stiff);
+    let half = cloth.positions()[39][0];
+    let (pick, place) = ([-half, 0.0], [half - 0.02, 0.0]);
+    let manner = Manner {
+        press_m,
+        ..Manner::default()
+    };
+    let done = cloth.pick_and_place_in(&manner, pick, place, &never, &mut |_| {});
+    assert!(done.unwrap().grasped.is_some());
+    cloth.settle(1000).unwrap();
+    let crease = cloth.positions().iter().map(|p| p[0]).fold(1.0, f32::min);
+    assert!((crease + 0.01).abs() < 0.02, "no fold: {crease}");
+    let near = cloth
+        .positions()
+        .into_iter()
+        .filter(|p| p[0] < crease + 0.06);
+    near.map(|p| p[2]).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_pressed_crease_stays_flatter() {
+    let (loose, pressed) = (crease_top(None), crease_top(Some(0.25)));
+    assert!(pressed < loose - 4e-3, "from {loose} m to {pressed} m");
+}
+
+#[test]
+fn every_manner_ends_with_an_open_picker_at_home() {
+    let values = [None, Some(0.0), Some(0.04), Some(0.3)];
+    for (index, route) in [Params::default(), Params::with_dropping_picker()]
+        .iter()
+        .enumerate()
+    {
+        for round in 0..8 {
+            let manner = Manner {
+                lift_m: values[(round + index) % 4],
+                speed_m_s: [None, Some(0.1), Some(1.0)][round % 3],
+                release_height_m: values[(round / 2) % 4],
+                press_m: values[(3 * round + 1) % 4],
+            };
+            let mut cloth = Simulator::flat(Grid::new(10, 10, 0.00625).unwrap(), route);
+            let done =
+                cloth.pick_and_place_in(&manner, [-0.02, 0.02], [0.02, 0.01], &never, &mut |_| {});
+            assert!(done.unwrap().grasped.is_some(), "{manner:?}");
+            assert!(cloth.held().is_empty());
+            assert_eq!(cloth.sphere(), route.picker_home_m);
+        }
+    }
+}
+
+#[test]
+fn numbers_out_of_bounds_in_a_manner_are_refused_before_anything_moves() {
+    let mut cloth = flat(6, 6);
+    for value in [f32::NAN, -0.01, 20.0] {
+        let lift_m = Some(value);
+        let manners = [
+            Manner {
+                lift_m,
+                ..Manner::default()
+            },
+            Manner {
+                speed_m_s: lift_m,
+                ..Manner::default()
+            },
+            Manner {
+                press_m: lift_m,
+                ..Manner::default()
+            },
+        ];
+        for manner in manners {
+            let error = cloth.pick_and_place_in(&manner, [0.0; 2], [0.02; 2], &never, &mut |_| {});
+            let error = error.unwrap_err().to_string();
+            assert!(error.contains(&format!("is `{value}`, outside")), "{error}");
+        }
+    }
+    assert_eq!(cloth.steps(), 0);
 }

@@ -36,10 +36,7 @@ fn played(command: &CommandLine) -> Result<(), WorldError> {
     world.reset(&start)?;
     world.observe()?;
     let [x, y, z] = start.positions[0].map(f64::from);
-    let motion = Motion {
-        pick: WorldPoint::new(x, y, z),
-        place: WorldPoint::new(0.0, 0.0, 0.005),
-    };
+    let motion = Motion::new(WorldPoint::new(x, y, z), WorldPoint::new(0.0, 0.0, 0.005));
     world.act(&motion, &Interrupt::default()).map(drop)
 }
 

@@ -22,7 +22,7 @@ use fab_world::{Executed, Motion, SimulatedWorld, World, WorldError, WorldPoint,
 use serde_json::Value;
 use std::sync::Mutex;
 
-/// The simulator's world with an arm that reaches to the right only up to some x.
+/// The simulator's world with an arm that reaches to the right only up to some x, and lifts at most 150 mm.
 struct Short {
     world: SimulatedWorld,
     most_x_m: f64,
@@ -38,6 +38,11 @@ impl Wrapper for Short {
     }
 
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        assert_eq!(
+            Wrapper::refuses(self, motion),
+            None,
+            "it was sent all the same"
+        );
         for point in [motion.pick, motion.place] {
             assert_eq!(
                 Wrapper::out_of_reach(self, &point),
@@ -56,6 +61,14 @@ impl Wrapper for Short {
                 self.most_x_m * 1000.0
             )
         })
+    }
+
+    fn refuses(&self, motion: &Motion) -> Option<String> {
+        let lift_m = motion.manner.lift_m.filter(|lift_m| *lift_m > 0.15)?;
+        let lift_mm = lift_m * 1000.0;
+        Some(format!(
+            "`lift` of {lift_mm:.0} mm is above the arm's 150 mm"
+        ))
     }
 }
 
@@ -322,6 +335,105 @@ task own extends folding {
     assert!(!words.contains("Some points cannot be reached"), "{words}");
     let words = words_of(&play(&program, 1.0, &folds).asked[1]);
     assert!(words.contains("The arm can go everywhere."), "{words}");
+}
+
+/// Compiles a small fold with some more lines.
+fn lifting(lines: &'static str) -> Program {
+    let compiled = fab_compiler::compile("tasks/own.fab", &Beside(lines)).unwrap();
+    assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
+    compiled.programs.into_iter().next().unwrap()
+}
+
+/// What may be chosen and what the picker states: its words in the prompt, the motion in the record, and a refusal.
+#[test]
+fn a_lift_is_asked_for_executed_and_refused_beyond_the_arm() {
+    let program = lifting(
+        r#"
+use "lib/folding.fab"
+task own extends folding {
+    cloth grid(28, 28)
+    picker put_down(speed: 250mm/s)
+    subgoals { demonstrate { fold corner(back_left) -> center } }
+    actions {
+        pick: one of corners
+        place: one of corners, center
+        lift: one of 0mm, 30mm, 200mm
+    }
+}
+"#,
+    );
+    let lifts = |first: &'static str| {
+        move |number: usize, request: &Request| {
+            let answer = folds(number, request);
+            let lift = if number == 1 { first } else { "30 mm" };
+            format!("{answer}\nLift = {lift}")
+        }
+    };
+    let played = play(&program, f64::INFINITY, &lifts("30 mm"));
+    assert_eq!(
+        offered(&played.asked[1], "lift"),
+        ["0 mm", "30 mm", "200 mm"]
+    );
+    let words = words_of(&played.asked[1]);
+    assert!(words.contains("Lift = "), "{words}");
+    for motion in [
+        &played.lines[1]["action"]["motion"],
+        &played.lines[1]["executed"]["motion"],
+    ] {
+        let expected = serde_json::json!({"lift_m": 0.03, "speed_m_s": 0.25});
+        assert_eq!(motion["manner"], expected);
+    }
+    let took_s = |played: &Played| played.lines[1]["executed"]["duration_s"].as_f64().unwrap();
+    let drags = play(&program, f64::INFINITY, &lifts("0 mm"));
+    assert_eq!(drags.lines[1]["action"]["motion"]["manner"]["lift_m"], 0.0);
+    // Up and down 30 mm at 250 mm/s.
+    let longer_s = took_s(&played) - took_s(&drags);
+    assert!((longer_s - 0.24).abs() < 0.05, "{longer_s}");
+
+    let refused = play(&program, f64::INFINITY, &lifts("200 mm"));
+    assert_eq!(refused.report.refusals.get("reachable"), Some(&1));
+    assert_eq!(refused.report.steps, 1);
+    let told = words_of(&refused.asked[2]);
+    let why = "The cloth cannot be moved like this: `lift` of 200 mm is above the arm's 150 mm. Choose other values.";
+    assert!(told.contains(why), "{told}");
+}
+
+#[test]
+fn a_task_whose_manner_the_world_refuses_ends_before_the_first_question() {
+    let stated = r#"
+use "lib/folding.fab"
+task own extends folding {
+    cloth grid(28, 28)
+    picker put_down(lift: 250mm)
+    subgoals { demonstrate { fold corner(back_left) -> center } }
+}
+"#;
+    let offered = r#"
+use "lib/folding.fab"
+task own extends folding {
+    cloth grid(28, 28)
+    subgoals { demonstrate { fold corner(back_left) -> center } }
+    actions { pick: one of corners place: one of corners, center lift: one of 250mm, 200mm }
+}
+"#;
+    for lines in [stated, offered] {
+        let program = lifting(lines);
+        let model = Answering {
+            answer: &folds,
+            asked: Mutex::default(),
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let failed = with_job(&program, 1.0, &model, |job| {
+            let run = RunFolder::create(&folder.path().join("run")).unwrap();
+            rollout::run(job, run, &mut |_| {}).unwrap_err().to_string()
+        });
+        let why = "`lift` of 250 mm is above the arm's 150 mm";
+        assert!(
+            failed.contains("cannot be executed in the world `sim`") && failed.contains(why),
+            "{failed}"
+        );
+        assert!(model.asked.into_inner().unwrap().is_empty());
+    }
 }
 
 fn smoothing(variant: Option<&str>) -> Program {

@@ -111,7 +111,7 @@ pub(super) const LEFT: &str = "(66, 66)";
 fn a_direction_is_one_of_the_picture_whichever_way_is_up() {
     for (variant, expected) in [(None, [0.02, 0.0]), (Some("turned"), [0.0, -0.02])] {
         let played = play(&steered(variant), &[&answer(RIGHT, "0 deg", "20 mm")]);
-        let Motion { pick, place } = played.motions[0];
+        let Motion { pick, place, .. } = played.motions[0];
         let moved = place - pick;
         assert!(
             (moved.x - expected[0]).abs() < 1e-9 && (moved.y - expected[1]).abs() < 1e-9,

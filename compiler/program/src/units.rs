@@ -17,6 +17,8 @@ pub enum Dimension {
     Pixels,
     /// An angle, radians.
     Angle,
+    /// A speed, metres per second.
+    Speed,
     /// A plain number.
     Number,
 }
@@ -84,7 +86,17 @@ pub const UNITS: &[Unit] = &[
         &["turns"],
         "whole turns",
     ),
+    speed("mm/s", 0.001, 1, "millimetres per second"),
+    speed("cm/s", 0.01, 2, "centimetres per second"),
+    speed("m/s", 1.0, 3, "metres per second"),
 ];
+
+/// What an answer may write for `/s` after a unit of length.
+pub const PER_SECOND: &[&str] = &["s", "sec", "secs", "second", "seconds"];
+
+const fn speed(name: &'static str, size: f64, decimals: u8, doc: &'static str) -> Unit {
+    unit(name, Dimension::Speed, size, decimals, &[], doc)
+}
 
 /// The cloth's longer side.
 pub const EDGE: Unit = unit(
@@ -144,6 +156,11 @@ impl PartialEq for Unit {
 impl Eq for Unit {}
 
 impl Unit {
+    /// Returns the unit of the speed that is this length in a second; `None` if there is none.
+    pub fn per_second(&self) -> Option<&'static Unit> {
+        find(&format!("{}/s", self.name))
+    }
+
     /// Returns its size in base units, for a cloth whose longer side is `edge_m`.
     pub fn size_with(&self, edge_m: f64) -> f64 {
         if *self == EDGE { edge_m } else { self.size }
@@ -162,7 +179,7 @@ impl Unit {
     }
 }
 
-/// A unit of length on the table, in which a field offers its choices. In JSON it is the name.
+/// A unit of length on the table, or of length per second, in which a field offers its choices. In JSON it is the name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LengthUnit(&'static Unit);
 
@@ -170,12 +187,12 @@ impl LengthUnit {
     /// The cloth's longer side.
     pub const EDGE: LengthUnit = LengthUnit(&EDGE);
 
-    /// Returns a unit if it is one of length on the table.
+    /// Returns a unit if it is one of length on the table, or of speed.
     pub fn of(unit: &'static Unit) -> Option<LengthUnit> {
-        (unit.dimension == Dimension::Length).then_some(LengthUnit(unit))
+        matches!(unit.dimension, Dimension::Length | Dimension::Speed).then_some(LengthUnit(unit))
     }
 
-    /// Returns the unit of length with that name.
+    /// Returns the unit of length or speed with that name.
     pub fn find(name: &str) -> Option<LengthUnit> {
         find(name).and_then(LengthUnit::of)
     }

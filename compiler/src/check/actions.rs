@@ -11,6 +11,7 @@ use fab_grammar::Span;
 use fab_grammar::ast::{Actions, Expr, Field, Name};
 use fab_program::exact::vector_of;
 use fab_program::units::Dimension;
+use fab_program::vocabulary::Range;
 use fab_program::{ActionField, Choices, Direction, KeypointShape, LengthChoice, LengthUnit};
 use std::collections::BTreeMap;
 
@@ -51,7 +52,8 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fie
 fn incomplete(part: Actions<'_>) -> Vec<Diagnostic> {
     let has = |name: &str| part.fields().any(|field| field.name().text() == name);
     for name in part.fields().map(|field| field.name()) {
-        let lacking = FIELDS.iter().map(|row| row.name).filter(|name| !has(name));
+        let expected = FIELDS.iter().filter(|row| row.is_expected);
+        let lacking = expected.map(|row| row.name).filter(|name| !has(name));
         if moving_field(name.text()).is_none()
             && let Some(meant) = nearest(name.text(), lacking)
         {
@@ -144,7 +146,7 @@ fn listed<'a>(
     match kind {
         ChoiceKind::Points => points(&list, row, context),
         ChoiceKind::Directions => directions(&list, context),
-        ChoiceKind::Lengths => lengths(name, &list, context),
+        ChoiceKind::Lengths | ChoiceKind::Speeds => lengths(name, &list, row, context),
         ChoiceKind::Words => words(&list, context),
     }
 }
@@ -180,7 +182,7 @@ fn kind<'a>(
     Ok(ChoiceKind::of(unit_of(quantity, unit, context)?.dimension))
 }
 
-/// Reports choices of the wrong kind for a field that moves the cloth.
+/// Reports choices of the wrong kind for a field that acts.
 fn offers(
     row: Option<&FieldRow>,
     kind: ChoiceKind,
@@ -294,18 +296,21 @@ fn directions<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Ch
 fn lengths<'a>(
     field: Name<'a>,
     list: &[Expr<'a>],
+    row: Option<&FieldRow>,
     context: &mut Context<'a, '_>,
 ) -> Result<Choices, Reported> {
+    let range = row.and_then(|row| row.range);
     let read = distinct(list, context, |choice, context| {
-        let (unit, length) = length(choice, context)?;
+        let (unit, length) = length(choice, range.as_ref(), context)?;
         Ok(((unit.name, length.value.to_bits()), (unit, length)))
     })?;
     let unit = read[0].0;
     if let Some(other) = read.iter().position(|(own, _)| *own != unit) {
         let (first, other, span) = (unit.name, read[other].0.name, list[other].span());
         let message = format!(
-            "`{}` offers lengths in `{first}` and in `{other}`",
-            field.text()
+            "`{}` offers {} in `{first}` and in `{other}`",
+            field.text(),
+            ChoiceKind::of(unit.dimension).noun()
         );
         let diagnostic = Diagnostic::new(Code::MixedChoices, span, message);
         let help = "write all of them in one unit; prompts and answers use it too";
@@ -325,6 +330,7 @@ const MOST_LENGTH_M: f64 = 100.0;
 
 fn length<'a>(
     choice: Expr<'a>,
+    range: Option<&Range>,
     context: &mut Context<'a, '_>,
 ) -> Result<(LengthUnit, LengthChoice), Reported> {
     const EXPECTED: &str = "a length on the table";
@@ -335,24 +341,38 @@ fn length<'a>(
     let Some(unit) = LengthUnit::find(found.unit) else {
         let code = match found.dimension {
             Dimension::Number => Code::MissingUnit,
-            Dimension::Length | Dimension::Pixels | Dimension::Angle => Code::MixedFrames,
+            Dimension::Length | Dimension::Pixels | Dimension::Angle | Dimension::Speed => {
+                Code::MixedFrames
+            }
         };
         let diagnostic = context.unexpected(code, choice, EXPECTED);
         let diagnostic = diagnostic.label(format!("this is {}", noun(found.dimension)));
         let help = "the arm moves over the table: write, for example, `0.25edge` or `50mm`";
         return Err(context.error(diagnostic.help(help)));
     };
-    if found.number < LEAST_LENGTH || found.value > MOST_LENGTH_M {
-        let help =
-            format!("write at least {LEAST_LENGTH} of its unit, and at most {MOST_LENGTH_M} m");
+    if let Some(range) = range {
+        if !range.contains(found.value) && !found.value.is_nan() {
+            let help = format!("expected {}", range.words());
+            return Err(out_of_range(choice, &help, context));
+        }
+    } else if found.number < LEAST_LENGTH || found.value > MOST_LENGTH_M {
+        let help = format!(
+            "write at least {LEAST_LENGTH} of its unit, and at most {MOST_LENGTH_M} {}",
+            if unit.dimension == Dimension::Speed {
+                "m/s"
+            } else {
+                "m"
+            }
+        );
         return Err(out_of_range(choice, &help, context));
     }
     // Without a cloth there is no program, and `edge` has no size.
     Ok((
         unit,
         LengthChoice {
-            value: found.number,
-            m: found.value,
+            // Without the sign of `-0mm`, which a prompt would show.
+            value: found.number + 0.0,
+            m: found.value + 0.0,
         },
     ))
 }

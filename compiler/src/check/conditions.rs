@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::expressions::{
-    AsPercent, FramedLength, Operand, Scope, common_frame, keypoint, kind_of, operand, point,
+    AsPercent, Frame, FramedLength, Operand, Scope, common_frame, keypoint, kind_of, operand, point,
 };
 use super::quantity::{no_unit, not_whole, out_of_range, read};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
@@ -184,6 +184,15 @@ fn lengths<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<Condition, Reported> {
     let is = order(compare.sign(), "lengths", context);
+    if (left.frame == Frame::Speed) != (right.frame == Frame::Speed) {
+        let noun = |length: &FramedLength| kind_of(&Operand::Length(length.clone()));
+        let message = format!("{} is compared with {}", noun(left), noun(right));
+        let diagnostic = Diagnostic::new(Code::MixedFrames, compare.right().span(), message)
+            .label(noun(right))
+            .also(compare.left().span(), noun(left))
+            .help("compare a speed with a speed such as `200mm/s`");
+        return Err(context.error(diagnostic));
+    }
     if left.frame != right.frame {
         let [left_words, right_words] = [compare.left(), compare.right()].map(|side| {
             let value = match side {

@@ -739,6 +739,8 @@ fn direction_field(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Result<Stri
 pub(crate) enum Frame {
     Picture,
     Table,
+    /// Nowhere: it is a speed, a length per second.
+    Speed,
 }
 
 /// A value.
@@ -800,11 +802,11 @@ pub(crate) struct FramedLength {
 pub(crate) enum NativeLength {
     /// Pixels.
     Picture(f64),
-    /// Metres.
+    /// Metres, or metres per second.
     Table(f64),
     /// A measure of the picture, pixels.
     Measured(Length),
-    /// A field that is a length on the table.
+    /// A field that is a length on the table, or a speed.
     Field(String),
 }
 
@@ -818,16 +820,18 @@ impl NativeLength {
         let constant = |value: f64| Length::Constant { value };
         Ok(match (self, frame) {
             (NativeLength::Picture(px), Frame::Picture) => constant(*px),
-            (NativeLength::Picture(px), Frame::Table) => constant(px / context.px_per_m()?),
-            (NativeLength::Table(m), Frame::Table) => constant(*m),
+            (NativeLength::Picture(px), Frame::Table | Frame::Speed) => {
+                constant(px / context.px_per_m()?)
+            }
+            (NativeLength::Table(m), Frame::Table | Frame::Speed) => constant(*m),
             (NativeLength::Table(m), Frame::Picture) => constant(m * context.px_per_m()?),
             (NativeLength::Measured(length), _) => length.clone(),
             (NativeLength::Field(field), frame) => Length::Field {
                 field: field.clone(),
-                scale: if frame == Frame::Table {
-                    1.0
-                } else {
+                scale: if frame == Frame::Picture {
                     context.px_per_m()?
+                } else {
+                    1.0
                 },
             },
         })
@@ -922,12 +926,19 @@ fn constant<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Operand
     };
     // Huge numbers would overflow when they are squared.
     if found.value.abs() > 1e6 {
-        let help = "write at most a million pixels, metres or degrees";
+        let help = "write at most a million pixels, metres, metres per second or degrees";
         return Err(out_of_range(expr, help, context));
     }
-    let is_length = matches!(found.dimension, Dimension::Length | Dimension::Pixels);
+    let is_length = matches!(
+        found.dimension,
+        Dimension::Length | Dimension::Pixels | Dimension::Speed
+    );
     if is_length && found.value < 0.0 {
-        return Err(out_of_range(expr, "a length is never negative", context));
+        let help = match found.dimension {
+            Dimension::Speed => "a speed is never negative",
+            _ => "a length is never negative",
+        };
+        return Err(out_of_range(expr, help, context));
     }
     let unit = found.unit;
     let length = |native, frame| {
@@ -940,6 +951,7 @@ fn constant<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Operand
     Ok(match found.dimension {
         Dimension::Pixels => length(NativeLength::Picture(found.value), Frame::Picture),
         Dimension::Length => length(NativeLength::Table(found.value), Frame::Table),
+        Dimension::Speed => length(NativeLength::Table(found.value), Frame::Speed),
         // Converting through radians would make whole degrees inexact.
         Dimension::Angle => Operand::Angle {
             deg: found.deg(),
@@ -959,7 +971,10 @@ fn named<'a>(
         Some(Meaning::Field) => match context.actions.get(text)?.map(|field| &field.choices) {
             Some(Choices::Lengths { unit, .. }) => Ok(Operand::Length(FramedLength {
                 native: NativeLength::Field(text.to_owned()),
-                frame: Frame::Table,
+                frame: match unit.dimension {
+                    Dimension::Speed => Frame::Speed,
+                    _ => Frame::Table,
+                },
                 unit: unit.name,
             })),
             Some(Choices::Directions { .. }) => Ok(Operand::Heading),
@@ -986,17 +1001,25 @@ fn convert(
 ) -> Result<Operand, Reported> {
     let found = units::find(target.text());
     let unit = found.map_or("", |unit| unit.name);
+    let is_speed = matches!(&value, Operand::Length(length) if length.frame == Frame::Speed);
     Ok(match (value, found.map(|unit| unit.dimension)) {
-        (Operand::Length(length), Some(Dimension::Pixels)) => Operand::Length(FramedLength {
-            frame: Frame::Picture,
-            unit,
-            ..length
-        }),
-        (Operand::Length(length), Some(Dimension::Length)) => Operand::Length(FramedLength {
-            frame: Frame::Table,
-            unit,
-            ..length
-        }),
+        (Operand::Length(length), Some(Dimension::Speed)) if is_speed => {
+            Operand::Length(FramedLength { unit, ..length })
+        }
+        (Operand::Length(length), Some(Dimension::Pixels)) if !is_speed => {
+            Operand::Length(FramedLength {
+                frame: Frame::Picture,
+                unit,
+                ..length
+            })
+        }
+        (Operand::Length(length), Some(Dimension::Length)) if !is_speed => {
+            Operand::Length(FramedLength {
+                frame: Frame::Table,
+                unit,
+                ..length
+            })
+        }
         (Operand::Angle { deg, .. }, Some(Dimension::Angle)) => Operand::Angle { deg, unit },
         (Operand::Between { a, b, .. }, Some(Dimension::Angle)) => Operand::Between { a, b, unit },
         (Operand::Counted { number, .. }, None)
@@ -1014,6 +1037,7 @@ fn convert(
                 target.text()
             );
             let fitting = match &value {
+                Operand::Length(_) if is_speed => units_of(&[Dimension::Speed]),
                 Operand::Length(_) => units_of(&[Dimension::Length, Dimension::Pixels]),
                 Operand::Angle { .. } | Operand::Between { .. } => units_of(&[Dimension::Angle]),
                 Operand::Counted { number, .. } if !number.is_whole() => vec!["percent"],
@@ -1031,6 +1055,10 @@ pub(crate) fn kind_of(value: &Operand) -> &'static str {
             frame: Frame::Picture,
             ..
         }) => "a length in the picture",
+        Operand::Length(FramedLength {
+            frame: Frame::Speed,
+            ..
+        }) => "a speed",
         Operand::Length(_) => "a length on the table",
         Operand::Angle { .. } | Operand::Between { .. } => "an angle",
         Operand::Number(_) | Operand::Counted { .. } => "a number",

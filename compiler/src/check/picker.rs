@@ -1,16 +1,53 @@
-//! `picker drop`: how the gripper carries and releases the cloth.
+//! `picker drop`, `picker put_down(lift: 100mm)`: how the gripper carries and releases the cloth.
 
 use super::context::Context;
-use super::expressions::name_of;
-use crate::diag::Reported;
-use fab_grammar::ast::Statement;
-use fab_program::Picker;
+use super::expressions::{Scope, call, name_of};
+use crate::diag::{Code, Diagnostic, Reported};
+use crate::lang::calls::PICKERS;
+use crate::merge::Merged;
+use fab_grammar::ast::{Expr, Statement};
+use fab_program::{ActionField, Manner, Picker};
 
 /// Reads how the gripper carries and releases the cloth.
-pub(crate) fn check(
-    statement: Statement<'_>,
+pub(crate) fn check<'a>(
+    statement: Statement<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<(Picker, Manner), Reported> {
+    let Expr::Call(written) = statement.value() else {
+        let name = name_of(statement.value(), "picker", Picker::WORDS, context)?;
+        return Ok((
+            Picker::from_word(name).unwrap_or_default(),
+            Manner::default(),
+        ));
+    };
+    let rows = PICKERS.iter().map(|row| &row.signature);
+    let (row, args, _) = call("picker", written, rows, Scope::Everywhere, context)?;
+    Ok((PICKERS[row].make)(&args))
+}
+
+/// Reports a field that the picker states for every action, and that the model is asked for too.
+pub(crate) fn stated_once(
+    manner: &Manner,
+    fields: &[ActionField],
+    merged: &Merged<'_>,
     context: &mut Context<'_, '_>,
-) -> Result<Picker, Reported> {
-    let name = name_of(statement.value(), "picker", Picker::WORDS, context)?;
-    Ok(Picker::from_word(name).unwrap_or_default())
+) -> Result<(), Reported> {
+    let Some(picker) = merged.statement("picker") else {
+        return Ok(());
+    };
+    for (name, _) in manner.stated() {
+        let parts = merged.actions.into_iter().flat_map(|part| part.fields());
+        let offered = fields.iter().any(|field| field.name == name);
+        let declared = parts.map(|field| field.name()).find(|it| it.text() == name);
+        if let Some(declared) = declared.filter(|_| offered) {
+            let message = format!("`{name}` is offered to the model, and the picker states it");
+            let diagnostic = Diagnostic::new(Code::DuplicateName, declared.span(), message)
+                .also(picker.value().span(), "stated here for every action")
+                .help(format!(
+                    "remove the field, or write the picker without `{name}`"
+                ));
+            return Err(context.error(diagnostic));
+        }
+    }
+    Ok(())
 }

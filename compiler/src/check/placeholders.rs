@@ -393,12 +393,12 @@ fn length(length: &FramedLength, context: &Context<'_, '_>) -> Result<Resolved, 
     let is_measured = matches!(length.native, NativeLength::Measured(_));
     let base = match length.frame {
         Frame::Table if is_measured => context.px_per_m()?,
-        Frame::Table | Frame::Picture => 1.0,
+        Frame::Table | Frame::Picture | Frame::Speed => 1.0,
     };
     let written = in_unit(unit, 1.0 / size / base);
     Ok(match length.native.in_frame(length.frame, context)? {
         // A pixel's size depends on the picture that is sent to the model, which is not known yet.
-        Length::Constant { value } if length.frame == Frame::Table => {
+        Length::Constant { value } if length.frame != Frame::Picture => {
             Resolved::Words(number(value, &written))
         }
         length => later(Placeholder::Length { length, written }),

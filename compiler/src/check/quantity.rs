@@ -37,6 +37,7 @@ fn words(dimension: Dimension) -> (&'static str, &'static str) {
         Dimension::Length => ("a length on the table", " such as `40mm`"),
         Dimension::Pixels => ("a length in the picture", " such as `10px`"),
         Dimension::Angle => ("an angle", " such as `45deg`"),
+        Dimension::Speed => ("a speed", " such as `200mm/s`"),
         Dimension::Number => ("a plain number", ""),
     }
 }
@@ -306,6 +307,9 @@ pub(super) fn no_conversion(
     };
     context.error(match meant {
         Some(meant) => diagnostic.meant(target.span(), meant),
+        None if fitting == units_of(&[Dimension::Speed]) => {
+            diagnostic.help(format!("after `in`, write {} for speeds", among(fitting)))
+        }
         None => diagnostic.help(format!(
             "after `in`, write {lengths} for lengths, {angles} for angles, `percent` for fractions"
         )),

@@ -15,7 +15,7 @@ use crate::load::Loaded;
 use crate::merge::Merged;
 use crate::proof;
 use fab_grammar::ast::{Expr, Statement};
-use fab_program::{PROGRAM_FORMAT, Picker, Program, SourceStamp, Test, hex};
+use fab_program::{ActionField, PROGRAM_FORMAT, Program, SourceStamp, Test, hex};
 use sha2::{Digest, Sha256};
 
 /// A task's program and its tests; `None` for a base, which cannot run by itself.
@@ -98,6 +98,12 @@ pub(super) fn check<'a>(
         return Ok(None);
     };
     complete?;
+    let (picker, manner) = picker?.unwrap_or_else(Default::default);
+    let actions: Vec<ActionField> = actions
+        .into_iter()
+        .map(|(_, field)| field)
+        .collect::<Result<_, _>>()?;
+    picker::stated_once(&manner, &actions, merged, context)?;
     let program = Program {
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
@@ -107,7 +113,8 @@ pub(super) fn check<'a>(
         sources: stamps.to_vec(),
         cloth,
         camera,
-        picker: picker?.unwrap_or_else(Picker::default),
+        picker,
+        manner,
         subgoals: subgoals?,
         experts: experts?,
         keypoints: keypoints?,
@@ -115,10 +122,7 @@ pub(super) fn check<'a>(
             .into_iter()
             .map(|(_, layer)| layer)
             .collect::<Result<_, _>>()?,
-        actions: actions
-            .into_iter()
-            .map(|(_, field)| field)
-            .collect::<Result<_, _>>()?,
+        actions,
         templates: prompts.templates.into_iter().collect::<Result<_, _>>()?,
         stages: prompts.stages.into_iter().collect::<Result<_, _>>()?,
         demos: demos.transpose()?.flatten(),

@@ -5,7 +5,7 @@
 
 use super::context::Context;
 use crate::diag::{Code, Diagnostic, nearest};
-use crate::lang::actions::field as moving_field;
+use crate::lang::actions::{FIELDS, field as moving_field};
 use crate::load::Loaded;
 use crate::merge::{MAX_EXTENDS_DEPTH, Merged, VariantChange};
 use fab_grammar::ast::{Body, Name, Task};
@@ -117,7 +117,7 @@ fn bases<'a>(task: Task<'a>, loaded: &Loaded<'a>) -> impl Iterator<Item = Task<'
 
 // ---- fields --------------------------------------------------------------------------------------
 
-/// Notes the fields that neither move the cloth nor decide a check.
+/// Notes the fields that neither act on the gripper nor decide a check.
 pub(crate) fn fields(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     let mut checked = BTreeSet::new();
     for check in &program.verify.checks {
@@ -132,9 +132,12 @@ pub(crate) fn fields(program: &Program, merged: &Merged<'_>, context: &mut Conte
         }
         let message = format!("nothing acts on the field `{name}`");
         let diagnostic = Diagnostic::new(Code::FieldMovesNothing, field.name().span(), message);
-        context.remark(diagnostic.help(
-            "the model is asked for it and its answer is recorded; no check reads it, and it does not move the cloth",
-        ));
+        let help = "the model is asked for it and its answer is recorded; no check reads it, and it does not move the cloth";
+        let acting = FIELDS.iter().filter(|row| !row.is_expected);
+        context.remark(match nearest(name, acting.map(|row| row.name)) {
+            Some(meant) => diagnostic.help(format!("{help}; there is `{meant}`, which acts")),
+            None => diagnostic.help(help),
+        });
     }
 }
 

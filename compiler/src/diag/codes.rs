@@ -422,7 +422,7 @@ codes! {
 
     "F0707" FieldMovesNothing Note
     "nothing acts on a field of the action"
-    "Only `pick` and `place`, or `pick`, `direction` and `distance`, move the cloth. The model is asked for any further field, and its answer is recorded, but it changes nothing unless a check reads it."
+    "Only `pick` and `place`, or `pick`, `direction` and `distance`, move the cloth, and `lift`, `speed`, `release_height` and `press` say how. The model is asked for any further field, and its answer is recorded, but it changes nothing unless a check reads it."
 
     "F0708" CertainCondition Warning
     "a condition is always true or never true"

@@ -5,7 +5,7 @@ use fab_program::units::base;
 use fab_program::vocabulary::{
     Arg, ArgValue, Args, Call, CallOf, Default, Kind, Range, Signature, Word,
 };
-use fab_program::{Camera, Cloth, ClothPoint, ClothStart, ImageUp};
+use fab_program::{Camera, Cloth, ClothPoint, ClothStart, ImageUp, MANNERS, Manner, Picker};
 
 // ---- cloths --------------------------------------------------------------------------------------
 
@@ -106,6 +106,38 @@ fn cloth([dimx, dimy]: [u32; 2], args: &Args) -> Cloth {
         dimy,
         spacing_m: SPACING_M,
         start,
+    }
+}
+
+// ---- pickers -------------------------------------------------------------------------------------
+
+/// The pickers that state how the gripper goes about it. Without an argument, only their names are written.
+pub(crate) const PICKERS: &[CallOf<(Picker, Manner)>] = &[
+    picker(
+        "put_down",
+        "carries the cloth and puts it down, in the stated manner",
+        |args| (Picker::PutDown, Manner::from_args(args)),
+    ),
+    picker(
+        "drop",
+        "carries the cloth and lets it fall, in the stated manner",
+        |args| (Picker::Drop, Manner::from_args(args)),
+    ),
+];
+
+const fn picker(
+    name: &'static str,
+    doc: &'static str,
+    make: fn(&Args) -> (Picker, Manner),
+) -> CallOf<(Picker, Manner)> {
+    Call {
+        signature: Signature {
+            name,
+            gives: "a picker",
+            args: MANNERS,
+            doc,
+        },
+        make,
     }
 }
 

@@ -42,6 +42,7 @@ pub fn tables() -> Vec<(&'static str, String)> {
 /// The tables of calls: the name of each, and where its calls may be used.
 const CALLS: &[(&str, &str)] = &[
     ("cloths", "cloth"),
+    ("pickers-with-a-manner", "picker"),
     ("cameras", "camera"),
     ("points-of-the-cloth", "point of the cloth"),
     ("extractors", "extractor"),
@@ -119,6 +120,7 @@ fn units(known: &Vocabulary) -> String {
             Dimension::Length => "a length on the table",
             Dimension::Pixels => "a length in the picture",
             Dimension::Angle => "an angle",
+            Dimension::Speed => "a speed",
             Dimension::Number => "a plain number",
         };
         vec![

@@ -5,7 +5,7 @@
 
 use super::actions::FIELDS;
 use super::annotate::{COLORS, MARKS};
-use super::calls::{CAMERAS, CLOTH_POINTS, CLOTHS};
+use super::calls::{CAMERAS, CLOTH_POINTS, CLOTHS, PICKERS};
 use super::conditions::{SIGNS, WORDS};
 use super::goal::{METRICS, STEPS};
 use super::sections::{SECTIONS, Section};
@@ -53,7 +53,7 @@ pub struct BlockWords {
 /// One form of a call.
 #[derive(Clone, Debug, Serialize)]
 pub struct CallEntry {
-    /// Where it may be used: `cloth`, `camera`, `point of the cloth`, `extractor`, `mark`, `measure`.
+    /// Where it may be used: `cloth`, `picker`, `camera`, `point of the cloth`, `extractor`, `mark`, `measure`.
     pub kind: &'static str,
     /// How a complete call is written.
     pub form: String,
@@ -99,6 +99,7 @@ fn calls() -> Vec<CallEntry> {
         signature: *signature,
     };
     let cloths = CLOTHS.iter().map(|row| of("cloth", &row.signature));
+    let pickers = PICKERS.iter().map(|row| of("picker", &row.signature));
     let cameras = CAMERAS.iter().map(|row| of("camera", &row.signature));
     let points = CLOTH_POINTS
         .iter()
@@ -108,7 +109,7 @@ fn calls() -> Vec<CallEntry> {
         .map(|row| of("extractor", &row.call.signature));
     let marks = MARKS.iter().map(|row| of("mark", &row.signature));
     let measures = MEASURES.iter().map(|row| of("measure", &row.signature));
-    let table = cloths.chain(cameras).chain(points);
+    let table = cloths.chain(pickers).chain(cameras).chain(points);
     table
         .chain(extractors)
         .chain(marks)
@@ -149,7 +150,7 @@ fn words() -> Vec<WordEntry> {
     words.extend(
         FIELDS
             .iter()
-            .map(|row| of("field", row.name, None, row.doc)),
+            .map(|row| of("field", row.name, row.range.map(Kind::Quantity), row.doc)),
     );
     words.extend(
         WORDS

@@ -6,8 +6,8 @@
 use crate::scene::Scene;
 use fab_picture::camera::center_of;
 use fab_picture::observation::Observation;
-use fab_program::Proposal;
 use fab_program::{Choices, PixelPoint, Program, Value};
+use fab_program::{Manner, Proposal};
 use fab_world::{Motion, WorldPoint};
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +24,7 @@ pub struct Action {
     pub pick_on_cloth_px: PixelPoint,
     /// The pixel that the model chose for the place.
     pub place_px: PixelPoint,
-    /// Both points on the table.
+    /// Both points on the table, and how the cloth is carried between them.
     pub motion: Motion,
 }
 
@@ -51,7 +51,7 @@ impl Action {
             pick_px,
             pick_on_cloth_px,
             place_px,
-            motion: Motion { pick, place },
+            motion: Motion::new(pick, place).with_manner(Manner::of(program, proposal)?),
         })
     }
 }

@@ -41,8 +41,8 @@ use fab_program::render::RenderError;
 use fab_program::reply::Stated;
 use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Proposal, Value};
-use fab_world::Reach;
 use fab_world::start::Start;
+use fab_world::{Reach, Refuses};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -172,6 +172,8 @@ pub struct StepView<'a> {
     pub pictures: &'a Pictures,
     /// Tells what is out of the world's reach.
     pub reach: &'a Reach<'a>,
+    /// Tells which motions the world refuses.
+    pub refuses: &'a Refuses<'a>,
     /// Distinguishes runs that need independent answers.
     pub repetition: u32,
     /// Number of the start in its suite, if questions at other starts get answers of their own.
@@ -194,7 +196,7 @@ pub struct Truth<'a> {
 }
 
 impl<'a> StepView<'a> {
-    /// Makes the view of a step outside any rollout: everything is in reach.
+    /// Makes the view of a step outside any rollout: everything is in reach, and no motion is refused.
     pub fn without_rollout(
         program: &'a Program,
         scene: &'a Scene,
@@ -214,6 +216,7 @@ impl<'a> StepView<'a> {
             last,
             pictures,
             reach: &fab_world::everywhere,
+            refuses: &fab_world::nothing,
             repetition: 0,
             start_number: None,
             start: "",

@@ -29,13 +29,13 @@ use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Budget, CallRefused, Spent};
 use fab_model::recording::Recorder;
-use fab_program::Program;
 use fab_program::render::RenderError;
+use fab_program::{Choices, Manner, Program, manner_field};
 use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
 use fab_world::metrics::ClothMoved;
-use fab_world::start::Start;
-use fab_world::{Grasp, WorldError};
+use fab_world::start::{RESTING_HEIGHT_M, Start};
+use fab_world::{Grasp, Motion, World, WorldError, WorldPoint};
 use score::{Scored, meets, score};
 use serde::Serialize;
 use std::ops::Deref;
@@ -258,6 +258,9 @@ pub fn run(
             world.name()
         )));
     }
+    if let Some(why) = unfit_manner(job.program, world.as_ref()) {
+        return Err(RunError::Unfit(why));
+    }
     let asking = Asking::in_folder(folder.path(), job.budget, job.recorder);
     let asking = asking.map_err(JournalError::from)?;
     let mut keeper = RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref())?;
@@ -336,6 +339,36 @@ pub fn run(
         &sheet,
         begun.elapsed(),
     )
+}
+
+/// Returns why no action can be executed as the task says: the world refuses what the task states, or every value that
+/// a field offers. It is asked about a way through the table's middle.
+fn unfit_manner(program: &Program, world: &dyn World) -> Option<String> {
+    let [pick, place] = [-0.02, 0.02].map(|x| WorldPoint::new(x, 0.0, RESTING_HEIGHT_M));
+    let across = Motion::new(pick, place);
+    let refused = |manner: Manner| world.refuses(&across.with_manner(manner));
+    let told = |why: String| {
+        let (task, name) = (program.title(), world.name());
+        format!("`{task}` cannot be executed in the world `{name}`: {why}")
+    };
+    if let Some(why) = refused(program.manner) {
+        return Some(told(why));
+    }
+    let fields = program.actions.iter();
+    let offering = fields.filter(|field| manner_field(&field.name).is_some());
+    for field in offering {
+        let Choices::Lengths { choices, .. } = &field.choices else {
+            continue;
+        };
+        let manners = choices
+            .iter()
+            .map(|it| program.manner.with(&field.name, it.m));
+        let whys: Option<Vec<String>> = manners.map(refused).collect();
+        if let Some(why) = whys.and_then(|whys| whys.into_iter().next()) {
+            return Some(told(why));
+        }
+    }
+    None
 }
 
 /// Assigns actions to steps.

@@ -345,7 +345,7 @@ fn draw_until(
         origin: Origin::Drawn,
     };
     for (number, fold) in folds.iter().enumerate() {
-        let motion = expert::motion(fold, &start, world)?;
+        let motion = expert::motion(fold, &start, world)?.with_manner(program.manner);
         let camera = &observation.camera;
         let ends = [motion.pick, motion.place].map(|point| camera.pixel_from_world(point));
         set.arrows.push(match ends {

@@ -29,8 +29,6 @@ pub struct Execution<'e> {
     pub watchdog: &'e mut dyn Watchdog,
     /// The user's request to end.
     pub interrupt: &'e Interrupt,
-    /// Speed of the tool, m/s.
-    pub speed_m_s: f64,
     /// The number of the pick and place within the run, from 1.
     pub number: u32,
 }
@@ -206,7 +204,7 @@ impl Execution<'_> {
                 false => Err(Halt::Pause),
             }
         };
-        let (arm, speed_m_s) = (&mut *self.arm, self.speed_m_s);
+        let (arm, speed_m_s) = (&mut *self.arm, segment.speed_m_s);
         let act = || match segment.act {
             Act::Move(to) => {
                 let moved = arm.move_tool(&to, speed_m_s, &mut watch);

@@ -273,8 +273,8 @@ impl Guard {
     /// Checks a route, and the way home after a missed grasp; fails with the first segment that is not allowed.
     ///
     /// - `from`: the arm's state before it, with joint angles.
-    pub fn route(&self, from: &ArmState, route: Route, speed_m_s: f64) -> Walk {
-        let (ends, walked) = self.walk(from, &route.segments, speed_m_s);
+    pub fn route(&self, from: &ArmState, route: Route) -> Walk {
+        let (ends, walked) = self.walk(from, &route.segments);
         let mut walk = Walk {
             ends,
             home: Vec::new(),
@@ -286,7 +286,7 @@ impl Guard {
             let Some((_, Some(grasped))) = grasped else {
                 return Ok(());
             };
-            let (home, walked) = self.walk(grasped, &route.after_missed_grasp, speed_m_s);
+            let (home, walked) = self.walk(grasped, &route.after_missed_grasp);
             walk.home = home;
             walked
         });
@@ -295,17 +295,12 @@ impl Guard {
     }
 
     /// Checks segments up to the first that is not allowed.
-    fn walk(
-        &self,
-        from: &ArmState,
-        segments: &[Segment],
-        speed_m_s: f64,
-    ) -> (Vec<SegmentEnd>, Result<(), String>) {
+    fn walk(&self, from: &ArmState, segments: &[Segment]) -> (Vec<SegmentEnd>, Result<(), String>) {
         let mut ends = Vec::with_capacity(segments.len());
         let mut at = from.clone();
         for segment in segments {
             if let Act::Move(to) = segment.act {
-                match self.motion(&at, &to, speed_m_s) {
+                match self.motion(&at, &to, segment.speed_m_s) {
                     Ok(Checked(mut motion)) => {
                         at.at_s += motion.takes_s(&at.tool);
                         let last = motion.waypoints.pop();
@@ -321,6 +316,27 @@ impl Guard {
             ends.push((*segment, Some(at.clone())));
         }
         (ends, Ok(()))
+    }
+
+    /// Returns the highest speed of the tool that the joints allow along a straight motion, m/s; infinite if no joint
+    /// turns or the arm's state has no joint angles. How long they take to speed up does not count.
+    pub fn joints_allow_m_s(&self, from: &ArmState, to: &Isometry3<f64>) -> f64 {
+        let points = self
+            .chain
+            .straight(&from.tool, to, &from.joints_rad, STEP_M);
+        let Ok(points) = points else {
+            return f64::INFINITY;
+        };
+        let way_m = (to.translation.vector - from.tool.translation.vector).norm();
+        let step_m = way_m / (points.len() - 1).max(1) as f64;
+        let steps = points.iter().zip(points.iter().skip(1));
+        let speeds = steps.flat_map(|(a, b)| {
+            let limits = self.joint_limits.speeds_rad_s.iter();
+            let turns = a.iter().zip(b).map(|(a, b)| (b - a).abs());
+            limits.zip(turns).map(|(limit, turn)| step_m * limit / turn)
+        });
+        // A joint that does not turn gives infinity, or no number on a way of no length.
+        speeds.fold(f64::INFINITY, f64::min)
     }
 
     /// Checks a goal of the tool, wherever the tool is now; the error says why it is not allowed.

@@ -9,6 +9,7 @@ use super::guard::{Checked, Guard, SegmentEnd, Walk};
 use super::kinematics::reach::{Reach, Turn};
 use super::route::{Act, Route, SegmentName};
 use super::settings::Settings;
+use fab_program::Manner;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
@@ -55,11 +56,13 @@ impl Plan {
     ///
     /// - `from`: the arm's state; joint angles that it does not report are those of a posture with the elbow up.
     /// - `points`: pick and place, metres, base frame.
+    /// - `manner`: how the cloth is carried; see [`Route::new`].
     pub fn make(
         settings: &Settings,
         guard: &Guard,
         from: &ArmState,
         points: [Point3<f64>; 2],
+        manner: &Manner,
     ) -> (Plan, Option<Checked<Route>>) {
         let [pick, place] = points;
         let mut plan = Plan {
@@ -78,9 +81,8 @@ impl Plan {
                 return (plan, None);
             }
         };
-        let route = Route::new(settings, guard.surface(), &from.tool, &pick, &place);
-        let speed_m_s = settings.motion.speed_m_s;
-        let Walk { ends, home, route } = guard.route(&from, route, speed_m_s);
+        let route = Route::new(settings, guard.surface(), &from.tool, &pick, &place, manner);
+        let Walk { ends, home, route } = guard.route(&from, route);
         plan.segments = planned(&from, &ends);
         let grasped = ends
             .iter()
@@ -199,7 +201,7 @@ keep_out = [{ name = 'lamp', min_m = [0.45, 0.25, 0.0], max_m = [0.5, 0.35, 0.4]
             fingers: Vec::new(),
         };
         let points = points_m.map(Point3::from);
-        let (plan, route) = Plan::make(&settings, &guard, &from, points);
+        let (plan, route) = Plan::make(&settings, &guard, &from, points, &Manner::default());
         assert_eq!(route.is_some(), plan.refused.is_none());
         (plan, chain)
     }

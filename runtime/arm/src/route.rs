@@ -9,6 +9,7 @@ use super::driver::Opening;
 use super::guard::Surface;
 use super::kinematics::tool_down::tool_down;
 use super::settings::{MotionSettings, Settings};
+use fab_program::Manner;
 use nalgebra::{Isometry3, Point3};
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +29,8 @@ pub struct Segment {
     pub name: SegmentName,
     /// The action in it.
     pub act: Act,
+    /// Speed of the tool, m/s.
+    pub speed_m_s: f64,
 }
 
 /// The action in a segment.
@@ -102,12 +105,15 @@ impl Route {
     ///
     /// - `from`: the tool's pose, `base_from_tool`.
     /// - `pick`, `place`: points on the cloth and the table, base frame, metres.
+    /// - `manner`: a lift and a height of release count from the height of the grasp. The speed is that of the
+    ///   segments between grasp and release. Nothing is pressed.
     pub fn new(
         settings: &Settings,
         surface: &Surface,
         from: &Isometry3<f64>,
         pick: &Point3<f64>,
         place: &Point3<f64>,
+        manner: &Manner,
     ) -> Route {
         let MotionSettings {
             pre_pick_m,
@@ -116,8 +122,15 @@ impl Route {
             release_m,
             retreat_m,
             hand_turn_deg,
+            speed_m_s,
             ..
         } = settings.motion;
+        let above_grasp_m = |stated: Option<f64>, usual_m: f64| match stated {
+            Some(above_m) => grasp_m + above_m,
+            None => usual_m,
+        };
+        let lift_m = above_grasp_m(manner.lift_m, lift_m);
+        let release_m = above_grasp_m(manner.release_height_m, release_m);
         let travel_z = [pick, place]
             .map(|point| travel_height_m(settings, surface, point))
             .into_iter()
@@ -142,8 +155,11 @@ impl Route {
             (SegmentName::PrePick, over(pick, pre_pick_m)),
             (SegmentName::Down, over(pick, grasp_m)),
             (SegmentName::Grasp, Act::Hand(Opening::Closed)),
-            (SegmentName::Lift, over(pick, lift_m)),
         ];
+        // A drag begins where the hand is.
+        if lift_m > grasp_m {
+            segments.push((SegmentName::Lift, over(pick, lift_m)));
+        }
         if carry_z > pick.z + lift_m {
             segments.push((SegmentName::Lift, pose(pick.x, pick.y, carry_z)));
         }
@@ -151,7 +167,7 @@ impl Route {
             (SegmentName::Over, pose(place.x, place.y, carry_z)),
             (SegmentName::DownToPlace, over(place, release_m)),
             (SegmentName::Release, open),
-            (SegmentName::Up, over(place, retreat_m)),
+            (SegmentName::Up, over(place, retreat_m.max(release_m))),
             (SegmentName::Away, high(place.x, place.y)),
             rest,
         ]);
@@ -161,7 +177,15 @@ impl Route {
             (SegmentName::Away, high(pick.x, pick.y)),
             rest,
         ];
-        let named = |(name, act)| Segment { name, act };
+        let carry_m_s = manner.speed_m_s.unwrap_or(speed_m_s);
+        let named = |(name, act)| Segment {
+            name,
+            act,
+            speed_m_s: match name {
+                SegmentName::Lift | SegmentName::Over | SegmentName::DownToPlace => carry_m_s,
+                _ => speed_m_s,
+            },
+        };
         Route {
             segments: segments.into_iter().map(named).collect(),
             after_missed_grasp: after_missed_grasp.map(named).to_vec(),

@@ -102,7 +102,7 @@ impl ArmWorld {
         let (settings, guard) = (&self.parts.settings, self.reach.guard());
         let points = [&asked.pick, &asked.place];
         let points = points.map(|point| base_point(settings, guard.surface(), point));
-        Plan::make(settings, guard, from, points)
+        Plan::make(settings, guard, from, points, &asked.manner)
     }
 
     /// Checks that the camera is where it was calibrated. A simulated camera that was calibrated without a picture
@@ -224,6 +224,9 @@ impl World for ArmWorld {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
+        if let Some(why) = self.refuses(motion_asked) {
+            return Err(motion(why));
+        }
         let from = self.arm.state();
         let from = from.map_err(|error| motion(error.to_string()))?;
         let (plan, route) = self.plan(&from, motion_asked);
@@ -242,7 +245,6 @@ impl World for ArmWorld {
             supervisor: self.parts.supervisor.as_mut(),
             watchdog: self.parts.watchdog.as_mut(),
             interrupt,
-            speed_m_s: self.parts.settings.motion.speed_m_s,
             number: self.n_actions,
         }
         .run([plan.pick_m, plan.place_m].map(Point3::from), &route);
@@ -252,6 +254,7 @@ impl World for ArmWorld {
             motion: Motion {
                 pick: world_from_base * done.grasped_at,
                 place: world_from_base * done.released_at,
+                manner: motion_asked.manner,
             },
             grasp: match done.contents {
                 HandContents::Something => Grasp::Held,
@@ -285,6 +288,10 @@ impl World for ArmWorld {
 
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
         self.reach.out_of_reach(&self.parts.settings, point)
+    }
+
+    fn refuses(&self, motion: &Motion) -> Option<String> {
+        self.reach.refuses(&self.parts.settings, motion)
     }
 }
 

@@ -11,7 +11,7 @@ use fab_agent::rollout::Job;
 use fab_base::parallel::in_parallel;
 use fab_program::{Program, Sequence};
 use fab_world::expert;
-use fab_world::expert::MakeWorld;
+use fab_world::expert::{MakeWorld, Sequences};
 use fab_world::metrics;
 use fab_world::{World, WorldError};
 use std::collections::BTreeSet;
@@ -87,7 +87,10 @@ pub(super) fn simulate(
             let program = program_of(bench, entry, *start)?;
             // One sequence per job, so that the job starts no thread of its own.
             let ends = expert::ends(
-                std::slice::from_ref(sequence),
+                Sequences {
+                    folds: std::slice::from_ref(sequence),
+                    manner: program.manner,
+                },
                 &laid[*number][*start],
                 &|| make_world(bench, entry, *start, program),
                 bench.cache,
@@ -117,7 +120,10 @@ pub(super) fn distances_m(
     let mut distances = Vec::new();
     for fraction in fractions(bench) {
         let ends = expert::ends(
-            &sequences(job.program, fraction),
+            Sequences {
+                folds: &sequences(job.program, fraction),
+                manner: job.program.manner,
+            },
             job.start,
             make_world,
             job.cache,

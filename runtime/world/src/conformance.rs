@@ -7,7 +7,7 @@ use crate::metrics::coverage;
 use crate::start::Start;
 use crate::{Grasp, Motion, World, WorldError, WorldPoint};
 use fab_base::interrupt::Interrupt;
-use fab_program::{Camera, Cloth, ClothStart, ImageUp};
+use fab_program::{Camera, Cloth, ClothStart, ImageUp, Manner};
 use std::time::{Duration, Instant};
 
 /// How long a world may take to stop after an interrupt.
@@ -54,7 +54,7 @@ impl Promise {
 }
 
 /// All promises.
-pub const PROMISES: [Promise; 9] = [
+pub const PROMISES: [Promise; 10] = [
     Promise {
         name: "equal worlds have equal parameters and code",
         check: equal_worlds_say_the_same,
@@ -91,6 +91,10 @@ pub const PROMISES: [Promise; 9] = [
         name: "crumpling depends on the seed alone",
         check: crumpling_depends_on_the_seed_alone,
     },
+    Promise {
+        name: "a manner is followed or refused by its field's name",
+        check: a_manner_is_followed_or_refused,
+    },
 ];
 
 /// Returns the camera for the checks' pictures: the one of the shipped folds.
@@ -121,10 +125,10 @@ fn start() -> Start {
 
 fn corner_to_center() -> Motion {
     let [x, y, z] = start().positions[0];
-    Motion {
-        pick: WorldPoint::new(x.into(), y.into(), z.into()),
-        place: WorldPoint::new(0.0, 0.0, 0.005),
-    }
+    Motion::new(
+        WorldPoint::new(x.into(), y.into(), z.into()),
+        WorldPoint::new(0.0, 0.0, 0.005),
+    )
 }
 
 fn equal_worlds_say_the_same(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
@@ -248,10 +252,10 @@ fn a_pick_beside_the_cloth_grasps_nothing(make: &MakeWorld<'_>) -> Result<Confor
     let mut world = make()?;
     world.reset(&start())?;
     let before = world.particles();
-    let beside = Motion {
-        pick: WorldPoint::new(0.2, 0.2, 0.0),
-        place: WorldPoint::new(0.2, -0.2, 0.0),
-    };
+    let beside = Motion::new(
+        WorldPoint::new(0.2, 0.2, 0.0),
+        WorldPoint::new(0.2, -0.2, 0.0),
+    );
     let executed = world.act(&beside, &Interrupt::default())?;
     let grasp = executed.grasp;
     demand(
@@ -267,6 +271,37 @@ fn a_pick_beside_the_cloth_grasps_nothing(make: &MakeWorld<'_>) -> Result<Confor
         "an empty gripper moved the cloth",
     )?;
     Ok(Conformance::Whole)
+}
+
+fn a_manner_is_followed_or_refused(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
+    let manner = Manner {
+        lift_m: Some(0.03),
+        release_height_m: Some(0.01),
+        ..Manner::default()
+    };
+    let motion = corner_to_center().with_manner(manner);
+    let mut world = make()?;
+    world.reset(&start())?;
+    let Some(why) = world.refuses(&motion) else {
+        let executed = world.act(&motion, &Interrupt::default())?;
+        demand(
+            executed.motion.manner == manner,
+            "an action is reported in another manner than it was asked for",
+        )?;
+        return Ok(Conformance::Whole);
+    };
+    demand(
+        manner
+            .stated()
+            .any(|(name, _)| why.contains(&format!("`{name}`"))),
+        &format!("it refuses a manner and names no field: {why}"),
+    )?;
+    let done = world.act(&motion, &Interrupt::default());
+    demand(
+        matches!(done, Err(WorldError::Motion { .. })),
+        "it acts in a manner that it refuses",
+    )?;
+    Ok(Conformance::Refused(why))
 }
 
 fn an_interrupt_ends_an_action(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {

@@ -7,13 +7,22 @@ use crate::start::{Grid, RESTING_HEIGHT_M, Start};
 use crate::{Motion, World, WorldError, WorldPoint};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
-use fab_program::{ClothPoint, Fold, Sequence};
+use fab_program::{ClothPoint, Fold, Manner, Sequence};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 /// Makes a fresh world, equal to every other one that it makes.
 pub type MakeWorld<'a> = dyn Fn() -> Result<Box<dyn World>, WorldError> + Sync + 'a;
+
+/// Fold sequences, and how the gripper goes about each fold.
+#[derive(Clone, Copy, Debug)]
+pub struct Sequences<'a> {
+    /// In the program's order.
+    pub folds: &'a [Sequence],
+    /// What the task states.
+    pub manner: Manner,
+}
 
 /// The end state of one sequence.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +50,7 @@ pub struct ExpertEnds {
 ///
 /// `announce` is told how many must be simulated, before it begins.
 pub fn ends(
-    sequences: &[Sequence],
+    sequences: Sequences<'_>,
     start: &Start,
     make_world: &MakeWorld<'_>,
     cache: &Cache,
@@ -50,8 +59,9 @@ pub fn ends(
 ) -> Result<ExpertEnds, WorldError> {
     let world = make_world()?;
     let keys: Vec<String> = sequences
+        .folds
         .iter()
-        .map(|sequence| key(sequence, start, world.as_ref()))
+        .map(|sequence| key(sequence, sequences.manner, start, world.as_ref()))
         .collect();
     let mut known: Vec<Option<Vec<[f32; 3]>>> = keys
         .iter()
@@ -93,7 +103,7 @@ type Simulated = Result<(Vec<[f32; 3]>, Option<String>), WorldError>;
 
 /// Runs and keeps the missing sequences, one world per thread; results in the order of `missing`.
 fn simulate(
-    sequences: &[Sequence],
+    sequences: Sequences<'_>,
     keys: &[String],
     missing: &[usize],
     start: &Start,
@@ -110,7 +120,13 @@ fn simulate(
         for _ in 0..threads {
             scope.spawn(|| {
                 while let Some(&index) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let result = end_of(&sequences[index], start, make_world, interrupt);
+                    let result = end_of(
+                        &sequences.folds[index],
+                        sequences.manner,
+                        start,
+                        make_world,
+                        interrupt,
+                    );
                     // Kept at once, so that a stop loses at most what is under way.
                     let kept = result.as_ref().map_or(Ok(()), |positions| {
                         cache.put_positions(&keys[index], positions)
@@ -135,6 +151,7 @@ fn simulate(
 
 fn end_of(
     sequence: &Sequence,
+    manner: Manner,
     start: &Start,
     make_world: &MakeWorld<'_>,
     interrupt: &Interrupt,
@@ -143,12 +160,12 @@ fn end_of(
     world.reset(start)?;
     for fold in &sequence.folds {
         let motion = motion(fold, start, world.as_ref())?;
-        world.act(&motion, interrupt)?;
+        world.act(&motion.with_manner(manner), interrupt)?;
     }
     world.particles().ok_or_else(no_particles)
 }
 
-/// Returns where a fold picks and places in a world; fails in one that does not know its particles.
+/// Returns where a fold picks and places in a world, in the world's own manner; fails in one that does not know its particles.
 pub fn motion(fold: &Fold, start: &Start, world: &dyn World) -> Result<Motion, WorldError> {
     let particles = world.particles().ok_or_else(no_particles)?;
     motion_of(fold, start, &particles).ok_or_else(no_particles)
@@ -170,10 +187,7 @@ pub fn motion_of(fold: &Fold, start: &Start, particles: &[[f32; 3]]) -> Option<M
     };
     let pick = locate(&fold.pick)?;
     let target = locate(&fold.place)?;
-    Some(Motion {
-        pick,
-        place: pick + (target - pick) * fold.fraction,
-    })
+    Some(Motion::new(pick, pick + (target - pick) * fold.fraction))
 }
 
 /// Returns the index of the particle at a place in the flat cloth; edge middles round down, as in
@@ -192,13 +206,13 @@ fn no_particles() -> WorldError {
 }
 
 /// Covers everything that an end state depends on, the code that computes it included.
-fn key(sequence: &Sequence, start: &Start, world: &dyn World) -> String {
+fn key(sequence: &Sequence, manner: Manner, start: &Start, world: &dyn World) -> String {
     Cache::key([
         "expert end state, format 1",
         &world.parameters(),
         &world.code(),
         &start.digest(),
-        &serde_json::to_string(sequence).expect("a sequence holds finite numbers"),
+        &serde_json::to_string(&(sequence, manner)).expect("a sequence holds finite numbers"),
         include_str!("expert.rs"),
         include_str!("start/mod.rs"),
         include_str!("simulated.rs"),

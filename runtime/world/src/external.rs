@@ -8,14 +8,14 @@ use crate::protocol::{
     Question, ReachAnswer,
 };
 use crate::start::Start;
-use crate::{Executed, Motion, World, WorldError, WorldPoint, simulated};
+use crate::{Executed, Motion, World, WorldError, WorldPoint, simulated, unknown_manner};
 use fab_base::child::{Child, ChildError, CommandLine};
 use fab_base::interrupt::Interrupt;
 use fab_base::{files, npy};
 use fab_picture::observation::Observation;
 use fab_picture::{DepthImage, png};
 use fab_program as program;
-use fab_program::{Cloth, ClothStart, Picker};
+use fab_program::{Cloth, ClothStart, MANNERS, Picker, manner_field};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -117,6 +117,20 @@ impl ExternalWorld {
                     LIMITS_S.map(|(known, _)| format!("`{known}`")).join(", ")
                 )));
             }
+        }
+        if let Some(unknown) = about
+            .acts_on
+            .iter()
+            .find(|name| manner_field(name).is_none())
+        {
+            let known: Vec<String> = MANNERS
+                .iter()
+                .map(|row| format!("`{}`", row.name))
+                .collect();
+            return Err(failed(format!(
+                "`{command}` acts on `{unknown}`, and a manner has {}",
+                known.join(", ")
+            )));
         }
         Ok(ExternalWorld {
             child: RefCell::new(child),
@@ -358,7 +372,14 @@ impl World for ExternalWorld {
             return Err(WorldError::NotReset);
         }
         let [pick, place] = [motion.pick, motion.place].map(|point| [point.x, point.y, point.z]);
-        let question = Question::Act { pick, place };
+        if let Some(why) = self.refuses(motion) {
+            return Err(WorldError::Motion { why });
+        }
+        let question = Question::Act {
+            pick,
+            place,
+            manner: motion.manner,
+        };
         let done: Done = match self.ask(&question, interrupt)? {
             Answered::Given(done) => done,
             Answered::Refused(why) => return Err(WorldError::Motion { why }),
@@ -380,6 +401,7 @@ impl World for ExternalWorld {
             motion: Motion {
                 pick: WorldPoint::from(done.pick),
                 place: WorldPoint::from(done.place),
+                manner: motion.manner,
             },
             grasp: done.grasp,
             released_at: done.released_at.map(WorldPoint::from),
@@ -409,6 +431,10 @@ impl World for ExternalWorld {
 
     fn particles(&self) -> Option<Vec<[f32; 3]>> {
         self.particles.clone()
+    }
+
+    fn refuses(&self, motion: &Motion) -> Option<String> {
+        unknown_manner(&self.about.name, &motion.manner, &self.about.acts_on)
     }
 
     /// If the program fails to answer, the next action reports it.

@@ -8,8 +8,8 @@ use fab_base::interrupt::Interrupt;
 use fab_picture::animation::{Animation, AnimationError, MAX_COLOURS, Palette, Written};
 use fab_program as program;
 use fab_sim::{
-    CameraError, ImageUp, Look, Marker, PickAndPlace, Picture, SimError, Simulator, SlantedCamera,
-    SlantedView, TopDownCamera,
+    CameraError, ImageUp, Look, Manner, Marker, PickAndPlace, Picture, SimError, Simulator,
+    SlantedCamera, SlantedView, TopDownCamera,
 };
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
@@ -364,21 +364,24 @@ fn slanted(above: &TopDownCamera) -> Result<SlantedCamera, CameraError> {
     SlantedCamera::new([x, y, up], [target_x, target_y, 0.0], 0.76, SLANTED_PX)
 }
 
-/// Carries a cloth as [`Simulator::pick_and_place`] does, and films it if there is a recorder.
+/// Carries a cloth as [`Simulator::pick_and_place_in`] does, and films it if there is a recorder.
 pub fn pick_and_place(
     cloth: &mut Simulator,
+    manner: &Manner,
     pick: [f32; 2],
     place: [f32; 2],
     recorder: Option<&Recorder>,
     interrupt: &Interrupt,
 ) -> Result<PickAndPlace, SimError> {
-    let interrupted = || interrupt.is_raised();
-    let Some(recorder) = recorder else {
-        return cloth.pick_and_place(pick, place, &interrupted);
+    let mut watch = |cloth: &Simulator| {
+        if let Some(recorder) = recorder {
+            recorder.step(cloth);
+        }
     };
-    let done =
-        cloth.pick_and_place_watched(pick, place, &interrupted, &mut |cloth| recorder.step(cloth));
-    recorder.end_motion(cloth);
+    let done = cloth.pick_and_place_in(manner, pick, place, &|| interrupt.is_raised(), &mut watch);
+    if let Some(recorder) = recorder {
+        recorder.end_motion(cloth);
+    }
     done
 }
 
@@ -478,7 +481,14 @@ mod tests {
                 interrupt.raise();
             }
             let [from, to] = [[side * 0.07, 0.07], [0.0, -0.05]];
-            let done = pick_and_place(&mut cloth, from, to, recorder, &interrupt);
+            let done = pick_and_place(
+                &mut cloth,
+                &Manner::default(),
+                from,
+                to,
+                recorder,
+                &interrupt,
+            );
             assert_eq!(done.is_err(), *stop);
         }
         cloth

@@ -24,6 +24,7 @@ mod wrapper;
 use crate::start::Start;
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
+use fab_program::Manner;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 use vary::AxisValues;
@@ -103,6 +104,21 @@ pub trait World {
     fn out_of_reach(&self, _point: &WorldPoint) -> Option<String> {
         None
     }
+
+    /// Returns why a motion cannot be executed in its [`Manner`], or `None` if it can.
+    ///
+    /// The reason is a sentence for the model without a full stop, such as `` `lift` of 300 mm is beyond the arm ``. It
+    /// depends on the motion and the world's parameters alone. A world that says nothing here acts on no manner at all.
+    fn refuses(&self, motion: &Motion) -> Option<String> {
+        unknown_manner(self.name(), &motion.manner, &[])
+    }
+}
+
+/// Returns why a world cannot follow a manner, given the fields that it acts on; `None` if it acts on all that are stated.
+pub fn unknown_manner(world: &str, manner: &Manner, acts_on: &[String]) -> Option<String> {
+    let mut unknown = manner.stated().map(|(name, _)| name);
+    let name = unknown.find(|name| !acts_on.iter().any(|known| known == name))?;
+    Some(format!("the world `{world}` does not act on `{name}`"))
 }
 
 /// What a world reports about itself.
@@ -127,6 +143,14 @@ impl About {
     }
 }
 
+/// Returns why a motion cannot be executed, as [`World::refuses`] does.
+pub type Refuses<'a> = dyn Fn(&Motion) -> Option<String> + 'a;
+
+/// Refuses no motion: for questions outside any world.
+pub fn nothing(_: &Motion) -> Option<String> {
+    None
+}
+
 /// Returns why nothing can be done at a point, as [`World::out_of_reach`] does.
 pub type Reach<'a> = dyn Fn(&WorldPoint) -> Option<String> + 'a;
 
@@ -142,6 +166,25 @@ pub struct Motion {
     pub pick: WorldPoint,
     /// Where it is released.
     pub place: WorldPoint,
+    /// How the gripper goes about it, where the task or the answer says so.
+    #[serde(default, skip_serializing_if = "Manner::is_default")]
+    pub manner: Manner,
+}
+
+impl Motion {
+    /// Returns a motion in the world's own manner.
+    pub fn new(pick: WorldPoint, place: WorldPoint) -> Motion {
+        Motion {
+            pick,
+            place,
+            manner: Manner::default(),
+        }
+    }
+
+    /// Returns the same motion in a stated manner.
+    pub fn with_manner(self, manner: Manner) -> Motion {
+        Motion { manner, ..self }
+    }
 }
 
 /// What a world really did.

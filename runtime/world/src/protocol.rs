@@ -5,7 +5,7 @@
 use crate::Grasp;
 use crate::start::Grid;
 use fab_picture::camera::Pinhole;
-use fab_program::{Camera, Picker};
+use fab_program::{Camera, Manner, Picker};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -52,6 +52,9 @@ pub enum Question {
         pick: [f64; 3],
         /// Where it is released.
         place: [f64; 3],
+        /// How the gripper goes about it, in metres and seconds; left out if nothing is stated.
+        #[serde(default, skip_serializing_if = "Manner::is_default")]
+        manner: Manner,
     },
     /// Stop the current action; has no answer of its own.
     Interrupt,
@@ -128,6 +131,9 @@ pub struct Hello {
     /// Whether it answers [`Question::Reach`].
     #[serde(default)]
     pub reach: bool,
+    /// The fields of an action's manner that it acts on, such as `lift`.
+    #[serde(default)]
+    pub acts_on: Vec<String>,
     /// Whether equal starts and actions give equal results.
     #[serde(default = "yes")]
     pub repeats: bool,

@@ -10,7 +10,7 @@ use fab_base::interrupt::Interrupt;
 use fab_base::{files, npy};
 use fab_picture::camera::Pinhole;
 use fab_picture::png;
-use fab_program::Picker;
+use fab_program::{MANNERS, Picker};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::io::{self, BufRead, Write};
@@ -132,10 +132,15 @@ impl Served {
                         .expect("the simulated lens has no distortion"),
                 })
             }
-            Question::Act { pick, place } => {
+            Question::Act {
+                pick,
+                place,
+                manner,
+            } => {
                 let mut world = world(&mut self.world)?;
                 let [pick, place] = [pick, place].map(WorldPoint::from);
-                let done = world.act(&Motion { pick, place }, interrupt);
+                let motion = Motion::new(pick, place).with_manner(manner);
+                let done = world.act(&motion, interrupt);
                 self.world = Some(world);
                 let done = done?;
                 written(Done {
@@ -182,6 +187,7 @@ fn hello(world: &SimulatedWorld) -> Hello {
         particles: true,
         crumples: true,
         reach: false,
+        acts_on: MANNERS.iter().map(|row| row.name.to_owned()).collect(),
         repeats: true,
         limits_s: Default::default(),
     }

@@ -10,7 +10,7 @@ use fab_picture::DepthImage;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
 use fab_program as program;
-use fab_sim::{Aim, Grid, Mask, SimError, Simulator, TopDownCamera};
+use fab_sim::{Aim, Grid, Manner, Mask, SimError, Simulator, TopDownCamera};
 pub use fab_sim::{Look, Params};
 use image::RgbImage;
 
@@ -88,6 +88,7 @@ impl SimulatedWorld {
             },
             camera: Camera::top_down(height_m, camera.fov_rad, camera.image_px, camera.up),
             cloth: self.cloth,
+            recorder: self.recorder,
         }
     }
 
@@ -171,11 +172,18 @@ impl World for SimulatedWorld {
 
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
         let cloth = self.cloth.as_mut().ok_or(WorldError::NotReset)?;
+        let metres = |value: Option<f64>| value.map(|value| value as f32);
+        let manner = Manner {
+            lift_m: metres(motion.manner.lift_m),
+            speed_m_s: metres(motion.manner.speed_m_s),
+            release_height_m: metres(motion.manner.release_height_m),
+            press_m: metres(motion.manner.press_m),
+        };
         let on_table = |point: &super::WorldPoint| [point.x as f32, point.y as f32];
         let [pick, place] = [&motion.pick, &motion.place].map(on_table);
         let recorder = self.recorder.as_ref();
-        let done =
-            film::pick_and_place(cloth, pick, place, recorder, interrupt).map_err(stopped)?;
+        let done = film::pick_and_place(cloth, &manner, pick, place, recorder, interrupt)
+            .map_err(stopped)?;
         Ok(Executed {
             motion: *motion,
             grasp: done
@@ -206,6 +214,10 @@ impl World for SimulatedWorld {
 
     fn particles(&self) -> Option<Vec<[f32; 3]>> {
         self.cloth.as_ref().map(Simulator::positions)
+    }
+
+    fn refuses(&self, _: &Motion) -> Option<String> {
+        None
     }
 }
 

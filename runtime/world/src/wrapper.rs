@@ -41,6 +41,11 @@ pub trait Wrapper {
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
         self.inner().out_of_reach(point)
     }
+
+    /// As [`World::refuses`].
+    fn refuses(&self, motion: &Motion) -> Option<String> {
+        self.inner().refuses(motion)
+    }
 }
 
 impl<W: Wrapper> World for W {
@@ -95,5 +100,9 @@ impl<W: Wrapper> World for W {
 
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
         Wrapper::out_of_reach(self, point)
+    }
+
+    fn refuses(&self, motion: &Motion) -> Option<String> {
+        Wrapper::refuses(self, motion)
     }
 }

@@ -59,7 +59,7 @@ pub fn scene_at_step(
     let mut first: Option<Scene> = None;
     for earlier in 1..step {
         let (motion, done) = match folds.get(earlier as usize - 1) {
-            Some(fold) => demonstrated(fold, start, &seen.observation.camera, world)?,
+            Some(fold) => demonstrated(program, fold, start, &seen.observation.camera, world)?,
             None => stand_in_action(program, &seen, earlier, subgoals)?,
         };
         world
@@ -88,12 +88,14 @@ fn observe(
 
 /// Returns a demonstrated fold's motion and, if its ends are in the picture, the corresponding action.
 fn demonstrated(
+    program: &Program,
     fold: &Fold,
     start: &Start,
     camera: &Camera,
     world: &mut dyn World,
 ) -> Result<(Motion, Option<ExecutedAction>), Failure> {
     let motion = expert::motion(fold, start, world).map_err(Failure::environment)?;
+    let motion = motion.with_manner(program.manner);
     let pixel = |point| {
         let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
         Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))

@@ -4,6 +4,7 @@ use super::dialect::Dialect;
 use super::layout::Code;
 use super::names;
 use crate::error::EmitError;
+use fab_program::units::Dimension;
 use fab_program::{ActionField, Choices, Program};
 
 /// A field of the action, and its names in the code.
@@ -103,7 +104,10 @@ pub(super) fn table_words(choices: &Choices) -> String {
         Choices::Directions { .. } => {
             "degrees, and the same as a vector, right and down".to_owned()
         }
-        Choices::Lengths { unit, .. } => format!("{}, and metres", unit.doc),
+        Choices::Lengths { unit, .. } => match unit.dimension {
+            Dimension::Speed => format!("{}, and metres per second", unit.doc),
+            _ => format!("{}, and metres", unit.doc),
+        },
     }
 }
 

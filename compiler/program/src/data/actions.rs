@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 /// One field of an answer and its choices.
 ///
 /// Every action has `pick`, which is points, and either `place`, which is points too, or `direction` and `distance`.
-/// Further fields are words; they are read, checked and recorded, and move nothing.
+/// Those of a [`Manner`](super::manner::Manner) say how the cloth is carried. Further fields are read, checked and
+/// recorded, and move nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActionField {
     /// Its name.
@@ -49,7 +50,7 @@ pub enum Choices {
         /// All different.
         choices: Vec<Direction>,
     },
-    /// Lengths on the table.
+    /// Lengths on the table, or speeds, which are lengths per second; the unit says which.
     Lengths {
         /// The unit that prompt and answer use.
         unit: LengthUnit,
@@ -72,12 +73,12 @@ pub struct Direction {
     pub vector: [f64; 2],
 }
 
-/// A length on the table.
+/// A length on the table, or a speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LengthChoice {
     /// In the field's unit, as declared.
     pub value: f64,
-    /// In metres.
+    /// In metres, or in metres per second.
     pub m: f64,
 }
 
@@ -92,7 +93,7 @@ pub enum Value {
         /// Degrees, counter-clockwise from the image's right.
         deg: f64,
     },
-    /// A length, `{"length": 0.25}`, in the field's unit.
+    /// A length or a speed, `{"length": 0.25}`, in the field's unit.
     Length {
         /// The number.
         length: f64,

@@ -13,6 +13,7 @@ use super::files::SourceStamp;
 use super::folds::Sequence;
 use super::goal::Goal;
 use super::keypoints::Keypoint;
+use super::manner::Manner;
 use super::picker::Picker;
 use super::stage::{Reasoning, Stage, Template};
 use super::subgoals::Subgoals;
@@ -46,6 +47,9 @@ pub struct Program {
     pub camera: Camera,
     /// How the cloth is picked, carried and released.
     pub picker: Picker,
+    /// How the gripper goes about every pick and place, where the task states it; an action's own fields come first.
+    #[serde(default, skip_serializing_if = "Manner::is_default")]
+    pub manner: Manner,
     /// The pictures that show what to do, step by step, if the task has any.
     pub subgoals: Option<Subgoals>,
     /// Fold sequences that count as right; the score is the distance to the nearest of their results.

@@ -220,6 +220,13 @@ fn length(
             None => return Err(format!("`{text}` is no length")),
         },
     };
+    if in_unit.dimension != unit.dimension {
+        let noun = match unit.dimension {
+            Dimension::Speed => "speed",
+            _ => "length",
+        };
+        return Err(format!("`{text}` is no {noun}"));
+    }
     let given = |length: f64| (Value::Length { length }, note.clone());
     if in_unit == unit {
         if let Some(same) = choices.iter().find(|choice| choice.value == stated) {

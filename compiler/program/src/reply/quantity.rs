@@ -5,7 +5,7 @@
 
 use super::cursor::Cursor;
 use super::lexer::{Kind, Token, digit};
-use crate::units::{DEG, Dimension, EDGE, UNITS, Unit};
+use crate::units::{DEG, Dimension, EDGE, PER_SECOND, UNITS, Unit};
 
 /// The largest number that an answer can mean.
 pub(super) const MAX_NUMBER: f64 = 1_000_000.0;
@@ -604,6 +604,9 @@ pub(super) fn unit(cursor: &mut Cursor<'_, '_>) -> Option<AnswerUnit> {
     match found {
         Some(unit) => {
             cursor.at += 1;
+            if let Some(speed) = per_second(cursor, unit) {
+                return Some(AnswerUnit::Of(speed));
+            }
             // `45° (deg)`, `45 ° degrees`
             let mut again = *cursor;
             let is_bracket = again.eat_sign('(');
@@ -621,6 +624,15 @@ pub(super) fn unit(cursor: &mut Cursor<'_, '_>) -> Option<AnswerUnit> {
             None
         }
     }
+}
+
+/// Reads the rest of a unit of speed after its unit of length: `/s`, `per second`; otherwise the cursor does not move.
+fn per_second(cursor: &mut Cursor<'_, '_>, length: &Unit) -> Option<&'static Unit> {
+    let mut ahead = *cursor;
+    let is_speed = (ahead.eat_sign('/') || ahead.eat_word("per")) && ahead.eat_any(PER_SECOND);
+    let speed = length.per_second().filter(|_| is_speed)?;
+    *cursor = ahead;
+    Some(speed)
 }
 
 /// Reads `side` after `the cloth's`, and `side of the cloth`; other sides are none of its edges.

@@ -2,10 +2,12 @@
 
 use super::wordlist::words;
 use crate::data::actions::{ActionField, Choices, Value};
+use crate::data::manner::manner_field;
 use crate::data::program::Program;
 use crate::data::stage::Read;
 use crate::pointing::{CoordinateUnit, Notation, Order, Pointing};
 use crate::space;
+use crate::units::Dimension;
 use serde_json::{Map, Value as Json, json};
 
 /// The pattern of a point as [`space::text`] writes it; the reader refuses larger numbers.
@@ -147,11 +149,17 @@ fn what(notation: &Notation, field: &ActionField) -> String {
         Pointing::Marks(_) => format!("the number of the {name} point"),
         pointing => format!("the {name} point {}", pointing.phrase()),
     };
+    if let Some(row) = manner_field(&field.name) {
+        return row.doc.to_owned();
+    }
     match field.choices {
         Choices::Points { .. } => point,
         Choices::Region { ref mask } => format!("{point}: {}", space::any_of(mask)),
         Choices::Directions { .. } => {
             format!("the {name}, counter-clockwise from the image's right")
+        }
+        Choices::Lengths { unit, .. } if unit.dimension == Dimension::Speed => {
+            format!("the {name}")
         }
         Choices::Lengths { .. } => format!("the {name}, on the table"),
         Choices::Words { .. } => format!("the {name}"),

@@ -226,7 +226,9 @@ impl StepSearch<'_> {
         let depth_m = self.camera.height_m - RESTING_HEIGHT_M;
         let lens = self.lens();
         let [pick, place] = arrow.map(|at| lens.world_from_pixel(at, depth_m));
-        let motion = pick.zip(place).map(|(pick, place)| Motion { pick, place });
+        let motion = pick
+            .zip(place)
+            .map(|(pick, place)| Motion::new(pick, place));
         let unnamed = motion.map(|motion| Candidate {
             fold: None,
             motion,

@@ -1,4 +1,4 @@
-//! Refuses an accepted answer whose points on the table are out of reach.
+//! Refuses an accepted answer that the world cannot execute: its points are out of reach, or the manner is.
 //!
 //! In: a proposal that every other check accepts. Out: the refusal by the check `reachable`, which no task declares,
 //! with the message for the model. Unreachable candidates were never offered, so this concerns points derived from a
@@ -17,7 +17,12 @@ pub(super) fn out_of_reach(
     notation: &Notation,
     proposal: &Proposal,
 ) -> Option<Verdict> {
-    let StepView { program, reach, .. } = view;
+    let StepView {
+        program,
+        reach,
+        refuses,
+        ..
+    } = view;
     let action = Action::lower(program, proposal, view.scene, view.observation)?;
     let refused = |end: &str, at: PixelPoint, why: String, message: String| Verdict::Reject {
         check: REACHABLE.to_owned(),
@@ -37,7 +42,14 @@ pub(super) fn out_of_reach(
     if let Some(why) = reach(&action.motion.pick) {
         return Some(stated("pick", action.pick_px, why));
     }
-    let why = reach(&action.motion.place)?;
+    let Some(why) = reach(&action.motion.place) else {
+        let why = refuses(&action.motion)?;
+        return Some(Verdict::Reject {
+            check: REACHABLE.to_owned(),
+            values: vec![("refused".to_owned(), why.clone())],
+            message: format!("The cloth cannot be moved like this: {why}. Choose other values."),
+        });
+    };
     let place = action.place_px;
     if proposal.point("place").is_some() {
         return Some(stated("place", place, why));

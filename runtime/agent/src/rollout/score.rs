@@ -4,7 +4,7 @@ use super::writer::RolloutWriter;
 use super::{Event, Job, RunError};
 use fab_program::{Goal, Metric};
 use fab_world::expert;
-use fab_world::expert::ExpertEnds;
+use fab_world::expert::{ExpertEnds, Sequences};
 use fab_world::metrics;
 use fab_world::{World, WorldError};
 use std::time::Instant;
@@ -58,7 +58,10 @@ pub(super) fn score(
     let total = job.program.experts.len();
     let mut announce = |missing: usize| progress(Event::SimulatingExperts { missing, total });
     let ends = expert::ends(
-        &job.program.experts,
+        Sequences {
+            folds: &job.program.experts,
+            manner: job.program.manner,
+        },
         job.start,
         job.make_expert_world,
         job.cache,

@@ -17,7 +17,7 @@ use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
 use fab_program::{Arrow, Proposal, SubgoalStep};
 use fab_world::metrics::cloth_moved;
-use fab_world::{World, WorldError, WorldPoint};
+use fab_world::{Motion, World, WorldError, WorldPoint};
 use std::time::{Duration, Instant};
 
 /// State passed from one step to the next.
@@ -112,6 +112,7 @@ impl<'j> Turn<'j> {
         // The first scene is stored unfiltered: the arm's reach is not a property of the cloth.
         let first = &mut memory.first_scene;
         let reach = |point: &WorldPoint| world.out_of_reach(point);
+        let refuses = |motion: &Motion| world.refuses(motion);
         let scene = match self.plan("keypoints", || {
             let scene = Scene::of(job.program, &observation, first.as_ref())?;
             first.get_or_insert_with(|| scene.clone());
@@ -180,6 +181,7 @@ impl<'j> Turn<'j> {
             last,
             pictures: &pictures,
             reach: &reach,
+            refuses: &refuses,
             repetition: job.repetition,
             start_number: job.start_number,
             start: &memory.start,

@@ -94,6 +94,50 @@ fn a_pick_and_place_ends_where_it_says() {
 }
 
 #[test]
+fn a_stated_manner_is_how_the_arm_goes_about_it() {
+    let mut usual = Bench::driven(By::Trajectories, &[]);
+    let usual_s = usual
+        .run(&mut Unattended, &mut NoWatchdog)
+        .unwrap()
+        .duration_s;
+    for (lift_m, release_m) in [(0.0, 0.0), (0.06, 0.03), (0.02, 0.08)] {
+        let mut bench = Bench::driven(By::Trajectories, &[]);
+        bench.manner = Manner {
+            lift_m: Some(lift_m),
+            speed_m_s: Some(0.03),
+            release_height_m: Some(release_m),
+            press_m: None,
+        };
+        let done = bench.run(&mut Unattended, &mut NoWatchdog).unwrap();
+        assert_eq!(done.contents, HandContents::Something);
+        assert!(bench.off_m(bench.settings.workspace.rest_m) < 0.003);
+        let grasped_m = PICK_M[2] + bench.settings.motion.grasp_m;
+        let heights: Vec<(SegmentName, f64)> = entries(bench.folder())
+            .into_iter()
+            .filter_map(|entry| match entry {
+                Entry::Begin { segment, to_m, .. } => Some((segment, to_m?[2] - grasped_m)),
+                _ => None,
+            })
+            .collect();
+        let height_m = |name| heights.iter().find(|(it, _)| *it == name).map(|it| it.1);
+        let is = |name, expected_m: f64| {
+            let height_m = height_m(name).unwrap();
+            assert!((height_m - expected_m).abs() < 1e-9, "{name:?}: {height_m}");
+        };
+        is(SegmentName::Over, lift_m);
+        is(SegmentName::DownToPlace, release_m);
+        assert_eq!(height_m(SegmentName::Lift).is_some(), lift_m > 0.0);
+        // The hand never goes down again before it goes up from the cloth.
+        assert!(height_m(SegmentName::Up).unwrap() >= release_m);
+        assert!(
+            done.duration_s > usual_s + 1.0,
+            "{} {usual_s}",
+            done.duration_s
+        );
+    }
+}
+
+#[test]
 fn every_motion_is_written_down_before_it_begins() {
     struct Counter(usize);
     impl Supervisor for Counter {

@@ -126,7 +126,7 @@ fn judged_plan(settings: &Settings, height: [f64; 3], points: [Point3<f64>; 2]) 
         joints_rad: Vec::new(),
         fingers: Vec::new(),
     };
-    let (plan, route) = Plan::make(settings, &guard, &from, points);
+    let (plan, route) = Plan::make(settings, &guard, &from, points, &Default::default());
     let told = || format!("{settings:#?}\n{height:?} {points:?}");
     let Some(route) = route else {
         assert!(plan.refusal().is_some());

@@ -25,6 +25,7 @@ use super::settings::Settings;
 use super::simulated::{Fault, FaultKind, SimulatedArm, SimulatedTable, Simulation};
 use super::supervisor::{Supervisor, Watchdog};
 use fab_base::interrupt::Interrupt;
+use fab_program::Manner;
 use nalgebra::{Isometry3, Point3};
 use std::cell::RefCell;
 use std::path::Path;
@@ -113,6 +114,7 @@ struct Bench {
     cloth: Rc<RefCell<Patch>>,
     folder: tempfile::TempDir,
     interrupt: Interrupt,
+    manner: Manner,
 }
 
 impl Bench {
@@ -134,6 +136,7 @@ impl Bench {
             cloth,
             folder: tempfile::tempdir().unwrap(),
             interrupt: Interrupt::default(),
+            manner: Manner::default(),
         }
     }
 
@@ -170,6 +173,7 @@ impl Bench {
             &here,
             &PICK_M.into(),
             &PLACE_M.into(),
+            &self.manner,
         )
     }
 
@@ -192,17 +196,13 @@ impl Bench {
     ) -> Result<CompletedAction, FailedAction> {
         let route = self.route();
         let here = self.driver().state().unwrap();
-        let route = guard(&self.settings)
-            .route(&here, route, SPEED_M_S)
-            .route
-            .unwrap();
+        let route = guard(&self.settings).route(&here, route).route.unwrap();
         let execution = &mut Execution {
             arm: &mut self.arm,
             log,
             supervisor,
             watchdog,
             interrupt: &self.interrupt,
-            speed_m_s: SPEED_M_S,
             number: 1,
         };
         execution.run([PICK_M.into(), PLACE_M.into()], &route)

@@ -123,7 +123,8 @@ fn walked(settings: &Settings, points: [Point3<f64>; 2]) -> usize {
     let guard = guard(settings);
     let limits = JointLimits::of(settings, guard.chain());
     let rest = over_rest(settings, Vec::new());
-    let (plan, Some(route)) = Plan::make(settings, &guard, &rest, points) else {
+    let (plan, Some(route)) = Plan::make(settings, &guard, &rest, points, &Default::default())
+    else {
         return 0;
     };
     let start = Simulation::of(settings).unwrap().joints_rad;
@@ -226,7 +227,13 @@ fn the_simulated_arm_keeps_the_times_that_a_plan_states() {
         let mut arm = by.drive(Tapped::deaf(port, f64::INFINITY), &settings);
         let from = arm.state().unwrap();
         let points = [PICK_M, PLACE_M].map(Point3::from);
-        let (plan, route) = Plan::make(&settings, &guard(&settings), &from, points);
+        let (plan, route) = Plan::make(
+            &settings,
+            &guard(&settings),
+            &from,
+            points,
+            &Default::default(),
+        );
         let route = route.unwrap();
         for (segment, planned) in route.get().segments.iter().zip(&plan.segments) {
             let Act::Move(to) = segment.act else { continue };

@@ -10,9 +10,11 @@ use crate::driver::ArmState;
 use crate::guard::{Guard, Surface};
 use crate::kinematics::reach::{Reach, Turn};
 use crate::kinematics::tool_down::tool_down;
-use crate::route;
-use crate::settings::Settings;
-use fab_world::{World, WorldPoint, Wrapper};
+use crate::plan::Plan;
+use crate::route::{self, SegmentName};
+use crate::settings::{DriverKind, Settings};
+use fab_program::Manner;
+use fab_world::{Motion, World, WorldPoint, Wrapper};
 use nalgebra::Point3;
 
 /// The reach of an arm with its hand pointing down.
@@ -82,6 +84,97 @@ impl ArmReach {
     }
 }
 
+impl ArmReach {
+    /// Returns why the arm cannot follow a motion's manner, as [`World::refuses`] does.
+    ///
+    /// The way is planned from where the arm rests. What is impossible in the arm's own manner too is not refused here.
+    pub(super) fn refuses(&self, settings: &Settings, asked: &Motion) -> Option<String> {
+        let manner = &asked.manner;
+        if manner.is_default() {
+            return None;
+        }
+        if manner.press_m.is_some_and(|press_m| press_m > 0.0) {
+            return Some(
+                "`press` is not possible: the arm feels no force, so it presses no crease"
+                    .to_owned(),
+            );
+        }
+        if let Some(speed_m_s) = manner.speed_m_s
+            && let Some(why) = self.speed_refused(settings, speed_m_s)
+        {
+            return Some(format!("`speed` of {speed_m_s} m/s is not possible: {why}"));
+        }
+        let points = [&asked.pick, &asked.place];
+        let points = points.map(|point| base_point(settings, self.guard.surface(), point));
+        let turn_rad = settings.motion.hand_turn_deg.to_radians();
+        let rest = ArmState {
+            at_s: 0.0,
+            tool: tool_down(&settings.workspace.rest_m.into(), turn_rad),
+            joints_rad: Vec::new(),
+            fingers: Vec::new(),
+        };
+        let (plan, route) = Plan::make(settings, &self.guard, &rest, points, manner);
+        if route.is_none() {
+            let usual = Plan::make(settings, &self.guard, &rest, points, &Manner::default());
+            usual.1?;
+            let why = plan.refused.unwrap_or_default();
+            let height = |name: &str, stated: Option<f64>| {
+                let height_m = stated?;
+                Some(format!(
+                    "`{name}` of {:.0} mm is not possible: {why}",
+                    height_m * 1000.0
+                ))
+            };
+            let ended = plan.segments.last().map(|segment| segment.name);
+            let released = || height("release_height", manner.release_height_m);
+            return match ended {
+                Some(SegmentName::DownToPlace | SegmentName::Up | SegmentName::Away) => {
+                    released().or_else(|| height("lift", manner.lift_m))
+                }
+                _ => height("lift", manner.lift_m).or_else(released),
+            }
+            .or(Some(why));
+        }
+        let speed_m_s = manner.speed_m_s?;
+        let mut at = rest;
+        for segment in &plan.segments {
+            let to = tool_down(&segment.to_m.into(), turn_rad);
+            let carries = matches!(
+                segment.name,
+                SegmentName::Lift | SegmentName::Over | SegmentName::DownToPlace
+            );
+            let most_m_s = self.guard.joints_allow_m_s(&at, &to);
+            if carries && speed_m_s > most_m_s {
+                return Some(format!(
+                    "`speed` of {speed_m_s} m/s is not possible: on this way the arm's joints allow at most {most_m_s:.3} m/s"
+                ));
+            }
+            at.tool = to;
+            at.joints_rad = segment
+                .joints_deg
+                .iter()
+                .map(|deg| deg.to_radians())
+                .collect();
+        }
+        None
+    }
+
+    /// Returns why no way can have this speed.
+    fn speed_refused(&self, settings: &Settings, speed_m_s: f64) -> Option<String> {
+        let usual_m_s = settings.motion.speed_m_s;
+        let takes_poses = matches!(settings.driver, DriverKind::Kinova | DriverKind::Simulated);
+        if takes_poses && speed_m_s != usual_m_s {
+            return Some(format!(
+                "the arm takes poses and moves at a speed of its own, `motion.speed_m_s` of {usual_m_s} m/s"
+            ));
+        }
+        let most_m_s = self.guard.max_speed_m_s();
+        (speed_m_s > most_m_s).then(|| {
+            format!("the tool moves at most at `workspace.max_speed_m_s` of {most_m_s} m/s")
+        })
+    }
+}
+
 /// Returns a world point in the base frame, raised to the table if it lies below.
 pub(super) fn base_point(
     settings: &Settings,
@@ -128,6 +221,11 @@ impl Wrapper for WithinReach {
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
         self.reach.out_of_reach(&self.settings, point)
     }
+
+    fn refuses(&self, motion: &Motion) -> Option<String> {
+        let why = self.reach.refuses(&self.settings, motion);
+        why.or_else(|| self.world.refuses(motion))
+    }
 }
 
 #[cfg(test)]
@@ -157,7 +255,8 @@ mod tests {
                 let pick = base_point(&settings, &surface, &(world_from_base * below));
                 assert!((pick - cloth).norm() < 1e-9, "{pick} {cloth}");
                 let rest = tool_down(&settings.workspace.rest_m.into(), 0.0);
-                let route = route::Route::new(&settings, &surface, &rest, &pick, &pick);
+                let route =
+                    route::Route::new(&settings, &surface, &rest, &pick, &pick, &Manner::default());
                 let is_down = |it: &&route::Segment| it.name == route::SegmentName::Down;
                 let down = route.segments.iter().find(is_down).unwrap();
                 let route::Act::Move(to) = down.act else {
@@ -195,5 +294,70 @@ mod tests {
                 "{radius_m}"
             );
         }
+    }
+
+    #[test]
+    fn manners_beyond_the_arm_are_refused_by_name_and_with_the_bound() {
+        let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/real/simulated.toml");
+        let (mut settings, _, calibration) = load(&robot).unwrap();
+        let reach = ArmReach::new(&settings, guard(&settings, &calibration));
+        let points = [
+            WorldPoint::new(-0.05, 0.0, 0.0),
+            WorldPoint::new(0.1, 0.05, 0.0),
+        ];
+        let motion = |manner: Manner| Motion::new(points[0], points[1]).with_manner(manner);
+        let said = |settings: &Settings, name: &str, value: f64| {
+            reach.refuses(settings, &motion(Manner::default().with(name, value)))
+        };
+        for (name, value) in [
+            ("lift", 0.0),
+            ("lift", 0.1),
+            ("release_height", 0.0),
+            ("release_height", 0.1),
+            ("press", 0.0),
+            ("speed", settings.motion.speed_m_s),
+        ] {
+            assert_eq!(said(&settings, name, value), None, "{name} {value}");
+        }
+        let top_m = settings.workspace.max_m[2];
+        let usual_m_s = settings.motion.speed_m_s;
+        for (name, value, expected) in [
+            (
+                "lift",
+                0.9,
+                format!("`lift` of 900 mm is not possible: the tool would be at"),
+            ),
+            ("lift", 0.9, format!("to {top_m:.3} m")),
+            (
+                "release_height",
+                0.9,
+                "`release_height` of 900 mm is not possible".to_owned(),
+            ),
+            (
+                "press",
+                0.1,
+                "`press` is not possible: the arm feels no force".to_owned(),
+            ),
+            (
+                "speed",
+                0.03,
+                format!("a speed of its own, `motion.speed_m_s` of {usual_m_s} m/s"),
+            ),
+        ] {
+            let why = said(&settings, name, value).unwrap();
+            assert!(why.contains(&expected), "{why}");
+        }
+        // An arm that follows trajectories takes a speed, within its limits.
+        settings.driver = DriverKind::Trajectory;
+        assert_eq!(said(&settings, "speed", 0.03), None);
+        let most_m_s = settings.workspace.max_speed_m_s;
+        let why = said(&settings, "speed", most_m_s + 0.1).unwrap();
+        let expected = format!("`workspace.max_speed_m_s` of {most_m_s} m/s");
+        assert!(why.contains(&expected), "{why}");
+        settings.workspace.max_speed_m_s = 5.0;
+        let reach = ArmReach::new(&settings, guard(&settings, &calibration));
+        let fast = motion(Manner::default().with("speed", 4.0));
+        let why = reach.refuses(&settings, &fast).unwrap();
+        assert!(why.contains("the arm's joints allow at most"), "{why}");
     }
 }

@@ -11,7 +11,7 @@ use crate::verbs::runtime::setting::FrameArguments;
 use crate::verbs::runtime::video::{self, ViewArgument};
 use clap::Args;
 use clap::ValueHint;
-use fab_sim::{Grid, Look, Params, SimError, Simulator};
+use fab_sim::{Grid, Look, Manner, Params, SimError, Simulator};
 use fab_world::film::{self, FilmPlan, Recorder};
 use serde::Serialize;
 use serde_json::json;
@@ -111,7 +111,14 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
     let mut is_interrupted = false;
     for (number, Move { pick, place }) in moves.iter().copied().enumerate() {
         io.progress(&format!("motion {} of {}", number + 1, moves.len()));
-        match film::pick_and_place(&mut cloth, pick, place, Some(&recorder), &interrupt) {
+        match film::pick_and_place(
+            &mut cloth,
+            &Manner::default(),
+            pick,
+            place,
+            Some(&recorder),
+            &interrupt,
+        ) {
             Ok(done) => moved.push(Moved {
                 pick,
                 place,

@@ -187,7 +187,9 @@ fn a_plan_of_the_made_up_arm_is_allowed_and_one_below_the_table_is_not() {
     };
     let plan = |height_m: f64| {
         let points = [[0.55, 0.15, height_m], [0.35, -0.15, height_m]].map(Point3::from);
-        Plan::make(&SEVEN, &guard, &from, points).0.refusal()
+        Plan::make(&SEVEN, &guard, &from, points, &Default::default())
+            .0
+            .refusal()
     };
     assert_eq!(plan(0.02), None);
     let why = plan(0.0).unwrap();

@@ -176,7 +176,7 @@ impl Arm {
                 Point3::new(radius_m * cos, radius_m * sin, table_m - below_m)
             };
             let points = [target(), target()];
-            let (plan, route) = Plan::make(settings, &guard, &from, points);
+            let (plan, route) = Plan::make(settings, &guard, &from, points, &Default::default());
             let Some(route) = route else {
                 refusal = plan.refusal().unwrap();
                 continue;
