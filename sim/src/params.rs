@@ -4,6 +4,7 @@
 //! comes from, where such a number exists; the others were chosen by replaying
 //! recorded demonstrations (`fabc sim replay --set NAME=VALUE`) and say so.
 
+use crate::material::Material;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest, Sha256};
 
@@ -87,6 +88,10 @@ pub struct Params {
     /// How the picker goes about it.
     #[serde(skip_serializing_if = "Route::is_default")]
     pub picker_route: Route,
+    /// A measured textile. It replaces the springs, contact distances and frictions above; `None` is the recorded
+    /// scene's cloth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
 }
 
 /// How a picker grasps, travels and releases.
@@ -138,6 +143,7 @@ impl Default for Params {
             picker_lift_height_m: 0.1,
             picker_home_m: [0.5, -0.5, 0.5],
             picker_route: Route::PutDown,
+            material: None,
         }
     }
 }
