@@ -101,6 +101,7 @@ pub use data::goal::{Goal, Metric};
 pub use data::keypoints::{
     Channel, EXTRACTORS, Extractor, ExtractorRow, Inside, Keypoint, Moment, Response, Side, Sight,
 };
+pub use data::material::{Colour, Face, Material};
 pub use data::picker::Picker;
 pub use data::placeholders::{NumberFormat, Placeholder};
 pub use data::points::{End, Heading, Point};

@@ -17,6 +17,8 @@ pub enum Dimension {
     Pixels,
     /// An angle, radians.
     Angle,
+    /// Mass per area, kilograms per square metre.
+    ArealDensity,
     /// A plain number.
     Number,
 }
@@ -83,6 +85,14 @@ pub const UNITS: &[Unit] = &[
         4,
         &["turns"],
         "whole turns",
+    ),
+    unit(
+        "g/m2",
+        Dimension::ArealDensity,
+        0.001,
+        1,
+        &["g/m^2", "g/m²", "gsm"],
+        "grams per square metre",
     ),
 ];
 

@@ -335,6 +335,7 @@ fn length<'a>(
     let Some(unit) = LengthUnit::find(found.unit) else {
         let code = match found.dimension {
             Dimension::Number => Code::MissingUnit,
+            Dimension::ArealDensity => Code::WrongQuantity,
             Dimension::Length | Dimension::Pixels | Dimension::Angle => Code::MixedFrames,
         };
         let diagnostic = context.unexpected(code, choice, EXPECTED);

@@ -21,6 +21,7 @@ mod folds;
 mod goal;
 mod horizon;
 mod keypoints;
+mod material;
 mod missing_action;
 mod names;
 mod picker;
@@ -71,7 +72,13 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
         "list of experts",
         report,
     );
+    let materials = whole().flat_map(|file| &file.materials);
+    merge::unique(materials.clone().map(|it| it.name()), "material", report);
     let mut context = Context::outside(loaded, report);
+    for declared in materials {
+        // This reports errors in every material, even in one that no cloth is made of.
+        let _: Result<_, _> = material::check(*declared, &mut context);
+    }
     for list in lists {
         // This reports errors in every list, even in one that no task names.
         let _: Result<_, _> = experts::check(*list, &mut context);
@@ -82,6 +89,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
             .map_or(Ok(()), Err)
     };
     let forms: Vec<Result<(), Reported>> = files().map(|file| form_of(file.id)).collect();
+    material::unused(loaded, report);
     let stamps = task::stamps(loaded);
     let mut checked = Checked::default();
     let mut merged_bytes = 0;
@@ -104,7 +112,9 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                 let experts = merged.experts.and_then(|experts| {
                     loaded.experts(experts.name().span().file, experts.name().text())
                 });
-                merged_bytes += merged.bytes + experts.map_or(0, |list| loaded.size(list.name()));
+                merged_bytes += merged.bytes
+                    + experts.map_or(0, |list| loaded.size(list.name()))
+                    + merged.material(loaded).map_or(0, |it| loaded.size(it.name()));
                 if merged_bytes > MAX_INHERITED_BYTES {
                     report.absorb(own);
                     report.error(too_large(task.name()));

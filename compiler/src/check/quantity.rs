@@ -37,6 +37,7 @@ fn words(dimension: Dimension) -> (&'static str, &'static str) {
         Dimension::Length => ("a length on the table", " such as `40mm`"),
         Dimension::Pixels => ("a length in the picture", " such as `10px`"),
         Dimension::Angle => ("an angle", " such as `45deg`"),
+        Dimension::ArealDensity => ("a mass per area", " such as `420g/m2`"),
         Dimension::Number => ("a plain number", ""),
     }
 }

@@ -153,7 +153,7 @@ codes! {
 
     "F0105" MissingName Error
     "a name is missing"
-    "Tasks, stages, checks and lists of experts have a name: a letter, then letters, digits and `_`."
+    "Tasks, stages, checks, lists of experts and materials have a name: a letter, then letters, digits and `_`."
 
     "F0106" SectionOutsideTask Error
     "a section is outside of any task"
@@ -339,6 +339,10 @@ codes! {
     "F0509" NoHorizon Error
     "a task does not state its number of steps"
     "A task without subgoals has no steps to count, so it must state a `horizon`."
+
+    "F0510" MaterialIncomplete Error
+    "a material lacks a value, or its source"
+    "A `material` states its weight, thickness, bending length, crease recovery, stretch and friction, each with the place where the value comes from: a publication, or how it was measured. Without a source, nobody can check a value or improve it. The colours of its faces are optional, and each is a name for prompts and a colour for the simulator's camera."
 
     "F0601" SaidNowhere Warning
     "a component is never used"

@@ -43,6 +43,7 @@ pub fn tables() -> Vec<(&'static str, String)> {
 const CALLS: &[(&str, &str)] = &[
     ("cloths", "cloth"),
     ("cameras", "camera"),
+    ("properties", "property of a material"),
     ("points-of-the-cloth", "point of the cloth"),
     ("extractors", "extractor"),
     ("marks", "mark"),
@@ -56,6 +57,7 @@ const WORDS: &[(&str, &str)] = &[
     ("fields", "field"),
     ("settings", "setting"),
     ("colours", "colour"),
+    ("faces", "face"),
     ("conditions", "condition"),
     ("comparisons", "comparison"),
     ("numbers-of-verify", "verify"),
@@ -119,6 +121,7 @@ fn units(known: &Vocabulary) -> String {
             Dimension::Length => "a length on the table",
             Dimension::Pixels => "a length in the picture",
             Dimension::Angle => "an angle",
+            Dimension::ArealDensity => "a mass per area",
             Dimension::Number => "a plain number",
         };
         vec![

@@ -222,6 +222,7 @@ impl ExternalWorld {
             dimy: grid.dimy,
             spacing_m: grid.spacing_m,
             start: ClothStart::Flat,
+            material: None,
         });
         let lie = match flat.positions == start.positions {
             true => Arrangement::Flat,

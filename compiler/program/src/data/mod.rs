@@ -11,6 +11,7 @@ pub mod files;
 pub mod folds;
 pub mod goal;
 pub mod keypoints;
+pub mod material;
 pub mod picker;
 pub mod placeholders;
 pub mod points;

@@ -141,6 +141,8 @@ mod tests {
             dimy: 3,
             spacing_m: 0.00625,
             start: fab_program::ClothStart::Flat,
+         ,
+            material: None,   material: None,
         }
     }
 
