@@ -16,6 +16,8 @@ const REACH: f32 = 0.55;
 const RIM: f32 = 0.25;
 // More pairs than this per particle are dropped.
 const MAX_PAIRS_PER_PARTICLE: usize = 96;
+// How readily a hand gives way upwards, where a free particle counts 1.
+const HAND: f32 = 1.0;
 const TINY: f32 = 1e-20;
 
 /// A particle beside a corner of a cell.
@@ -111,10 +113,10 @@ impl Faces {
             if depth <= 0.0 {
                 continue;
             }
-            let weight = w[i] + sa * sa * w[a] + sb * sb * w[b] + sc * sc * w[c];
-            if weight < 1e-6 {
-                continue;
-            }
+            // A hand that lowers what it holds onto a layer gives way upwards; else it would push its particle through.
+            let free = |slot: usize| if w[slot] > 0.0 { w[slot] } else { HAND };
+            let (wi, wa, wb, wc) = (free(i), free(a), free(b), free(c));
+            let weight = wi + sa * sa * wa + sb * sb * wb + sc * sc * wc;
             let slid = [
                 apart[0] - (x0[i] - (sa * x0[a] + sb * x0[b] + sc * x0[c])),
                 apart[1] - (y0[i] - (sa * y0[a] + sb * y0[b] + sc * y0[c])),
@@ -132,7 +134,11 @@ impl Faces {
                 per * (depth * nz - share * along[2]),
             ];
             for (slot, share) in [(i, 1.0), (a, -sa), (b, -sb), (c, -sc)] {
-                let part = share * w[slot];
+                if w[slot] <= 0.0 {
+                    z[slot] += (HAND * share * per * depth * nz).max(0.0);
+                    continue;
+                }
+                let part = share;
                 x[slot] += part * push[0];
                 y[slot] += part * push[1];
                 z[slot] += part * push[2];

@@ -86,7 +86,7 @@ impl Strip {
                 (Mask::full(grid), at.collect(), spacing_m)
             }
             Cut::Bias => {
-                let wide = (STRIP_M / (spacing_m * half) / 2.0).round() as isize;
+                let wide = (2.0*STRIP_M / (spacing_m * half) / 2.0).round() as isize;
                 let dim = (rows + 2 * wide as usize).div_ceil(2) + 1;
                 let grid = Grid::new(dim, dim, spacing_m)?;
                 // Whole cells only, so that the ends are zigzag lines; a cell begins at its corner nearest the back end.

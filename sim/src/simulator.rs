@@ -315,6 +315,11 @@ impl Simulator {
         particle < self.grid().particle_count() && self.mask.has(particle)
     }
 
+    /// Tells whether the cloth is of a material.
+    pub(crate) fn is_textile(&self) -> bool {
+        self.params.material.is_some()
+    }
+
     /// Tells whether the last step changed nothing.
     pub(crate) fn is_at_rest(&self) -> bool {
         self.at_rest

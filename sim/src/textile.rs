@@ -9,7 +9,7 @@
 //! slow particle.
 
 use crate::bending::{Bending, Friction};
-use crate::contacts::Sphere;
+use crate::contacts::{Sphere, first_within, sphere_push};
 use crate::faces::Faces;
 use crate::layout::Layout;
 use crate::lines::Lines;
@@ -17,7 +17,7 @@ use crate::material::{Material, Stiffness};
 use crate::motion::fly;
 use crate::params::Params;
 use crate::planes::Planes;
-use crate::sides::Sides;
+use crate::sides::{Side, Sides};
 use crate::snapshot::Texture;
 use crate::springs::{Diagonals, Direction};
 #[cfg(not(feature = "narrow"))]
@@ -192,25 +192,21 @@ impl Textile {
         self.predicted.clone_from(positions);
         let per_2 = 1.0 / (dt * dt);
         let [warp, weft] = self.stiffness.stretch.map(|compliance| compliance * per_2);
-        if number % 2 == 0 {
-            self.shear.pull(&mut sides.rows, Direction::Forward);
-            self.columns.solve(&mut sides.rows, weft);
-            sides.turn_to_columns();
-            self.rows.solve(&mut sides.columns, warp);
-            sides.turn_to_rows();
-        } else {
-            sides.turn_to_columns();
-            self.rows.solve(&mut sides.columns, warp);
-            sides.turn_to_rows();
-            self.shear.pull(&mut sides.rows, Direction::Backward);
-            self.columns.solve(&mut sides.rows, weft);
-        }
+        // Always in this order: where a crumpled cloth cannot have all lengths, taking turns would toss its particles
+        // between two places for ever.
+        self.shear.pull(&mut sides.rows, Direction::Forward);
+        self.columns.solve(&mut sides.rows, weft);
+        sides.turn_to_columns();
+        self.rows.solve(&mut sides.columns, warp);
+        sides.turn_to_rows();
         let side = &mut sides.rows;
+        // First, so that the others have the last word: a sphere presses layers together, and not through each other.
+        if let Some(sphere) = sphere {
+            let friction = self.material.table_friction;
+            touch_sphere(side, sphere, params, friction, params.max_acceleration_m_s2 * dt * dt);
+        }
         self.faces.search(&side.positions, &side.began);
         self.faces.resolve(&mut side.positions, &side.began, &side.inverse_mass);
-        if let Some(sphere) = sphere {
-            touch_sphere(side, sphere, params, self.material.table_friction);
-        }
         let Planes { x, y, z } = &mut side.positions;
         touch_table(
             x,
@@ -274,15 +270,20 @@ fn touch_table(
     }
 }
 
-fn touch_sphere(side: &mut crate::sides::Side, sphere: Sphere, params: &Params, friction: f32) {
-    let reach = params.picker_radius_m + params.picker_skin_m;
+/// Pushes particles out of the sphere, each by at most `most_m`: a hand that gives way.
+fn touch_sphere(side: &mut Side, sphere: Sphere, params: &Params, friction: f32, most_m: f32) {
+    let reach = params.picker_radius_m + params.rest_height_m();
     let mut from = 0;
-    let crate::sides::Side { positions, began, inverse_mass } = side;
-    while let Some(i) = crate::contacts::first_within(&positions.x, &positions.y, &positions.z, from, sphere.centre, reach) {
+    while let Some(i) = {
+        let Planes { x, y, z } = &side.positions;
+        first_within(x, y, z, from, sphere.centre, reach)
+    } {
         from = i + 1;
-        let p = positions.get(i);
-        let push = crate::contacts::sphere_push(p, began.get(i), sphere, reach, friction);
-        let w = inverse_mass[i];
-        positions.set(i, [0, 1, 2].map(|axis| p[axis] + w * push[axis]));
+        let p = side.positions.get(i);
+        let push = sphere_push(p, side.began.get(i), sphere, reach, friction);
+        let length = (push[0] * push[0] + push[1] * push[1] + push[2] * push[2]).sqrt();
+        let share = if length > most_m { most_m / length } else { 1.0 };
+        let share = share * side.inverse_mass[i];
+        side.positions.set(i, [0, 1, 2].map(|axis| p[axis] + share * push[axis]));
     }
 }
