@@ -4,7 +4,7 @@
 //! comes from, where such a number exists; the others were chosen by replaying
 //! recorded demonstrations (`fabc sim replay --set NAME=VALUE`) and say so.
 
-use crate::material::Material;
+use crate::material::{Material, MaterialError};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest, Sha256};
 
@@ -164,6 +164,17 @@ pub struct ParamsError {
     pub unit: &'static str,
 }
 
+/// Numbers that no cloth can be stepped with.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ParamsFault {
+    /// A parameter is out of bounds.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
+    /// The material is none, or cannot be simulated on this grid.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
+}
+
 impl Params {
     /// Returns the default cloth with the picker of SoftGym's smoothing environment: a small sphere that drops what
     /// it carries (protocol, section 2: radius 0.01, capture 0.02125, home 0.2 above the table's centre).
@@ -236,6 +247,26 @@ impl Params {
         Ok(())
     }
 
+    /// Returns the height of a particle that rests on the table, metres.
+    ///
+    /// Half the gap between layers of the material; without one, `table_contact_m`.
+    pub fn rest_height_m(&self) -> f32 {
+        match &self.material {
+            Some(material) => 0.5 * material.gap_m(),
+            None => self.table_contact_m,
+        }
+    }
+
+    /// Tells whether a cloth with this distance between particles can be stepped: its numbers, and its material on
+    /// such a grid.
+    pub fn check_on(&self, spacing_m: f32) -> Result<(), ParamsFault> {
+        self.check()?;
+        if let Some(material) = &self.material {
+            material.check_step(spacing_m, self.step_secs)?;
+        }
+        Ok(())
+    }
+
     /// Returns 16 hex digits that change with any parameter and with the solver's arithmetic.
     pub fn hash(&self) -> String {
         let json = serde_json::to_string(self).expect("a struct of numbers always has a JSON text");
@@ -254,6 +285,9 @@ impl<'de> Deserialize<'de> for Params {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Params, D::Error> {
         let params = Params::deserialize(deserializer)?;
         params.check().map_err(serde::de::Error::custom)?;
+        if let Some(material) = &params.material {
+            material.check_values().map_err(serde::de::Error::custom)?;
+        }
         Ok(params)
     }
 }
