@@ -43,7 +43,7 @@ use crate::merge;
 use context::Context;
 use fab_grammar::ast::Name;
 use fab_grammar::{FileId, Span};
-use fab_program::{Program, Test};
+use fab_program::{Material, Program, Test};
 
 /// The result of checking.
 #[derive(Default)]
@@ -52,6 +52,8 @@ pub(crate) struct Checked {
     pub programs: Vec<Program>,
     /// Their tests.
     pub tests: Vec<Test>,
+    /// The materials that the entry declares or sees.
+    pub materials: Vec<Material>,
 }
 
 /// The most text that all tasks of a compilation may inherit together, bytes. Each task is checked with all of it.
@@ -75,10 +77,9 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     let materials = whole().flat_map(|file| &file.materials);
     merge::unique(materials.clone().map(|it| it.name()), "material", report);
     let mut context = Context::outside(loaded, report);
-    for declared in materials {
-        // This reports errors in every material, even in one that no cloth is made of.
-        let _: Result<_, _> = material::check(*declared, &mut context);
-    }
+    // This reports errors in every material, even in one that no cloth is made of.
+    let materials = materials.filter_map(|declared| material::check(*declared, &mut context).ok());
+    let materials = materials.collect();
     for list in lists {
         // This reports errors in every list, even in one that no task names.
         let _: Result<_, _> = experts::check(*list, &mut context);
@@ -91,7 +92,10 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     let forms: Vec<Result<(), Reported>> = files().map(|file| form_of(file.id)).collect();
     material::unused(loaded, report);
     let stamps = task::stamps(loaded);
-    let mut checked = Checked::default();
+    let mut checked = Checked {
+        materials,
+        ..Checked::default()
+    };
     let mut merged_bytes = 0;
     for (file, form) in files().zip(forms) {
         // Its lines may be in the wrong blocks.

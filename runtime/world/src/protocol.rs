@@ -5,7 +5,7 @@
 use crate::Grasp;
 use crate::start::Grid;
 use fab_picture::camera::Pinhole;
-use fab_program::{Camera, Picker};
+use fab_program::{Camera, Material, Picker};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -98,6 +98,9 @@ pub struct ClothState {
     pub grid: Grid,
     /// Its particles: a `.npy` file of float32, shape `[dimy * dimx, 3]`.
     pub positions: PathBuf,
+    /// What it is made of, if the task says so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
 }
 
 /// The arrangement of a cloth.
@@ -128,6 +131,9 @@ pub struct Hello {
     /// Whether it answers [`Question::Reach`].
     #[serde(default)]
     pub reach: bool,
+    /// Whether a cloth can be of the material that a start states; a task with a material needs such a world.
+    #[serde(default)]
+    pub materials: bool,
     /// Whether equal starts and actions give equal results.
     #[serde(default = "yes")]
     pub repeats: bool,

@@ -108,7 +108,8 @@ impl Served {
                 picker,
                 start,
             } => {
-                let mut world = SimulatedWorld::new(&camera, picker)?;
+                let world = SimulatedWorld::new(&camera, picker)?;
+                let mut world = world.with_material(start.material.as_ref());
                 world.reset(&read(&start)?)?;
                 self.world = Some(world);
                 written(Nothing {})
@@ -181,6 +182,7 @@ fn hello(world: &SimulatedWorld) -> Hello {
         particles: true,
         crumples: true,
         reach: false,
+        materials: true,
         repeats: true,
         limits_s: Default::default(),
     }

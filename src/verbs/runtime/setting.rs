@@ -51,10 +51,7 @@ const DEFAULT_SEED: u64 = 0;
 
 /// Makes a simulated world for a program.
 pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
-    Ok(Box::new(SimulatedWorld::new(
-        &program.camera,
-        program.picker,
-    )?))
+    Ok(Box::new(SimulatedWorld::of(program)?))
 }
 
 /// Lays the cloth as the command line says, or else as the task does; `folder` holds the task's file.

@@ -4,6 +4,9 @@ use crate::data::files::FileRef;
 use crate::data::material::{Colour, Face, Material};
 use serde::{Deserialize, Serialize};
 
+/// How high the recorded scene's cloth lies above the table, metres.
+pub const RECORDED_HEIGHT_M: f64 = 0.005;
+
 /// A rectangular cloth as a grid of particles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cloth {
@@ -32,6 +35,14 @@ impl Cloth {
             (None, _) => Colour::recorded(face),
             (Some(material), Face::Upper) => material.upper.clone(),
             (Some(material), Face::Under) => material.under.clone(),
+        }
+    }
+
+    /// Returns how high the flat cloth's surface lies above the table in the simulator, metres.
+    pub fn rest_height_m(&self) -> f64 {
+        match &self.material {
+            None => RECORDED_HEIGHT_M,
+            Some(material) => material.gap_m() / 2.0,
         }
     }
 

@@ -36,6 +36,26 @@ pub struct Material {
     pub sources: Vec<Source>,
 }
 
+/// The thinnest and the thickest gap between layers that the simulator keeps, metres. A test in `fab-world` compares
+/// them with the simulator's own.
+const GAP_M: [f64; 2] = [0.001, 0.003];
+
+impl Material {
+    /// Returns the distance between the middles of two layers in the simulator, metres: the thickness, within what
+    /// contacts of particles can keep.
+    pub fn gap_m(&self) -> f64 {
+        self.thickness_m.clamp(GAP_M[0], GAP_M[1])
+    }
+
+    /// Returns the material without the sources of its values, which change no result.
+    pub fn without_sources(&self) -> Material {
+        Material {
+            sources: Vec::new(),
+            ..self.clone()
+        }
+    }
+}
+
 /// Where the values of one property come from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
