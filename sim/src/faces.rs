@@ -57,8 +57,8 @@ impl Faces {
             gap_m,
             friction,
             present: (0..layout.len()).map(|slot| layout.is_present(slot)).collect(),
-            // Next to next particles may be pressed together in a fold; those between are kept apart by their edges.
-            neighbours: Neighbours::within(layout, reach_m, 4.0, MAX_PAIRS_PER_PARTICLE),
+            // All but those that an edge joins: also a fold along one row of particles must not close altogether.
+            neighbours: Neighbours::within(layout, reach_m, 2.0, MAX_PAIRS_PER_PARTICLE),
             contacts: Vec::new(),
             searched_at: Planes::zeros(layout.len()),
             is_stale: true,
@@ -89,13 +89,15 @@ impl Faces {
             positions: began,
         };
         for &[i, j] in pairs {
-            self.contacts.extend(faces.contact(i as usize, j as usize));
-            self.contacts.extend(faces.contact(j as usize, i as usize));
+            for (i, j) in [(i, j), (j, i)] {
+                self.contacts.extend(faces.contact(i as usize, j as usize));
+            }
         }
     }
 
-    /// Pushes every touching particle and layer apart once, with friction.
-    pub fn resolve(&self, positions: &mut Planes, began: &Planes, inverse_mass: &[f32]) {
+    /// Pushes every touching particle and layer apart once, with friction; returns the deepest that one was, metres.
+    pub fn resolve(&self, positions: &mut Planes, began: &Planes, inverse_mass: &[f32]) -> f32 {
+        let mut deepest = 0.0;
         let n = positions.len();
         let (x, y, z) = (&mut positions.x[..n], &mut positions.y[..n], &mut positions.z[..n]);
         let (x0, y0, z0) = (&began.x[..n], &began.y[..n], &began.z[..n]);
@@ -112,6 +114,9 @@ impl Faces {
             let depth = self.gap_m - (apart[0] * nx + apart[1] * ny + apart[2] * nz);
             if depth <= 0.0 {
                 continue;
+            }
+            if depth > deepest {
+                deepest = depth;
             }
             // A hand that lowers what it holds onto a layer gives way upwards; else it would push its particle through.
             let free = |slot: usize| if w[slot] > 0.0 { w[slot] } else { HAND };
@@ -144,6 +149,7 @@ impl Faces {
                 z[slot] += part * push[2];
             }
         }
+        deepest
     }
 }
 
@@ -170,11 +176,7 @@ impl Search<'_> {
         let front = (j + s < self.present.len() && self.present[j + s]).then_some(j + s);
         let (b, e1, rim_b) = self.toward(p, corner, left, right)?;
         let (c, e2, rim_c) = self.toward(p, corner, back, front)?;
-        // Cloth that is next to the particle is no other layer.
-        let is_near = |other: usize| {
-            (other % s).abs_diff(i % s) < 2 && (other / s).abs_diff(i / s) < 2
-        };
-        if is_near(j) || is_near(b) || is_near(c) {
+        if b == i || c == i {
             return None;
         }
         let (a11, a12, a22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));

@@ -218,7 +218,8 @@ impl Solver {
             if is_free && textile.is_at_rest() {
                 return Ok(Outcome::Still);
             }
-            textile.begin_step();
+            let shift_m = (shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]).sqrt();
+            textile.begin_step(&self.velocities, shift_m, &self.params);
         }
         self.before.clone_from(&self.sides.rows.positions);
         self.velocities_before.clone_from(&self.velocities);

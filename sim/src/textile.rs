@@ -32,6 +32,12 @@ const CALM_SECS: f32 = 0.2;
 const LEAD: f32 = 0.25;
 // Substeps after which creases follow the bends again.
 const CREASE_EVERY: u32 = 4;
+// Share of the gap between layers that a particle may fly in a substep before a step has more of them.
+const HASTE_SHARE: f32 = 0.3;
+// Most passes over all contacts in a substep, and the share of the gap by which layers may be too close in the last.
+const MAX_PASSES: u32 = 3;
+const CONTACT_PASSES: u32 = 4;
+const DEEP: f32 = 0.2;
 const TINY_M2: f32 = 1e-20;
 
 /// What moves a cloth of a material.
@@ -40,10 +46,13 @@ pub(crate) struct Textile {
     material: Material,
     stiffness: Stiffness,
     substeps: u32,
+    /// Substeps of this step by those of a slow one: 1, 2 or 4.
+    haste: usize,
     bending: Bending,
     columns: Lines,
     rows: Lines,
-    shear: Diagonals,
+    /// By the logarithm of the haste.
+    shear: [Diagonals; 3],
     faces: Faces,
     predicted: Planes,
     /// Where the cloth was when it began to be calm, and the steps since then.
@@ -61,12 +70,15 @@ impl Textile {
         let spacing_m = layout.grid().spacing_m;
         let substeps = material.substeps(spacing_m, params.step_secs);
         let substeps = substeps.min(crate::material::MAX_SUBSTEPS);
-        let dt = params.step_secs / substeps as f32;
         let stiffness = material.stiffness(spacing_m);
         let friction = Friction::new(material.crease_recovery_deg, spacing_m);
         // One sweep over springs of this stiffness is as compliant as the diagonals are: of the compliance, what the
         // sweep itself adds (two particles of mass 1) is left out.
-        let slack = (stiffness.shear / (dt * dt) - 2.0).max(0.0);
+        let shear = |haste: u32| {
+            let dt = params.step_secs / (substeps * haste) as f32;
+            let slack = (stiffness.shear / (dt * dt) - 2.0).max(0.0);
+            Diagonals::new(layout, 2.0 / (2.0 + slack))
+        };
         Textile {
             material: material.clone(),
             stiffness,
@@ -74,7 +86,8 @@ impl Textile {
             bending: Bending::new(layout, stiffness.bend, friction),
             columns: Lines::new(layout),
             rows: Lines::new(&layout.transposed()),
-            shear: Diagonals::new(layout, 2.0 / (2.0 + slack)),
+            shear: [shear(1), shear(2), shear(4)],
+            haste: 1,
             faces: Faces::new(layout, material.gap_m(), material.self_friction),
             predicted: Planes::zeros(layout.len()),
             calm_at: Planes::zeros(layout.len()),
@@ -85,12 +98,12 @@ impl Textile {
 
     /// Returns the number of edges, diagonals and bends.
     pub fn constraint_count(&self) -> usize {
-        self.columns.count() + self.rows.count() + self.shear.count()
+        self.columns.count() + self.rows.count() + self.shear[0].count()
     }
 
     /// Returns the number of substeps of a step.
     pub fn substeps(&self) -> u32 {
-        self.substeps
+        self.substeps * self.haste as u32
     }
 
     /// Notes that something outside has changed the cloth.
@@ -100,7 +113,9 @@ impl Textile {
 
     /// Notes which particles are held.
     pub fn note_fixed(&mut self, sides: &Sides) {
-        self.shear.note_fixed(sides);
+        for shear in &mut self.shear {
+            shear.note_fixed(sides);
+        }
     }
 
     /// Tells whether the cloth is at rest until something disturbs it.
@@ -155,8 +170,21 @@ impl Textile {
     }
 
     /// Begins a step; all that follows in it depends on positions, velocities and creases alone.
-    pub fn begin_step(&mut self) {
+    ///
+    /// - `shift_m`: how far held particles go in it.
+    pub fn begin_step(&mut self, velocities: &Planes, shift_m: f32, params: &Params) {
         self.faces.forget();
+        let dt = params.step_secs / self.substeps as f32;
+        let slow = HASTE_SHARE * self.material.gap_m() / dt;
+        let still = Planes::zeros(velocities.len());
+        let exceeds = |speed: f32| {
+            shift_m > speed * params.step_secs || velocities.differs_beyond(&still, speed)
+        };
+        self.haste = match () {
+            () if exceeds(2.0 * slow) => 4,
+            () if exceeds(slow) => 2,
+            () => 1,
+        };
     }
 
     /// Advances by one substep, with held particles already where they go.
@@ -170,7 +198,7 @@ impl Textile {
         sphere: Option<Sphere>,
         params: &Params,
     ) {
-        let dt = params.step_secs / self.substeps as f32;
+        let dt = params.step_secs / self.substeps() as f32;
         if number % CREASE_EVERY == 0 {
             self.bending.crease(&sides.rows.positions);
         }
@@ -192,31 +220,48 @@ impl Textile {
         self.predicted.clone_from(positions);
         let per_2 = 1.0 / (dt * dt);
         let [warp, weft] = self.stiffness.stretch.map(|compliance| compliance * per_2);
-        // Always in this order: where a crumpled cloth cannot have all lengths, taking turns would toss its particles
-        // between two places for ever.
-        self.shear.pull(&mut sides.rows, Direction::Forward);
-        self.columns.solve(&mut sides.rows, weft);
-        sides.turn_to_columns();
-        self.rows.solve(&mut sides.columns, warp);
-        sides.turn_to_rows();
-        let side = &mut sides.rows;
-        // First, so that the others have the last word: a sphere presses layers together, and not through each other.
-        if let Some(sphere) = sphere {
-            let friction = self.material.table_friction;
-            touch_sphere(side, sphere, params, friction, params.max_acceleration_m_s2 * dt * dt);
+        // Layers that land on each other at speed need more than one pass, or one is pushed through the next.
+        for pass in 0..MAX_PASSES {
+            // Always in this order: where a crumpled cloth cannot have all lengths, taking turns would toss its
+            // particles between two places for ever.
+            self.shear[self.haste.ilog2() as usize].pull(&mut sides.rows, Direction::Forward);
+            self.columns.solve(&mut sides.rows, weft);
+            sides.turn_to_columns();
+            self.rows.solve(&mut sides.columns, warp);
+            sides.turn_to_rows();
+            let side = &mut sides.rows;
+            // First, so that the others have the last word: a sphere presses layers together, and not through each
+            // other.
+            if let Some(sphere) = sphere
+                && pass == 0
+            {
+                let friction = self.material.table_friction;
+                touch_sphere(side, sphere, params, friction, params.max_acceleration_m_s2 * dt * dt);
+            }
+            self.faces.search(&side.positions, &side.began);
+            let mut deepest = 0.0;
+            for _ in 0..CONTACT_PASSES {
+                deepest = self.faces.resolve(&mut side.positions, &side.began, &side.inverse_mass);
+                let Planes { x, y, z } = &mut side.positions;
+                touch_table(
+                    x,
+                    y,
+                    z,
+                    [&side.began.x, &side.began.y],
+                    &side.inverse_mass,
+                    params.rest_height_m(),
+                    self.material.table_friction,
+                );
+                if deepest < DEEP * self.material.gap_m() {
+                    break;
+                }
+            }
+            if deepest < DEEP * self.material.gap_m() && pass == 0 {
+                break;
+            }
         }
-        self.faces.search(&side.positions, &side.began);
-        self.faces.resolve(&mut side.positions, &side.began, &side.inverse_mass);
-        let Planes { x, y, z } = &mut side.positions;
-        touch_table(
-            x,
-            y,
-            z,
-            [&side.began.x, &side.began.y],
-            &side.inverse_mass,
-            params.rest_height_m(),
-            self.material.table_friction,
-        );
+        let side = &mut sides.rows;
+        let Planes { x, y, z } = &side.positions;
         take_up(&mut velocities.x, x, &self.predicted.x, &side.inverse_mass, 1.0 / dt);
         take_up(&mut velocities.y, y, &self.predicted.y, &side.inverse_mass, 1.0 / dt);
         take_up(&mut velocities.z, z, &self.predicted.z, &side.inverse_mass, 1.0 / dt);

@@ -97,21 +97,19 @@ fn run(name: &str, params: &Params, n: usize) {
 fn trace() {
     let n = 30;
     let grid = Grid::new(n, n, 0.00625).unwrap();
-    for recovery in [180.0] {
-        let mut m = material(15.0);
-        m.crease_recovery_deg = recovery;
-        let params = Params { material: Some(m), ..Params::default() };
-        let mut params = params;
-        if let Ok(d) = std::env::var("DAMP") { params.damping_per_s = d.parse().unwrap(); }
-        let mut cloth = diagonal_fold(grid, &params, &|| false).unwrap();
-        for k in 0..8 {
-            let p = cloth.positions();
-            let v = cloth.velocities();
-            let e: f32 = v.iter().flatten().map(|v| v*v).sum::<f32>() / 900.0;
-            let (i, f) = v.iter().enumerate().map(|(i, v)| (i, v.iter().map(|v| v*v).sum::<f32>().sqrt())).fold((0, 0.0), |m, x| if x.1 > m.1 { x } else { m });
-            println!("{recovery} {k}: corner {:?} opposite {:?} rms v {:.4} fastest {i} {f:.3} at {:?}; {} crossings {}", p[0], p[899], e.sqrt(), p[i], height_profile(&p), crossings(grid, &p));
-            for _ in 0..10 { cloth.step().unwrap(); }
-        }
+    for (rise, gap) in [(0.02f32, 0.001f32), (0.005, 0.001), (0.02, 0.003)] {
+    let mut m = material(15.0);
+    m.thickness_m = gap;
+    let params = Params { material: Some(m), ..Params::default() };
+        let mut cloth = Simulator::flat(grid, &params);
+        cloth.hold(&[11 * 30 + 8]).unwrap();
+        let up = (0.6 / rise) as usize;
+        let mut k = 0;
+        let mut tell = |cloth: &Simulator, what: &str| { k += 1; if k % 10 == 0 { println!("{rise} {what} {k}: crossings {} stretch {:?} top {:.3}", crossings(grid, &cloth.positions()), stretch(grid, &cloth.positions()), cloth.positions().iter().map(|p| p[2]).fold(0.0, f32::max)); } };
+        for _ in 0..up { cloth.step_held([0.0, 0.0, rise]).unwrap(); tell(&cloth, "up"); }
+        for _ in 0..60 { cloth.step().unwrap(); tell(&cloth, "hang"); }
+        cloth.hold(&[]).unwrap();
+        for _ in 0..80 { cloth.step().unwrap(); tell(&cloth, "fall"); }
     }
 }
 
