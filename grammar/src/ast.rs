@@ -800,9 +800,7 @@ impl<'t> File<'t> {
                 let parent = node.parent().map(Node::kind);
                 let is_named = matches!(
                     parent,
-                    Some(
-                        Kind::Task | Kind::Experts | Kind::Material | Kind::Stage | Kind::Check
-                    )
+                    Some(Kind::Task | Kind::Experts | Kind::Material | Kind::Stage | Kind::Check)
                 );
                 is_named && node.child(Kind::Name).is_none()
             }
@@ -839,7 +837,15 @@ fn lost_name(junk: Node<'_>) -> bool {
         return !is_name(words.next());
     }
     let first = words.find(|word| *word != "override").unwrap_or_default();
-    let declares = ["const", "component", "experts", "material", "read", "given", "check"];
+    let declares = [
+        "const",
+        "component",
+        "experts",
+        "material",
+        "read",
+        "given",
+        "check",
+    ];
     declares.contains(&first) && !is_name(words.next())
 }
 

@@ -85,12 +85,11 @@ impl Bending {
         let columns = layout.grid().dimx;
         let there = |slot: usize, ahead: isize| {
             let other = slot as isize + ahead;
-            let is_one = |slot: isize| {
-                slot >= 0 && (slot as usize) < n && layout.is_present(slot as usize)
-            };
+            let is_one =
+                |slot: isize| slot >= 0 && (slot as usize) < n && layout.is_present(slot as usize);
             // The end of a row is no neighbour of the next one's beginning.
-            let wraps = ahead.unsigned_abs() == 1
-                && slot / stride != (other.max(0) as usize) / stride;
+            let wraps =
+                ahead.unsigned_abs() == 1 && slot / stride != (other.max(0) as usize) / stride;
             is_one(slot as isize) && is_one(other) && !wraps
         };
         let row = stride as isize;
@@ -109,7 +108,9 @@ impl Bending {
             stiffness,
             friction,
             near,
-            cell: (0..n).map(|slot| if whole(slot) { 1.0 } else { 0.0 }).collect(),
+            cell: (0..n)
+                .map(|slot| if whole(slot) { 1.0 } else { 0.0 })
+                .collect(),
             rest: std::array::from_fn(|_| vec![0.0; n]),
             set: std::array::from_fn(|_| Planes::zeros(n)),
             points: Planes::zeros(n + 2 * pad),
@@ -145,15 +146,50 @@ impl Bending {
         let near = [left, right, back, front].map(Vec::as_slice);
         let [warp, weft, twist] = &mut self.rest;
         let [set_warp, set_weft, set_twist] = &mut self.set;
-        crease_slots([x, y, z], ways, near, Bend::Warp, &near_both(left, right), warp, set_warp, self.spacing_m, friction);
-        crease_slots([x, y, z], ways, near, Bend::Weft, &near_both(back, front), weft, set_weft, self.spacing_m, friction);
-        crease_slots([x, y, z], ways, near, Bend::Twist, &self.cell, twist, set_twist, self.spacing_m, friction);
+        crease_slots(
+            [x, y, z],
+            ways,
+            near,
+            Bend::Warp,
+            &near_both(left, right),
+            warp,
+            set_warp,
+            self.spacing_m,
+            friction,
+        );
+        crease_slots(
+            [x, y, z],
+            ways,
+            near,
+            Bend::Weft,
+            &near_both(back, front),
+            weft,
+            set_weft,
+            self.spacing_m,
+            friction,
+        );
+        crease_slots(
+            [x, y, z],
+            ways,
+            near,
+            Bend::Twist,
+            &self.cell,
+            twist,
+            set_twist,
+            self.spacing_m,
+            friction,
+        );
     }
 
     /// Returns the acceleration by bending, by slot, m/s^2.
     ///
     /// - `lead_secs`: bends are taken where the velocities lead to in this time, which damps them.
-    pub fn accelerate(&mut self, positions: &Planes, velocities: &Planes, lead_secs: f32) -> &Planes {
+    pub fn accelerate(
+        &mut self,
+        positions: &Planes,
+        velocities: &Planes,
+        lead_secs: f32,
+    ) -> &Planes {
         self.write_points(positions, velocities, lead_secs);
         let ways = [self.pad(), self.stride];
         let per_2 = 1.0 / (self.spacing_m * self.spacing_m);
@@ -235,16 +271,40 @@ fn moments(
     let [fx, fy, fz] = [&set[1].x[..n], &set[1].y[..n], &set[1].z[..n]];
     let [tx, ty, tz] = [&set[2].x[..n], &set[2].y[..n], &set[2].z[..n]];
     let [warp, weft, twist] = moments;
-    let (mwx, mwy, mwz) = (&mut warp.x[pad..pad + n], &mut warp.y[pad..pad + n], &mut warp.z[pad..pad + n]);
-    let (mfx, mfy, mfz) = (&mut weft.x[pad..pad + n], &mut weft.y[pad..pad + n], &mut weft.z[pad..pad + n]);
-    let (mtx, mty, mtz) = (&mut twist.x[pad..pad + n], &mut twist.y[pad..pad + n], &mut twist.z[pad..pad + n]);
+    let (mwx, mwy, mwz) = (
+        &mut warp.x[pad..pad + n],
+        &mut warp.y[pad..pad + n],
+        &mut warp.z[pad..pad + n],
+    );
+    let (mfx, mfy, mfz) = (
+        &mut weft.x[pad..pad + n],
+        &mut weft.y[pad..pad + n],
+        &mut weft.z[pad..pad + n],
+    );
+    let (mtx, mty, mtz) = (
+        &mut twist.x[pad..pad + n],
+        &mut twist.y[pad..pad + n],
+        &mut twist.z[pad..pad + n],
+    );
     let [x, y, z] = points;
     let (cx, cy, cz) = (&x[pad..][..n], &y[pad..][..n], &z[pad..][..n]);
     let (lx, ly, lz) = (&x[pad - 1..][..n], &y[pad - 1..][..n], &z[pad - 1..][..n]);
     let (rx, ry, rz) = (&x[pad + 1..][..n], &y[pad + 1..][..n], &z[pad + 1..][..n]);
-    let (bx, by, bz) = (&x[pad - stride..][..n], &y[pad - stride..][..n], &z[pad - stride..][..n]);
-    let (ax, ay, az) = (&x[pad + stride..][..n], &y[pad + stride..][..n], &z[pad + stride..][..n]);
-    let (dx, dy, dz) = (&x[pad + stride + 1..][..n], &y[pad + stride + 1..][..n], &z[pad + stride + 1..][..n]);
+    let (bx, by, bz) = (
+        &x[pad - stride..][..n],
+        &y[pad - stride..][..n],
+        &z[pad - stride..][..n],
+    );
+    let (ax, ay, az) = (
+        &x[pad + stride..][..n],
+        &y[pad + stride..][..n],
+        &z[pad + stride..][..n],
+    );
+    let (dx, dy, dz) = (
+        &x[pad + stride + 1..][..n],
+        &y[pad + stride + 1..][..n],
+        &z[pad + stride + 1..][..n],
+    );
     for i in 0..n {
         let (ux, uy, uz) = (
             lx[i] - cx[i] + (rx[i] - cx[i]),
@@ -281,8 +341,16 @@ fn moments(
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn gather([warp, weft, twist]: [&[f32]; 3], [pad, stride]: [usize; 2], to: &mut [f32]) {
     let n = to.len();
-    let (w, wl, wr) = (&warp[pad..][..n], &warp[pad - 1..][..n], &warp[pad + 1..][..n]);
-    let (f, fb, fa) = (&weft[pad..][..n], &weft[pad - stride..][..n], &weft[pad + stride..][..n]);
+    let (w, wl, wr) = (
+        &warp[pad..][..n],
+        &warp[pad - 1..][..n],
+        &warp[pad + 1..][..n],
+    );
+    let (f, fb, fa) = (
+        &weft[pad..][..n],
+        &weft[pad - stride..][..n],
+        &weft[pad + stride..][..n],
+    );
     let (t, tl) = (&twist[pad..][..n], &twist[pad - 1..][..n]);
     let (tb, td) = (&twist[pad - stride..][..n], &twist[pad - stride - 1..][..n]);
     for i in 0..n {
@@ -315,9 +383,21 @@ fn crease_slots(
     let (cx, cy, cz) = (&x[pad..][..n], &y[pad..][..n], &z[pad..][..n]);
     let (lx, ly, lz) = (&x[pad - 1..][..n], &y[pad - 1..][..n], &z[pad - 1..][..n]);
     let (rx, ry, rz) = (&x[pad + 1..][..n], &y[pad + 1..][..n], &z[pad + 1..][..n]);
-    let (bx, by, bz) = (&x[pad - stride..][..n], &y[pad - stride..][..n], &z[pad - stride..][..n]);
-    let (ax, ay, az) = (&x[pad + stride..][..n], &y[pad + stride..][..n], &z[pad + stride..][..n]);
-    let (dx, dy, dz) = (&x[pad + stride + 1..][..n], &y[pad + stride + 1..][..n], &z[pad + stride + 1..][..n]);
+    let (bx, by, bz) = (
+        &x[pad - stride..][..n],
+        &y[pad - stride..][..n],
+        &z[pad - stride..][..n],
+    );
+    let (ax, ay, az) = (
+        &x[pad + stride..][..n],
+        &y[pad + stride..][..n],
+        &z[pad + stride..][..n],
+    );
+    let (dx, dy, dz) = (
+        &x[pad + stride + 1..][..n],
+        &y[pad + stride + 1..][..n],
+        &z[pad + stride + 1..][..n],
+    );
     let steep = friction.farthest / friction.elastic;
     let (elastic, stays, farthest) = (friction.elastic, friction.stays, friction.farthest);
     // The least rest of a bend; the greatest is that of the bend to the other side.
@@ -348,8 +428,10 @@ fn crease_slots(
                 along[axis] = per * (r[axis] - a[axis]);
                 across[axis] = per * (d[axis] - c[axis]);
             } else {
-                along[axis] = per * (left[i] * (c[axis] - l[axis]) + right[i] * (r[axis] - c[axis]));
-                across[axis] = per * (back[i] * (c[axis] - b[axis]) + front[i] * (a[axis] - c[axis]));
+                along[axis] =
+                    per * (left[i] * (c[axis] - l[axis]) + right[i] * (r[axis] - c[axis]));
+                across[axis] =
+                    per * (back[i] * (c[axis] - b[axis]) + front[i] * (a[axis] - c[axis]));
             }
         }
         let normal = [

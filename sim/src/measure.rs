@@ -86,7 +86,7 @@ impl Strip {
                 (Mask::full(grid), at.collect(), spacing_m)
             }
             Cut::Bias => {
-                let wide = (2.0*STRIP_M / (spacing_m * half) / 2.0).round() as isize;
+                let wide = (2.0 * STRIP_M / (spacing_m * half) / 2.0).round() as isize;
                 let dim = (rows + 2 * wide as usize).div_ceil(2) + 1;
                 let grid = Grid::new(dim, dim, spacing_m)?;
                 // Whole cells only, so that the ends are zigzag lines; a cell begins at its corner nearest the back end.
@@ -96,7 +96,9 @@ impl Strip {
                 };
                 let there = |ix: usize, iy: usize| {
                     let (ix, iy) = (ix as isize, iy as isize);
-                    [(0, 0), (1, 0), (0, 1), (1, 1)].iter().any(|(x, y)| cell(ix - x, iy - y))
+                    [(0, 0), (1, 0), (0, 1), (1, 1)]
+                        .iter()
+                        .any(|(x, y)| cell(ix - x, iy - y))
                 };
                 let mask = Mask::from_fn(grid, there)?;
                 let at = (0..dim * dim).map(|i| {
@@ -106,23 +108,35 @@ impl Strip {
                 (mask, at.collect(), spacing_m * half)
             }
         };
-        let positions = along.iter().map(|[along, across]| [along * pitch_m, -across * pitch_m, HIGH_M]);
+        let positions = along
+            .iter()
+            .map(|[along, across]| [along * pitch_m, -across * pitch_m, HIGH_M]);
         Ok(Strip {
             positions: positions.collect(),
-            row: along.iter().map(|[along, _]| along.max(0.0) as usize).collect(),
+            row: along
+                .iter()
+                .map(|[along, _]| along.max(0.0) as usize)
+                .collect(),
             mask,
             pitch_m,
         })
     }
 
     fn rows(&self, rows: impl Fn(usize) -> bool) -> Vec<usize> {
-        (0..self.row.len()).filter(|&i| self.mask.has(i) && rows(self.row[i])).collect()
+        (0..self.row.len())
+            .filter(|&i| self.mask.has(i) && rows(self.row[i]))
+            .collect()
     }
 
     /// Returns the mean place of the particles of a row.
     fn mean(&self, points: &[[f32; 3]], row: usize) -> [f64; 3] {
         let particles = self.rows(|it| it == row);
-        let sum = |axis: usize| particles.iter().map(|&i| f64::from(points[i][axis])).sum::<f64>();
+        let sum = |axis: usize| {
+            particles
+                .iter()
+                .map(|&i| f64::from(points[i][axis]))
+                .sum::<f64>()
+        };
         [0, 1, 2].map(|axis| sum(axis) / particles.len() as f64)
     }
 }
@@ -141,7 +155,11 @@ fn settle(cloth: &mut Simulator, most_secs: f32) -> Result<(), SimError> {
     cloth.set_rest_shortcut(RestShortcut::Skip);
     for step in 0..(100.0 * most_secs) as u32 {
         cloth.step()?;
-        let fastest = cloth.velocities().iter().flatten().fold(0.0f32, |most, v| most.max(v.abs()));
+        let fastest = cloth
+            .velocities()
+            .iter()
+            .flatten()
+            .fold(0.0f32, |most, v| most.max(v.abs()));
         if step > 20 && fastest < 1e-4 {
             break;
         }
@@ -165,15 +183,25 @@ pub struct Cantilever {
 /// The strip overhangs by twice the declared bending length, or nearly, and its length follows from the angle of the line from
 /// edge to tip, `c = overhang * (cos(angle / 2) / (8 tan(angle)))^(1/3)`. The edge is half a spacing before the
 /// last held particle, since the bend at that particle stands for half a spacing on each side.
-pub fn cantilever(material: &Material, cut: Cut, spacing_m: f32) -> Result<Cantilever, MeasureError> {
+pub fn cantilever(
+    material: &Material,
+    cut: Cut,
+    spacing_m: f32,
+) -> Result<Cantilever, MeasureError> {
     let frictionless = Material {
         crease_recovery_deg: 180.0,
         ..material.clone()
     };
-    let pitch = if cut == Cut::Bias { spacing_m * std::f32::consts::FRAC_1_SQRT_2 } else { spacing_m };
+    let pitch = if cut == Cut::Bias {
+        spacing_m * std::f32::consts::FRAC_1_SQRT_2
+    } else {
+        spacing_m
+    };
     let overhang = 2.0 * cut.of(material.bending_length_m);
     // Free rows, and half a spacing on both ends of them.
-    let free = ((overhang / pitch).round() as usize).saturating_sub(1).max(2);
+    let free = ((overhang / pitch).round() as usize)
+        .saturating_sub(1)
+        .max(2);
     let strip = Strip::cut(cut, free + 3, spacing_m)?;
     let mut cloth = Simulator::from_positions(&strip.mask, &strip.positions, &calm(&frictionless))?;
     cloth.hold(&strip.rows(|row| row < 3))?;

@@ -29,7 +29,7 @@ fn arm(folder: &Path) -> ArmWorld {
         calibration,
         sight: SIGHT,
         material: None,
-            image_px: support::small_task().camera.image_px,
+        image_px: support::small_task().camera.image_px,
         supervisor: Box::new(Unattended),
         watchdog: Box::new(NoWatchdog),
         folder: None,

@@ -21,8 +21,8 @@ use fab_program::measures::{MEASURES, Measure};
 use fab_program::units::{self, Dimension};
 use fab_program::vocabulary::{ArgValue, Args, Default, Kind, Place, Range, Signature, Word};
 use fab_program::{
-    ActionField, Choices, ClothPoint, Colour, End, Face, Heading, KeypointShape, Length, Number, PixelPoint,
-    Point, Spot,
+    ActionField, Choices, ClothPoint, Colour, End, Face, Heading, KeypointShape, Length, Number,
+    PixelPoint, Point, Spot,
 };
 
 // ---- calls ---------------------------------------------------------------------------------------

@@ -70,7 +70,9 @@ pub(crate) fn check<'a>(
     if all.is_ok() && !missing.is_empty() {
         let lacks = among(missing.iter().copied()).replace(" or ", " and ");
         let message = format!("the material `{}` lacks {lacks}", name.text());
-        let first = PROPERTIES.iter().find(|row| row.call.signature.name == missing[0]);
+        let first = PROPERTIES
+            .iter()
+            .find(|row| row.call.signature.name == missing[0]);
         let form = first.map_or_else(String::new, |row| material::form(&row.call.signature));
         let diagnostic = Diagnostic::new(Code::MaterialIncomplete, name.span(), message)
             .help(format!("write `{form}`"));
@@ -87,13 +89,21 @@ fn set<'a>(
 ) -> Result<(), Reported> {
     let word = property.name();
     let rows = || PROPERTIES.iter().map(|row| &row.call.signature);
-    let found = property.call().and_then(|call| Some((call, form(call, rows())?)));
+    let found = property
+        .call()
+        .and_then(|call| Some((call, form(call, rows())?)));
     let Some((call, (index, signature))) = found else {
         return Err(context.unknown("property of a material", word, rows().map(|row| row.name)));
     };
     let row = &PROPERTIES[index];
     let written = material::form(signature);
-    let bound = bind(call, signature, &|| format!("`{written}`"), material::form, context)?;
+    let bound = bind(
+        call,
+        signature,
+        &|| format!("`{written}`"),
+        material::form,
+        context,
+    )?;
     let args = values(&bound, signature, Scope::Everywhere, context)?;
     for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
         // `edge` is the only unit without a size outside of a task.

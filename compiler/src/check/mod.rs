@@ -118,7 +118,9 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                 });
                 merged_bytes += merged.bytes
                     + experts.map_or(0, |list| loaded.size(list.name()))
-                    + merged.material(loaded).map_or(0, |it| loaded.size(it.name()));
+                    + merged
+                        .material(loaded)
+                        .map_or(0, |it| loaded.size(it.name()));
                 if merged_bytes > MAX_INHERITED_BYTES {
                     report.absorb(own);
                     report.error(too_large(task.name()));

@@ -20,8 +20,8 @@ use fab_program::render::Jinja;
 use fab_program::space::{self, DECIMALS};
 use fab_program::units::{self, Unit};
 use fab_program::{
-    Choices, Colour, Condition, Face, KeypointShape, Length, NumberFormat, OVERLAP, Placeholder, Point, Template,
-    Variable, exact,
+    Choices, Colour, Condition, Face, KeypointShape, Length, NumberFormat, OVERLAP, Placeholder,
+    Point, Template, Variable, exact,
 };
 use std::collections::BTreeMap;
 

@@ -60,10 +60,9 @@ impl ChoiceKind {
     pub fn of(dimension: Dimension) -> ChoiceKind {
         match dimension {
             Dimension::Angle => ChoiceKind::Directions,
-            Dimension::Length
-            | Dimension::Pixels
-            | Dimension::ArealDensity
-            | Dimension::Number => ChoiceKind::Lengths,
+            Dimension::Length | Dimension::Pixels | Dimension::ArealDensity | Dimension::Number => {
+                ChoiceKind::Lengths
+            }
         }
     }
 

@@ -20,7 +20,11 @@ pub(crate) struct Property {
 macro_rules! directions {
     ($kind:expr) => {
         &[
-            Arg::named("warp", $kind, "along the cloth's first side, from left to right"),
+            Arg::named(
+                "warp",
+                $kind,
+                "along the cloth's first side, from left to right",
+            ),
             Arg::named("weft", $kind, "along its second side, from back to front"),
             Arg::named("bias", $kind, "at 45 degrees to both"),
         ]

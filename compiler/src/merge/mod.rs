@@ -26,8 +26,7 @@ pub(crate) use said::Said;
 
 use fab_grammar::ast::{
     Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints,
-    Material, Name,
-    NamedValue, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
+    Material, Name, NamedValue, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
 };
 use lists::{LEAVE_OUT, OVERRIDE};
 use std::collections::{BTreeMap, BTreeSet};

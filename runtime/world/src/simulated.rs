@@ -311,6 +311,9 @@ mod tests {
         let world = SimulatedWorld::new(&conformance::camera(), Picker::default()).unwrap();
         let mut world = world.with_material(cloth.material.as_ref());
         let error = world.reset(&Start::flat(&cloth)).unwrap_err().to_string();
-        assert!(error.contains("substeps") && error.contains("would do"), "{error}");
+        assert!(
+            error.contains("substeps") && error.contains("would do"),
+            "{error}"
+        );
     }
 }
