@@ -55,7 +55,7 @@ pub use loader::{Listed, LoadError, Loader, Wanted};
 pub use merge::MAX_EXTENDS_DEPTH;
 
 use diag::{Diagnostic, Report, Severity};
-use fab_program::{Program, Test};
+use fab_program::{Material, Program, Test};
 
 /// The result of a compilation.
 #[derive(Clone, Debug)]
@@ -65,6 +65,8 @@ pub struct Compiled {
     pub programs: Vec<Program>,
     /// The tests of those tasks, in source order.
     pub tests: Vec<Test>,
+    /// The materials without errors that the entry file declares or uses, by the order of the files.
+    pub materials: Vec<Material>,
     /// The findings of all files, by file and place; at most [`diag::MAX_FINDINGS`] of each severity.
     pub diagnostics: Vec<Diagnostic>,
     /// How many more findings there are.
@@ -112,6 +114,7 @@ pub fn compile_for(
     Ok(Compiled {
         programs: checked.programs,
         tests: checked.tests,
+        materials: checked.materials,
         left_out,
         diagnostics,
         sources: texts.sources,

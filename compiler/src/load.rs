@@ -8,7 +8,7 @@ use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported, is_hidden, t
 use crate::loader::{Listed, LoadError, Loader, Wanted};
 use crate::path;
 use crate::syntax;
-use fab_grammar::ast::{Experts, Name, Task};
+use fab_grammar::ast::{Experts, Material, Name, Task};
 use fab_grammar::{FileId, Kind, Node, Sources, Span, Tree};
 use fab_program::Trial;
 use std::collections::{BTreeMap, BTreeSet};
@@ -43,6 +43,7 @@ pub(crate) struct Texts {
 pub(crate) struct LoadedFile<'a> {
     pub id: FileId,
     pub experts: Vec<Experts<'a>>,
+    pub materials: Vec<Material<'a>>,
     pub tasks: Vec<Task<'a>>,
     /// The words of everything that did not parse. An unknown name may be declared there.
     pub unparsed_words: BTreeSet<&'a str>,
@@ -52,17 +53,19 @@ pub(crate) struct LoadedFile<'a> {
     task_index: BTreeMap<&'a str, usize>,
     /// The same for lists of experts.
     experts_index: BTreeMap<&'a str, usize>,
+    /// The same for materials.
+    materials_index: BTreeMap<&'a str, usize>,
 }
 
 /// Every file of a compilation, and which files each one sees.
 pub(crate) struct Loaded<'a> {
     pub texts: &'a Texts,
     pub files: Vec<LoadedFile<'a>>,
-    /// The bytes from each name of a task or list of experts to the next name, by the name's span.
+    /// The bytes from each name of a task, list of experts or material to the next name, by the name's span.
     sizes: BTreeMap<Span, usize>,
     /// The tasks that others extend, by the spans of their names.
     extended: BTreeSet<Span>,
-    /// The words of all files that use a name; those that only declare a constant or a keypoint are left out.
+    /// The words of all files that use a name; those that only declare a constant, a keypoint or a material are left out.
     used: BTreeSet<&'a str>,
     loader: &'a dyn Loader,
 }
@@ -76,20 +79,24 @@ impl<'a> Loaded<'a> {
             let file = tree.view();
             let (tasks, experts): (Vec<_>, Vec<_>) =
                 (file.tasks().collect(), file.experts().collect());
+            let materials: Vec<_> = file.materials().collect();
             let names = tasks.iter().map(|task| task.name());
             let lists = experts.iter().map(|list| list.name());
+            let made_of = materials.iter().map(|material| material.name());
             sizes.extend(self::sizes(
-                names.clone().chain(lists.clone()),
+                names.clone().chain(lists.clone()).chain(made_of.clone()),
                 tree.text().len(),
             ));
             files.push(LoadedFile {
                 id: file.span().file,
                 task_index: first_of_each_name(names),
                 experts_index: first_of_each_name(lists),
+                materials_index: first_of_each_name(made_of),
                 unparsed_words: file.unparsed_words(),
                 has_lost_name: file.has_lost_name() || splits_a_name(tree.text()),
                 tasks,
                 experts,
+                materials,
             });
         }
         let mut loaded = Loaded {
@@ -121,6 +128,12 @@ impl<'a> Loaded<'a> {
             .find_map(|seen| Some(seen.experts[*seen.experts_index.get(name)?]))
     }
 
+    /// Finds the first material of this name that `file` sees.
+    pub fn material(&self, file: FileId, name: &str) -> Option<Material<'a>> {
+        self.visible_from(file)
+            .find_map(|seen| Some(seen.materials[*seen.materials_index.get(name)?]))
+    }
+
     /// Returns roughly how many bytes of text the item of this name has.
     pub fn size(&self, name: Name<'a>) -> usize {
         self.sizes.get(&name.span()).copied().unwrap_or(0)
@@ -143,7 +156,8 @@ impl<'a> Loaded<'a> {
         self.loader.trial(title)
     }
 
-    /// Returns whether any file uses a constant or a keypoint of this name, or may do so in text that did not parse.
+    /// Returns whether any file uses a constant, a keypoint or a material of this name, or may do so in text that did
+    /// not parse.
     pub fn is_used(&self, name: &str) -> bool {
         let mut files = self.files.iter();
         self.used.contains(name) || files.any(|file| file.unparsed_words.contains(name))
@@ -423,11 +437,13 @@ fn used(tree: &Tree) -> impl Iterator<Item = &str> {
     names.flat_map(|node| node.text().split('.'))
 }
 
-/// Returns whether a name is the one that a constant or a keypoint declares.
+/// Returns whether a name is the one that a constant, a keypoint or a material declares, or a material's property.
 fn declares(name: Node<'_>) -> bool {
-    let declaration = name
-        .parent()
-        .filter(|parent| matches!(parent.kind(), Kind::Constant | Kind::Keypoint));
+    let declaration = name.parent().filter(|parent| match parent.kind() {
+        Kind::Constant | Kind::Keypoint | Kind::Property => true,
+        Kind::Head => parent.parent().map(Node::kind) == Some(Kind::Material),
+        _ => false,
+    });
     let declared = declaration.and_then(|declaration| declaration.child(Kind::Name));
     declared.is_some_and(|declared| declared.range() == name.range())
 }

@@ -153,6 +153,9 @@ const PLACES: &[&str] = &[
     "task a { verify { @ { pick } else \"c\" } }",
     "task a { verify { check b { pick } @ } }",
     "task a { test \"b\" { @ } }",
+    "material a { @ }",
+    "material a { b 1 @ }",
+    "material a { b 1 @ \"c\" }",
     "experts a { @ }",
     "experts a { sequence { fold b @ c } }",
     "task a { subgoals { @ } }",
@@ -188,6 +191,7 @@ fn what_a_message_tells_to_write_can_be_written() {
                 // Uppercase words are names to fill in.
                 let filled = piece
                     .replace("\"…\"", "\"b\"")
+                    .replace("\"#RRGGBB\"", "\"b\"")
                     .replace('…', "b")
                     .replace('#', "\n");
                 let fits = PLACES

@@ -181,6 +181,8 @@ views! {
         uses -> impl Iterator<Item = Use<'t>> = |node| all(node);
         /// Returns its lists of experts.
         experts -> impl Iterator<Item = Experts<'t>> = |node| all(node);
+        /// Returns its materials.
+        materials -> impl Iterator<Item = Material<'t>> = |node| all(node);
         /// Returns its tasks.
         tasks -> impl Iterator<Item = Task<'t>> = |node| all(node);
     }
@@ -198,6 +200,34 @@ views! {
     } {
         /// Returns its sequences of folds.
         sequences -> impl Iterator<Item = FoldBlock<'t>> = |node| all(node);
+    }
+
+    /// `material NAME { … }` of a file.
+    Material(Material) {
+        /// Returns the name.
+        name: Name<'t> = head_name,
+    } {
+        /// Returns its properties.
+        properties -> impl Iterator<Item = Property<'t>> = |node| whole(node, Kind::Property);
+    }
+
+    /// `NAME VALUE, … from "…"` of a material. Its values are the arguments of [`Property::call`].
+    Property(Property) {
+        /// Returns the name.
+        name: Name<'t> = first,
+    } {
+        /// Returns its values, as a call of its name.
+        call -> Option<Call<'t>> = |node| Call::cast(node);
+        /// Returns the text beside its value.
+        text -> Option<Text<'t>> = |node| first(node);
+        /// Returns where its values come from.
+        cited -> Option<Text<'t>> = |node| first(node).map(Cited::text);
+    }
+
+    /// `from "…"`.
+    Cited(Cited) {
+        /// Returns the text.
+        text: Text<'t> = first,
     }
 
     /// `sequence { … }` or `demonstrate { … }`.
@@ -648,8 +678,8 @@ views! {
         high -> Expr<'t> = |node| part(node, 1);
     }
 
-    /// `NAME(…)`.
-    Call(Call) {
+    /// `NAME(…)`, or a line of a material.
+    Call(Call | Property) {
         /// Returns the name.
         name: Name<'t> = first,
     } {
@@ -731,7 +761,7 @@ views! {
 }
 
 blocks! {
-    Experts FoldBlock Task Variant Body Subgoals Keypoints Actions Stage Example Verify Check Test
+    Experts FoldBlock Material Task Variant Body Subgoals Keypoints Actions Stage Example Verify Check Test
 }
 
 // ---- longer methods ----------------------------------------------------------------------------
@@ -770,7 +800,7 @@ impl<'t> File<'t> {
                 let parent = node.parent().map(Node::kind);
                 let is_named = matches!(
                     parent,
-                    Some(Kind::Task | Kind::Experts | Kind::Stage | Kind::Check)
+                    Some(Kind::Task | Kind::Experts | Kind::Material | Kind::Stage | Kind::Check)
                 );
                 is_named && node.child(Kind::Name).is_none()
             }
@@ -807,7 +837,15 @@ fn lost_name(junk: Node<'_>) -> bool {
         return !is_name(words.next());
     }
     let first = words.find(|word| *word != "override").unwrap_or_default();
-    let declares = ["const", "component", "experts", "read", "given", "check"];
+    let declares = [
+        "const",
+        "component",
+        "experts",
+        "material",
+        "read",
+        "given",
+        "check",
+    ];
     declares.contains(&first) && !is_name(words.next())
 }
 

@@ -94,10 +94,13 @@ macro_rules! kinds {
 kinds! {
     Comment COMMENT, "`# …` to the end of the line.";
     File file, "The whole file.";
-    Head experts_head | sequence_head | task_head | subgoals_head | demonstrate_head | keypoints_head | annotate_head | actions_head | stage_head | example_head | verify_head | check_head | variant_head | test_head,
+    Head experts_head | material_head | sequence_head | task_head | subgoals_head | demonstrate_head | keypoints_head | annotate_head | actions_head | stage_head | example_head | verify_head | check_head | variant_head | test_head,
         "The first words of a block, up to its `{`.";
     UseFile use_file, "`use \"…\"`.";
     Experts experts, "`experts NAME { … }` of a file.";
+    Material material, "`material NAME { … }` of a file.";
+    Property property, "`NAME VALUE from \"…\"` of a material.";
+    Cited cited, "`from \"…\"`: where a value comes from.";
     Sequence sequence, "`sequence { … }`.";
     Fold fold, "`fold A -> B, …`.";
     Move r#move, "`A -> B at F`.";

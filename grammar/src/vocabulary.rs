@@ -57,6 +57,7 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::arrow => "`->`",
         Rule::above => "`>`",
         Rule::in_stage => "`in`",
+        Rule::cited => return expectation(Rule::from_word),
         Rule::fold => return expectation(Rule::fold_word),
         Rule::reply => return expectation(Rule::reply_word),
         Rule::check | Rule::check_head => return expectation(Rule::check_word),
@@ -90,6 +91,7 @@ pub(crate) fn is_continuation(rule: Rule) -> bool {
             | Rule::with_picture
             | Rule::else_skip
             | Rule::retries
+            | Rule::cited
             | Rule::unit
             | Rule::apart_unit
             | Rule::open_paren
@@ -100,6 +102,7 @@ pub(crate) fn is_continuation(rule: Rule) -> bool {
 const BLOCKS: &[(Rule, Rule)] = &[
     (Rule::file, Rule::only_item),
     (Rule::experts, Rule::only_sequence),
+    (Rule::material, Rule::only_property),
     (Rule::sequence, Rule::only_fold),
     (Rule::task, Rule::only_section),
     (Rule::variant, Rule::only_part),
@@ -255,7 +258,7 @@ mod tests {
 
     #[test]
     fn the_words_of_blocks_are_read_from_the_grammar() {
-        assert_eq!(words(Kind::File), ["use", "task", "experts"]);
+        assert_eq!(words(Kind::File), ["use", "task", "experts", "material"]);
         assert_eq!(words(Kind::Verify), ["check", "attempts", "result"]);
         assert_eq!(words(Kind::Experts), ["sequence"]);
         assert_eq!(words(Kind::Keypoints), [""; 0]);

@@ -178,21 +178,7 @@ impl Contacts {
         ) {
             from = i + 1;
             let p = positions.get(i);
-            let out = [
-                p[0] - sphere.centre[0],
-                p[1] - sphere.centre[1],
-                p[2] - sphere.centre[2],
-            ];
-            let distance = (dot(out, out) + TINY_M2).sqrt();
-            let per_distance = 1.0 / distance;
-            let normal = out.map(|d| d * per_distance);
-            let p0 = began.get(i);
-            let slid = [
-                p[0] - p0[0] - sphere.motion[0],
-                p[1] - p0[1] - sphere.motion[1],
-                p[2] - p0[2] - sphere.motion[2],
-            ];
-            let push = correction(normal, reach - distance, slid, params.table_friction);
+            let push = sphere_push(p, began.get(i), sphere, reach, params.table_friction);
             self.add(i, push);
         }
     }
@@ -204,6 +190,31 @@ impl Contacts {
         self.shift.z[particle] += shift[2];
         self.count[particle] += 1.0;
     }
+}
+
+/// Returns the push out of the sphere plus friction of a particle at `p` that was at `p0` when the substep began.
+#[inline(always)]
+pub(crate) fn sphere_push(
+    p: [f32; 3],
+    p0: [f32; 3],
+    sphere: Sphere,
+    reach: f32,
+    friction: f32,
+) -> [f32; 3] {
+    let out = [
+        p[0] - sphere.centre[0],
+        p[1] - sphere.centre[1],
+        p[2] - sphere.centre[2],
+    ];
+    let distance = (dot(out, out) + TINY_M2).sqrt();
+    let per_distance = 1.0 / distance;
+    let normal = out.map(|d| d * per_distance);
+    let slid = [
+        p[0] - p0[0] - sphere.motion[0],
+        p[1] - p0[1] - sphere.motion[1],
+        p[2] - p0[2] - sphere.motion[2],
+    ];
+    correction(normal, reach - distance, slid, friction)
 }
 
 /// Returns the push out of a contact plus Coulomb friction: at most `friction * depth` against the sliding.
@@ -301,7 +312,7 @@ fn touch_pairs(
 
 /// Returns the first particle from `from` on that is nearer to the centre than `reach`.
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
-fn first_within(
+pub(crate) fn first_within(
     x: &[f32],
     y: &[f32],
     z: &[f32],

@@ -1,7 +1,8 @@
 //! What can go wrong, in words that name the value and what would be right.
 
 use crate::mask::Mask;
-use crate::params::{ParamsError, REACH_M};
+use crate::material::MaterialError;
+use crate::params::{ParamsError, ParamsFault, REACH_M};
 
 /// Longest stretch spring accepted in a start, as a multiple of its rest length; recorded starts reach 1.9.
 pub const MAX_START_STRETCH: f32 = 3.0;
@@ -65,6 +66,18 @@ pub enum StartError {
     /// A parameter is out of bounds.
     #[error(transparent)]
     Params(#[from] ParamsError),
+    /// The material cannot be simulated on this grid.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
+}
+
+impl From<ParamsFault> for StartError {
+    fn from(fault: ParamsFault) -> StartError {
+        match fault {
+            ParamsFault::Params(error) => error.into(),
+            ParamsFault::Material(error) => error.into(),
+        }
+    }
 }
 
 /// Says why the simulation stopped.
@@ -120,6 +133,18 @@ pub enum SimError {
     /// A parameter of this cloth, or a number of an action's manner, is out of bounds; nothing moved.
     #[error(transparent)]
     Params(#[from] ParamsError),
+    /// The material of this cloth cannot be simulated on its grid; it never moved.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
+}
+
+impl From<ParamsFault> for SimError {
+    fn from(fault: ParamsFault) -> SimError {
+        match fault {
+            ParamsFault::Params(error) => error.into(),
+            ParamsFault::Material(error) => error.into(),
+        }
+    }
 }
 
 /// Checks that positions can be the start of a cloth on this table.

@@ -74,7 +74,7 @@ impl Grid {
                 positions.push([
                     (ix as f32 - half_x) * self.spacing_m,
                     (half_y - iy as f32) * self.spacing_m,
-                    params.table_contact_m,
+                    params.rest_height_m(),
                 ]);
             }
         }

@@ -48,15 +48,20 @@
 //! `layout` and `sides` (how particles are stored), `springs`, `cells`, `neighbours`, `contacts`, and `crumple`.
 //! Every number is in [`Params`].
 
+mod bending;
 mod camera;
 mod cells;
 mod contacts;
 mod crumple;
 mod digest;
 mod error;
+mod faces;
 mod grid;
 mod layout;
+mod lines;
 mod mask;
+mod material;
+pub mod measure;
 pub mod mesh;
 mod motion;
 mod neighbours;
@@ -72,19 +77,23 @@ mod slanted;
 mod snapshot;
 mod solver;
 mod springs;
+mod textile;
 
 pub use camera::{CameraError, Frame, ImageUp, Look, MAX_SIZE_PX, MIN_SIZE_PX, TopDownCamera};
 pub use crumple::{Crumpled, Lift};
 pub use error::{MAX_START_DEPTH_M, MAX_START_STRETCH, SimError, StartError};
 pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use mask::{Mask, MaskError};
-pub use params::{ALGORITHM_VERSION, DROP_LEG_STEPS, Params, ParamsError, REACH_M, Route};
+pub use material::{Directions, MAX_GAP_M, MIN_GAP_M, Material, MaterialError, MaterialWarning};
+pub use params::{
+    ALGORITHM_VERSION, DROP_LEG_STEPS, Params, ParamsError, ParamsFault, REACH_M, Route,
+};
 pub use picker::Manner;
 pub use scenario::diagonal_fold;
 pub use scene::Marker;
 pub use simulator::{Aim, PickAndPlace, RestShortcut, Simulator};
 pub use slanted::{Picture, SlantedCamera, SlantedView};
-pub use snapshot::Snapshot;
+pub use snapshot::{Snapshot, Texture};
 
 /// Digest of this crate's sources, 16 hex digits: equal results need equal code.
 pub const CODE_DIGEST: &str = env!("SIM_CODE_DIGEST");

@@ -56,14 +56,23 @@ struct Found {
 impl Neighbours {
     /// Makes an empty structure; `contact_m` is the distance at which particles touch.
     pub fn new(layout: &Layout, contact_m: f32) -> Neighbours {
+        let rest = (contact_m / layout.grid().spacing_m).powi(2);
+        Neighbours::within(layout, contact_m, rest, MAX_PAIRS_PER_PARTICLE)
+    }
+
+    /// Makes an empty structure for pairs nearer than `contact_m` whose squared distance in the grid is at least
+    /// `rest`, in spacings.
+    ///
+    /// - `most`: pairs per particle; more are dropped, which bounds memory.
+    pub fn within(layout: &Layout, contact_m: f32, rest: f32, most: usize) -> Neighbours {
         let grid = layout.grid();
         let slots = 0..layout.len();
         Neighbours {
             limits: Limits {
                 contact_2: contact_m * contact_m,
-                rest: (contact_m / grid.spacing_m).powi(2),
+                rest,
             },
-            max_pairs: MAX_PAIRS_PER_PARTICLE * grid.particle_count(),
+            max_pairs: most * grid.particle_count(),
             column: slots
                 .clone()
                 .map(|slot| (slot % layout.stride()) as f32)

@@ -4,6 +4,7 @@
 //! comes from, where such a number exists; the others were chosen by replaying
 //! recorded demonstrations (`fabc sim replay --set NAME=VALUE`) and say so.
 
+use crate::material::{Material, MaterialError};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest, Sha256};
 
@@ -87,6 +88,10 @@ pub struct Params {
     /// How the picker goes about it.
     #[serde(skip_serializing_if = "Route::is_default")]
     pub picker_route: Route,
+    /// A measured textile. It replaces the springs, contact distances and frictions above; `None` is the recorded
+    /// scene's cloth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
 }
 
 /// How a picker grasps, travels and releases.
@@ -138,6 +143,7 @@ impl Default for Params {
             picker_lift_height_m: 0.1,
             picker_home_m: [0.5, -0.5, 0.5],
             picker_route: Route::PutDown,
+            material: None,
         }
     }
 }
@@ -156,6 +162,17 @@ pub struct ParamsError {
     pub high: f32,
     /// Unit of all three after a blank, or nothing.
     pub unit: &'static str,
+}
+
+/// Numbers that no cloth can be stepped with.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ParamsFault {
+    /// A parameter is out of bounds.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
+    /// The material is none, or cannot be simulated on this grid.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
 }
 
 impl Params {
@@ -230,6 +247,26 @@ impl Params {
         Ok(())
     }
 
+    /// Returns the height of a particle that rests on the table, metres.
+    ///
+    /// Half the gap between layers of the material; without one, `table_contact_m`.
+    pub fn rest_height_m(&self) -> f32 {
+        match &self.material {
+            Some(material) => 0.5 * material.gap_m(),
+            None => self.table_contact_m,
+        }
+    }
+
+    /// Tells whether a cloth with this distance between particles can be stepped: its numbers, and its material on
+    /// such a grid.
+    pub fn check_on(&self, spacing_m: f32) -> Result<(), ParamsFault> {
+        self.check()?;
+        if let Some(material) = &self.material {
+            material.check_step(spacing_m, self.step_secs)?;
+        }
+        Ok(())
+    }
+
     /// Returns 16 hex digits that change with any parameter and with the solver's arithmetic.
     pub fn hash(&self) -> String {
         let json = serde_json::to_string(self).expect("a struct of numbers always has a JSON text");
@@ -248,6 +285,9 @@ impl<'de> Deserialize<'de> for Params {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Params, D::Error> {
         let params = Params::deserialize(deserializer)?;
         params.check().map_err(serde::de::Error::custom)?;
+        if let Some(material) = &params.material {
+            material.check_values().map_err(serde::de::Error::custom)?;
+        }
         Ok(params)
     }
 }

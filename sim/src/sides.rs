@@ -76,6 +76,11 @@ impl Sides {
         turn(&self.by_rows, &self.rows.began, &mut self.columns.began);
     }
 
+    /// Notes by rows alone that a substep begins.
+    pub fn begin_rows(&mut self) {
+        self.rows.began.clone_from(&self.rows.positions);
+    }
+
     /// Brings the positions by columns up to date.
     pub fn turn_to_columns(&mut self) {
         let to = &mut self.columns.positions;

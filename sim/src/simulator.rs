@@ -9,7 +9,7 @@ use crate::error::{MAX_ROUTE_STEPS, SimError, StartError, check_start};
 use crate::grid::Grid;
 use crate::layout::Layout;
 use crate::mask::Mask;
-use crate::params::{Params, ParamsError, REACH_M};
+use crate::params::{Params, ParamsFault, REACH_M};
 use crate::picker::{self, Gripper, Leg, Manner, Way};
 use crate::scene::Marker;
 use crate::snapshot::Snapshot;
@@ -42,7 +42,7 @@ pub struct Simulator {
     shortcut: RestShortcut,
     aim: Aim,
     /// What is wrong with the parameters; no step is computed with such.
-    fault: Option<ParamsError>,
+    fault: Option<ParamsFault>,
 }
 
 /// Whether steps of a cloth at rest are computed; results are the same bits either way.
@@ -90,14 +90,15 @@ impl Simulator {
         positions: &[[f32; 3]],
         params: &Params,
     ) -> Result<Simulator, StartError> {
-        params.check()?;
         let mask = cloth.into();
+        params.check_on(mask.grid().spacing_m)?;
         check_start(&mask, positions)?;
         Ok(Simulator::start(mask, positions, params))
     }
 
     fn start(mask: Mask, positions: &[[f32; 3]], params: &Params) -> Simulator {
         let layout = Layout::new(mask.grid(), |particle| mask.has(particle));
+        let fault = params.check_on(mask.grid().spacing_m).err();
         Simulator {
             mask,
             solver: Solver::new(layout, positions, params),
@@ -108,7 +109,7 @@ impl Simulator {
             at_rest: false,
             shortcut: RestShortcut::Skip,
             aim: Aim::Nearest,
-            fault: params.check().err(),
+            fault,
         }
     }
 
@@ -335,6 +336,7 @@ impl Simulator {
             sphere: self.sphere,
             steps: self.steps,
             at_rest: self.at_rest,
+            texture: self.solver.texture(),
         }
     }
 
@@ -346,6 +348,7 @@ impl Simulator {
         self.solver.set_positions(&snapshot.positions);
         self.solver.hold(&snapshot.held);
         self.solver.set_velocities(&snapshot.velocities);
+        self.solver.set_texture(snapshot.texture.as_ref());
         self.held = None;
         self.sphere = snapshot.sphere;
         self.steps = snapshot.steps;
@@ -365,12 +368,19 @@ impl Simulator {
             at_rest: false,
             ..self.snapshot()
         };
-        self.restore(&moving)
+        self.restore(&moving)?;
+        self.solver.disturb();
+        Ok(())
     }
 
     /// Tells whether a particle of the grid is part of the cloth.
     pub(crate) fn has(&self, particle: usize) -> bool {
         particle < self.grid().particle_count() && self.mask.has(particle)
+    }
+
+    /// Tells whether the cloth is of a material.
+    pub(crate) fn is_textile(&self) -> bool {
+        self.params.material.is_some()
     }
 
     /// Tells whether the last step changed nothing.

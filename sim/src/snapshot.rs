@@ -25,13 +25,33 @@ pub struct Snapshot {
     pub steps: u64,
     /// Whether the last step changed nothing.
     pub at_rest: bool,
+    /// Creases, of a cloth of a material.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub texture: Option<Texture>,
+}
+
+/// What a cloth of a material remembers beside its positions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Texture {
+    /// `[n_particles]` rest bends along warp and weft, and of the twist of the cell that begins there.
+    pub rest: Vec<[f32; 3]>,
+    /// `[n_particles]` points where the cloth was when it began to be calm, world frame, metres.
+    pub calm_at: Vec<[f32; 3]>,
+    /// Steps for which it has been calm.
+    pub calm_steps: u32,
 }
 
 impl Snapshot {
     /// Tells whether a cloth can go on from it: fails on the first count, number or held particle that does not fit.
     pub(crate) fn check(&self, mask: &Mask) -> Result<(), SimError> {
         let count = mask.grid().particle_count();
-        for vectors in [&self.positions, &self.velocities] {
+        let texture = self.texture.iter();
+        let texture = texture.flat_map(|texture| [&texture.rest, &texture.calm_at]);
+        for vectors in [&self.positions, &self.velocities]
+            .into_iter()
+            .chain(texture)
+        {
             if vectors.len() != count {
                 return Err(SimError::OtherCloth {
                     expected: count,

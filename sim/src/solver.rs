@@ -13,7 +13,9 @@ use crate::neighbours::Neighbours;
 use crate::params::Params;
 use crate::planes::Planes;
 use crate::sides::Sides;
+use crate::snapshot::Texture;
 use crate::springs::{Direction, Springs};
+use crate::textile::Textile;
 
 // A sphere that stays farther than this from the cloth's bounding box for a whole step is left out of the
 // step. No particle moves as far in 0.01 s unless it flies at 2 m/s.
@@ -58,6 +60,8 @@ pub(crate) struct Solver {
     /// State when the step began.
     before: Planes,
     velocities_before: Planes,
+    /// Moves the cloth instead of springs and contacts, if it is of a material.
+    textile: Option<Textile>,
 }
 
 impl Solver {
@@ -72,6 +76,8 @@ impl Solver {
         }
         let before = positions.clone();
         let sides = Sides::new(&layout, positions);
+        let textile = params.material.as_ref();
+        let textile = textile.map(|material| Textile::new(&layout, material, params));
         Solver {
             velocities: Planes::zeros(n),
             held: Vec::new(),
@@ -85,7 +91,37 @@ impl Solver {
             velocities_before: Planes::zeros(n),
             sides,
             layout,
+            textile,
         }
+    }
+
+    /// Returns what a cloth of a material remembers.
+    pub fn texture(&self) -> Option<Texture> {
+        let textile = self.textile.as_ref();
+        textile.map(|textile| textile.texture(&self.layout))
+    }
+
+    /// Gives a cloth of a material what another one remembered; without it, the cloth is disturbed.
+    pub fn set_texture(&mut self, texture: Option<&Texture>) {
+        if let Some(textile) = &mut self.textile {
+            match texture {
+                Some(texture) => textile.set_texture(texture, &self.layout),
+                None => textile.disturb(),
+            }
+        }
+    }
+
+    /// Notes that something outside has changed the cloth.
+    pub fn disturb(&mut self) {
+        if let Some(textile) = &mut self.textile {
+            textile.disturb();
+        }
+    }
+
+    /// Returns the number of substeps of a step.
+    pub fn substeps(&self) -> u32 {
+        let textile = self.textile.as_ref();
+        textile.map_or(self.params.substeps, Textile::substeps)
     }
 
     /// Returns the position of every particle of the grid; a missing one is at the origin.
@@ -132,7 +168,8 @@ impl Solver {
 
     /// Returns the number of springs.
     pub fn spring_count(&self) -> usize {
-        self.springs.count()
+        let textile = self.textile.as_ref();
+        textile.map_or_else(|| self.springs.count(), Textile::constraint_count)
     }
 
     /// Returns every particle that is there, and its position, ascending.
@@ -156,6 +193,10 @@ impl Solver {
             self.velocities.set(slot, [0.0; 3]);
         }
         self.springs.note_fixed(&self.sides);
+        if let Some(textile) = &mut self.textile {
+            textile.note_fixed(&self.sides);
+            textile.disturb();
+        }
     }
 
     /// Advances by one step while the sphere's centre goes straight from `from` to `to`, and the held
@@ -172,13 +213,26 @@ impl Solver {
         shift: [f32; 3],
     ) -> Result<Outcome, Broken> {
         let sphere_in_play = self.sphere_may_touch(from, to);
+        let is_free = !sphere_in_play && self.held.is_empty();
+        if let Some(textile) = &mut self.textile {
+            if is_free && textile.is_at_rest() {
+                return Ok(Outcome::Still);
+            }
+            let shift_m = (shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]).sqrt();
+            textile.begin_step(&self.velocities, shift_m, &self.params);
+        }
         self.before.clone_from(&self.sides.rows.positions);
         self.velocities_before.clone_from(&self.velocities);
-        for substep in 0..self.params.substeps {
+        let substeps = self.substeps();
+        for substep in 0..substeps {
             let sphere = self.sphere_at(from, to, substep);
+            // Where it began, also what is held; a cloth without a material takes it from where held particles are.
+            if self.textile.is_some() {
+                self.sides.begin_rows();
+            }
             // PyFleX moves a held particle the whole way before the first substep; so moved, replays end farther from
             // the recordings (60 of them: 1.7, 2.6 and 23 mm, instead of 1.6, 2.4 and 19).
-            let done = (substep + 1) as f32 / self.params.substeps as f32;
+            let done = (substep + 1) as f32 / substeps as f32;
             for &held in &self.held {
                 let at = self.before.get(held);
                 self.sides
@@ -186,7 +240,23 @@ impl Solver {
                     .positions
                     .set(held, [0, 1, 2].map(|axis| at[axis] + done * shift[axis]));
             }
-            self.substep(substep, sphere_in_play.then_some(sphere))?;
+            let sphere = sphere_in_play.then_some(sphere);
+            match &mut self.textile {
+                Some(textile) => {
+                    let (sides, velocities) = (&mut self.sides, &mut self.velocities);
+                    textile.substep(substep, sides, velocities, sphere, &self.params);
+                    self.check_finite("after threads and contacts")?;
+                }
+                None => self.substep(substep, sphere)?,
+            }
+        }
+        if let Some(textile) = &mut self.textile {
+            if !textile.note_step(&self.sides.rows.positions, is_free) {
+                return Ok(Outcome::Moved);
+            }
+            let n = self.layout.len();
+            self.velocities = Planes::zeros(n);
+            return Ok(Outcome::Still);
         }
         let rest_m = self.params.rest_speed_m_s * self.params.step_secs;
         // A cloth that hangs may be slow because it swings and turns; one that lies may not.
@@ -246,7 +316,7 @@ impl Solver {
     }
 
     fn sphere_at(&self, from: [f32; 3], to: [f32; 3], substep: u32) -> Sphere {
-        let share = 1.0 / self.params.substeps as f32;
+        let share = 1.0 / self.substeps() as f32;
         let done = (substep + 1) as f32 * share;
         let way = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
         Sphere {

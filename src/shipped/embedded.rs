@@ -54,6 +54,7 @@ pub const FILES: &[(&str, &[u8])] = embed![
     "house.subgoals/pins.json",
     "lib/experts.fab",
     "lib/folding.fab",
+    "lib/materials.fab",
     "lib/real.fab",
     "lib/smoothing.fab",
     "open_envelope.fab",

@@ -117,6 +117,9 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
             for (name, note) in program.notes() {
                 task[name] = json!(note);
             }
+            if let Some(material) = &program.cloth.material {
+                task["material"] = json!({ "name": material.name, "sources": material.sources });
+            }
             tasks.push(task);
         }
         if !arguments.json && compiled.programs.is_empty() && !compiled.has_errors() {
@@ -142,12 +145,16 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// Formats the notes about a task, one per line.
+/// Formats the notes about a task and where its material's values come from, one per line.
 fn notes(program: &Program) -> String {
     let notes = program.notes().into_iter();
-    notes
-        .map(|(name, note)| format!("\n  {name}: {note}"))
-        .collect()
+    let notes = notes.map(|(name, note)| format!("\n  {name}: {note}"));
+    let material = program.cloth.material.iter().flat_map(|material| {
+        let sources = material.sources.iter();
+        let sources = sources.map(|it| format!("\n    {}: {}", it.property, it.from));
+        std::iter::once(format!("\n  made of {}", material.name)).chain(sources)
+    });
+    notes.chain(material).collect()
 }
 
 /// Lists the variants of a task, which follow it in `following`.

@@ -179,6 +179,7 @@ fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
             settings_hash: String::new(),
             calibration,
             sight: SIGHT,
+            material: None,
             image_px: trial.program.camera.image_px,
             supervisor: Box::new(Watching {
                 person: trouble.person,

@@ -28,6 +28,7 @@ fn arm(folder: &Path) -> ArmWorld {
         settings_hash,
         calibration,
         sight: SIGHT,
+        material: None,
         image_px: support::small_task().camera.image_px,
         supervisor: Box::new(Unattended),
         watchdog: Box::new(NoWatchdog),

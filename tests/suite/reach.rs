@@ -134,7 +134,7 @@ fn with_job<T>(
 ) -> T {
     let steps = program.subgoals.as_ref().map_or(0, |it| it.steps());
     let make_world = || -> Result<Box<dyn World>, WorldError> {
-        let world = SimulatedWorld::new(&program.camera, program.picker)?;
+        let world = SimulatedWorld::of(program)?;
         Ok(Box::new(Short { world, most_x_m }))
     };
     work(&Job {

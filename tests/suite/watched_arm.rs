@@ -340,6 +340,7 @@ fn a_panic_while_the_arm_moves_is_told_with_what_is_verified() {
             settings_hash,
             calibration,
             sight: SIGHT,
+            material: None,
             image_px: program.camera.image_px,
             supervisor: Box::new(Mistaken(200)),
             watchdog: Box::new(NoWatchdog),

@@ -38,6 +38,7 @@ fn the_simulated_arm_conforms() {
             settings_hash,
             calibration,
             sight: SIGHT,
+            material: None,
             image_px: program.camera.image_px,
             supervisor: Box::new(Unattended),
             watchdog: Box::new(NoWatchdog),

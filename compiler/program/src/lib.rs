@@ -93,7 +93,7 @@ pub mod words;
 pub use data::actions::{ActionField, Choices, Direction, LengthChoice, Proposal, Value};
 pub use data::annotate::{Layer, Mark, Spot};
 pub use data::camera::{Camera, ImageUp, PixelPoint};
-pub use data::cloth::{Cloth, ClothStart};
+pub use data::cloth::{Cloth, ClothStart, RECORDED_HEIGHT_M};
 pub use data::demos::Demos;
 pub use data::files::{FileRef, SourceStamp};
 pub use data::folds::{ClothPoint, Fold, Sequence};
@@ -102,6 +102,7 @@ pub use data::keypoints::{
     Channel, EXTRACTORS, Extractor, ExtractorRow, Inside, Keypoint, Moment, Response, Side, Sight,
 };
 pub use data::manner::{MANNERS, Manner, manner_field};
+pub use data::material::{Colour, Directions, Face, Material};
 pub use data::picker::Picker;
 pub use data::placeholders::{NumberFormat, Placeholder};
 pub use data::points::{End, Heading, Point};

@@ -19,6 +19,8 @@ pub enum Dimension {
     Angle,
     /// A speed, metres per second.
     Speed,
+    /// Mass per area, kilograms per square metre.
+    ArealDensity,
     /// A plain number.
     Number,
 }
@@ -89,6 +91,14 @@ pub const UNITS: &[Unit] = &[
     speed("mm/s", 0.001, 1, "millimetres per second"),
     speed("cm/s", 0.01, 2, "centimetres per second"),
     speed("m/s", 1.0, 3, "metres per second"),
+    unit(
+        "g/m2",
+        Dimension::ArealDensity,
+        0.001,
+        1,
+        &["g/m^2", "g/m²", "gsm"],
+        "grams per square metre",
+    ),
 ];
 
 /// What an answer may write for `/s` after a unit of length.

@@ -10,6 +10,7 @@ use crate::data::annotate::Spot;
 use crate::data::camera::PixelPoint;
 use crate::data::files::FileRef;
 use crate::data::folds::ClothPoint;
+use crate::data::material::Material;
 use crate::data::points::{Heading, Point};
 use crate::data::shape::KeypointShape;
 use crate::units::{self, Dimension};
@@ -131,6 +132,12 @@ pub enum Kind {
     DirectionField,
     /// A point of the cloth: `corner(back_left)`, `center`.
     ClothPoint,
+    /// The name of a material.
+    Material,
+    /// A face of the cloth; its value is the range of colours that it may have in a picture.
+    Face,
+    /// A name, or words in quotes, that people call a colour.
+    ColourName,
     /// A word of a closed set, or the path of a file.
     WordOrFile {
         /// The set.
@@ -330,6 +337,10 @@ pub enum ArgValue {
     ClothPoint(ClothPoint),
     /// A file.
     File(FileRef),
+    /// A material.
+    Material(Box<Material>),
+    /// The hue, saturation and value of a colour in a picture, in degrees and fractions.
+    Colours([[f64; 2]; 3]),
     /// It is not given and has no default value.
     Nothing,
 }
@@ -372,6 +383,8 @@ getters! {
     heading Heading -> Heading;
     /// Returns a point of the cloth.
     cloth_point ClothPoint -> ClothPoint;
+    /// Returns ranges of hue, saturation and value.
+    colours Colours -> [[f64; 2]; 3];
 }
 
 impl Args {

@@ -341,6 +341,7 @@ fn length<'a>(
     let Some(unit) = LengthUnit::find(found.unit) else {
         let code = match found.dimension {
             Dimension::Number => Code::MissingUnit,
+            Dimension::ArealDensity => Code::WrongQuantity,
             Dimension::Length | Dimension::Pixels | Dimension::Angle | Dimension::Speed => {
                 Code::MixedFrames
             }

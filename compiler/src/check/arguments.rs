@@ -52,10 +52,12 @@ fn parameter(signature: &Signature, label: &str) -> Option<&'static Arg> {
 /// Binds each argument to its parameter, and reports every argument that fits none.
 ///
 /// - `forms`: how calls of this name are written, for advice.
+/// - `form`: how one of them is.
 pub(crate) fn bind<'a>(
     call: Call<'a>,
     signature: &Signature,
     forms: &dyn Fn() -> String,
+    form: fn(&Signature) -> String,
     context: &mut Context<'a, '_>,
 ) -> Result<Bound<'a>, Reported> {
     let mut bound: Bound<'a> = Vec::with_capacity(signature.args.len());
@@ -85,7 +87,7 @@ pub(crate) fn bind<'a>(
                         return Err(context.error(diagnostic));
                     }
                     n_surplus += 1;
-                    Err(surplus(call.name(), argument, signature))
+                    Err(surplus(call.name(), argument, signature, form))
                 }
             },
         };
@@ -129,7 +131,7 @@ pub(crate) fn bind<'a>(
             among(missing.iter().copied()).replace(" or ", " and ")
         );
         let diagnostic = Diagnostic::new(Code::WrongArguments, call.name().span(), message);
-        let diagnostic = diagnostic.help(format!("write `{}`", signature.form()));
+        let diagnostic = diagnostic.help(format!("write `{}`", form(signature)));
         let words = signature
             .args
             .iter()
@@ -216,7 +218,12 @@ fn decimal_comma(call: Call<'_>, context: &Context<'_, '_>) -> Option<Diagnostic
     Some(diagnostic.help("write `.`, or a space after the comma if these are two numbers"))
 }
 
-fn surplus(call: Name<'_>, argument: Argument<'_>, signature: &Signature) -> Diagnostic {
+fn surplus(
+    call: Name<'_>,
+    argument: Argument<'_>,
+    signature: &Signature,
+    form: fn(&Signature) -> String,
+) -> Diagnostic {
     let span = argument.value().span();
     let places = signature
         .args
@@ -231,5 +238,5 @@ fn surplus(call: Name<'_>, argument: Argument<'_>, signature: &Signature) -> Dia
         ),
     };
     Diagnostic::new(Code::WrongArguments, span, message)
-        .help(format!("write `{}`", signature.form()))
+        .help(format!("write `{}`", form(signature)))
 }

@@ -7,7 +7,7 @@ use crate::lang::calls::CAMERAS;
 use crate::merge::Merged;
 use fab_grammar::ast::{Expr, Statement};
 use fab_program::exact::written;
-use fab_program::{Camera, Extractor, Keypoint};
+use fab_program::{Camera, Extractor, Keypoint, RECORDED_HEIGHT_M};
 
 /// Reads where the camera is, and what it sees.
 pub(crate) fn check<'a>(
@@ -50,11 +50,9 @@ pub(crate) fn fits_cloth(laid: Statement<'_>, seen: Statement<'_>, context: &mut
     }
 }
 
-/// How high a flat cloth's upper face lies above the table, metres; the simulator's cloths do, and thin real ones.
-const FLAT_CLOTH_M: f64 = 0.005;
-
-/// How far above the table the depth limit of a mask should be, metres: the paper's 646 mm for a camera at 650 mm.
-const CLEAR_OF_TABLE_M: f64 = 0.004;
+/// How far above the table the depth limit of a mask should be, as a fraction of the flat cloth's height: the paper's
+/// 646 mm for a camera at 650 mm and a cloth 5 mm above the table.
+const CLEAR_OF_TABLE: f64 = 0.8;
 
 /// Warns of a depth limit so near to the camera that a flat cloth is not in the mask, as after raising the camera.
 pub(crate) fn masks_see_cloth(
@@ -66,7 +64,12 @@ pub(crate) fn masks_see_cloth(
     let Ok(Some(camera)) = &context.camera else {
         return;
     };
-    let (height_m, flat_m) = (camera.height_m, camera.height_m - FLAT_CLOTH_M);
+    // A base without a cloth is judged by the recorded one.
+    let cloth_m = match &context.cloth {
+        Ok(Some(cloth)) => cloth.rest_height_m(),
+        _ => RECORDED_HEIGHT_M,
+    };
+    let (height_m, flat_m) = (camera.height_m, camera.height_m - cloth_m);
     let masks = keypoints
         .iter()
         .filter_map(|keypoint| match keypoint.extractor {
@@ -100,7 +103,7 @@ pub(crate) fn masks_see_cloth(
         let right = format!(
             "write `{} = mask(depth < {}mm)`",
             keypoint.name,
-            mm(height_m - CLEAR_OF_TABLE_M)
+            mm(height_m - CLEAR_OF_TABLE * cloth_m)
         );
         context.remark(diagnostic.also(ends[1].0, ends[1].1).help(right));
     }

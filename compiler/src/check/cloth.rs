@@ -1,4 +1,4 @@
-//! `cloth grid(55, 44)`: how large the cloth is, and how it lies.
+//! `cloth grid(55, 44, material: towel)`: how large the cloth is, how it lies, and what it is made of.
 
 use super::context::Context;
 use super::expressions::{Scope, call, wrong_form};

@@ -10,7 +10,7 @@ use super::quantity::{
     measured, no_conversion, no_unit, not_whole, out_of_range, quantity_of, read, read_whole,
     units_of,
 };
-use super::{files, missing_action};
+use super::{files, material, missing_action};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::calls::CLOTH_POINTS;
 use crate::loader::Wanted;
@@ -21,8 +21,8 @@ use fab_program::measures::{MEASURES, Measure};
 use fab_program::units::{self, Dimension};
 use fab_program::vocabulary::{ArgValue, Args, Default, Kind, Place, Range, Signature, Word};
 use fab_program::{
-    ActionField, Choices, ClothPoint, End, Heading, KeypointShape, Length, Number, PixelPoint,
-    Point, Spot,
+    ActionField, Choices, ClothPoint, Colour, End, Face, Heading, KeypointShape, Length, Number,
+    PixelPoint, Point, Spot,
 };
 
 // ---- calls ---------------------------------------------------------------------------------------
@@ -54,7 +54,18 @@ pub(crate) fn call<'a>(
         let forms: Vec<String> = same_name.map(Signature::form).collect();
         among(forms.iter().map(String::as_str))
     };
-    let bound = bind(call, signature, &forms, context)?;
+    let bound = bind(call, signature, &forms, Signature::form, context)?;
+    let values = self::values(&bound, signature, scope, context)?;
+    Ok((row, values, bound))
+}
+
+/// Reads the expressions of bound arguments, and adds the defaults.
+pub(super) fn values<'a>(
+    bound: &Bound<'a>,
+    signature: &Signature,
+    scope: Scope,
+    context: &mut Context<'a, '_>,
+) -> Result<Args, Reported> {
     let mut values = Vec::with_capacity(signature.args.len());
     let mut all = Ok(());
     for (index, (arg, expr)) in bound.iter().enumerate() {
@@ -74,7 +85,7 @@ pub(crate) fn call<'a>(
             values.push((arg.name, by_default(default, context)?));
         }
     }
-    Ok((row, Args(values), bound))
+    Ok(Args(values))
 }
 
 fn by_default(default: Default, context: &Context<'_, '_>) -> Result<ArgValue, Reported> {
@@ -135,6 +146,12 @@ fn argument<'a>(
         Kind::Heading => ArgValue::Heading(heading(expr, context)?),
         Kind::DirectionField => ArgValue::Name(direction_field(expr, context)?),
         Kind::ClothPoint => ArgValue::ClothPoint(cloth_point(expr, context)?),
+        Kind::Material => match material::named(expr, context)? {
+            Some(material) => ArgValue::Material(Box::new(material)),
+            None => ArgValue::Nothing,
+        },
+        Kind::Face => ArgValue::Colours(face(expr, context)?.in_picture()),
+        Kind::ColourName => ArgValue::Name(material::colour_name(expr, context)?),
         Kind::WordOrFile { words, ending } => word_or_file(expr, words, ending, context)?,
         Kind::WordOrCount {
             noun,
@@ -142,6 +159,17 @@ fn argument<'a>(
             range,
             unit,
         } => word_or_count(expr, (noun, words), (&range, unit), context)?,
+    })
+}
+
+/// Reads a face of the cloth as its colour; in a base without a cloth, as that of the recorded one.
+fn face(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Result<Colour, Reported> {
+    let name = name_of(expr, "face", Face::WORDS, context)?;
+    let face = Face::from_word(name).expect("a word of the table");
+    let cloth = context.cloth.as_ref().map_err(|reported| *reported)?;
+    Ok(match cloth {
+        Some(cloth) => cloth.colour(face),
+        None => Colour::recorded(face),
     })
 }
 
@@ -957,6 +985,12 @@ fn constant<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Operand
             deg: found.deg(),
             unit,
         },
+        Dimension::ArealDensity => {
+            let message = "nothing in a task weighs anything";
+            let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span(), message);
+            let help = "only a `material` states a mass per area";
+            return Err(context.error(diagnostic.help(help)));
+        }
         Dimension::Number => Operand::Number(found.value),
     })
 }

@@ -22,6 +22,7 @@ mod folds;
 mod goal;
 mod horizon;
 mod keypoints;
+mod material;
 mod missing_action;
 mod names;
 mod picker;
@@ -43,7 +44,7 @@ use crate::merge;
 use context::Context;
 use fab_grammar::ast::Name;
 use fab_grammar::{FileId, Span};
-use fab_program::{Program, Test};
+use fab_program::{Material, Program, Test};
 
 /// The result of checking.
 #[derive(Default)]
@@ -52,6 +53,8 @@ pub(crate) struct Checked {
     pub programs: Vec<Program>,
     /// Their tests.
     pub tests: Vec<Test>,
+    /// The materials that the entry declares or sees.
+    pub materials: Vec<Material>,
 }
 
 /// The most text that all tasks of a compilation may inherit together, bytes. Each task is checked with all of it.
@@ -72,7 +75,12 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
         "list of experts",
         report,
     );
+    let materials = whole().flat_map(|file| &file.materials);
+    merge::unique(materials.clone().map(|it| it.name()), "material", report);
     let mut context = Context::outside(loaded, report);
+    // This reports errors in every material, even in one that no cloth is made of.
+    let materials = materials.filter_map(|declared| material::check(*declared, &mut context).ok());
+    let materials = materials.collect();
     for list in lists {
         // This reports errors in every list, even in one that no task names.
         let _: Result<_, _> = experts::check(*list, &mut context);
@@ -83,8 +91,12 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
             .map_or(Ok(()), Err)
     };
     let forms: Vec<Result<(), Reported>> = files().map(|file| form_of(file.id)).collect();
+    material::unused(loaded, report);
     let stamps = task::stamps(loaded);
-    let mut checked = Checked::default();
+    let mut checked = Checked {
+        materials,
+        ..Checked::default()
+    };
     let mut merged_bytes = 0;
     for (file, form) in files().zip(forms) {
         // Its lines may be in the wrong blocks.
@@ -105,7 +117,11 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                 let experts = merged.experts.and_then(|experts| {
                     loaded.experts(experts.name().span().file, experts.name().text())
                 });
-                merged_bytes += merged.bytes + experts.map_or(0, |list| loaded.size(list.name()));
+                merged_bytes += merged.bytes
+                    + experts.map_or(0, |list| loaded.size(list.name()))
+                    + merged
+                        .material(loaded)
+                        .map_or(0, |it| loaded.size(it.name()));
                 if merged_bytes > MAX_INHERITED_BYTES {
                     report.absorb(own);
                     report.error(too_large(task.name()));

@@ -20,8 +20,8 @@ use fab_program::render::Jinja;
 use fab_program::space::{self, DECIMALS};
 use fab_program::units::{self, Unit};
 use fab_program::{
-    Choices, Condition, KeypointShape, Length, NumberFormat, OVERLAP, Placeholder, Point, Template,
-    Variable, exact,
+    Choices, Colour, Condition, Face, KeypointShape, Length, NumberFormat, OVERLAP, Placeholder,
+    Point, Template, Variable, exact,
 };
 use std::collections::BTreeMap;
 
@@ -33,6 +33,9 @@ const FORMAT: &str = "actions.format";
 
 /// The placeholder for how a point is written.
 const POINTS: &str = "actions.points";
+
+/// The placeholders for the colours of the cloth's faces.
+const FACES: [(&str, Face); 2] = [("cloth.upper", Face::Upper), ("cloth.under", Face::Under)];
 
 /// Where a text is used. This decides which names it may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,7 +140,8 @@ fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
         let is_value = context.names.get(name).is_some()
             || context.constants.contains_key(name)
             || context.layers.contains_key(name)
-            || [FORMAT, POINTS].contains(&name);
+            || [FORMAT, POINTS].contains(&name)
+            || FACES.iter().any(|(face, _)| *face == name);
         // Two braces are a placeholder, or the quotes are wrong and that was reported already.
         let is_double = source[..at].ends_with('{') || rest[length + 1..].starts_with('}');
         if !is_value || is_double {
@@ -281,6 +285,14 @@ fn dotted<'a>(path: Path<'a>, context: &mut Context<'a, '_>) -> Result<Resolved,
         "last.pick" | "last.place" => return written(Expr::Path(path), context),
         _ => {}
     }
+    if let Some((_, face)) = FACES.iter().find(|(name, _)| *name == text) {
+        let cloth = context.cloth.as_ref().map_err(|reported| *reported)?;
+        // A base without a cloth never becomes a program.
+        let colour = cloth
+            .as_ref()
+            .map_or_else(|| Colour::recorded(*face), |it| it.colour(*face));
+        return Ok(Resolved::Words(colour.name));
+    }
     let of_choices = text.strip_suffix(".choices");
     if let Some(name) = of_choices
         && let Some(field) = context.actions.get(name)?
@@ -315,6 +327,7 @@ fn dotted<'a>(path: Path<'a>, context: &mut Context<'a, '_>) -> Result<Resolved,
         .map(|field| format!("{}.choices", field.name));
     let choices: Vec<String> = choices.collect();
     let candidates = [FORMAT, POINTS, "last.pick", "last.place"].into_iter();
+    let candidates = candidates.chain(FACES.map(|(name, _)| name));
     let candidates = candidates.chain(choices.iter().map(String::as_str));
     Err(context.unknown_at("value", text, path.span(), candidates))
 }

@@ -38,6 +38,7 @@ fn words(dimension: Dimension) -> (&'static str, &'static str) {
         Dimension::Pixels => ("a length in the picture", " such as `10px`"),
         Dimension::Angle => ("an angle", " such as `45deg`"),
         Dimension::Speed => ("a speed", " such as `200mm/s`"),
+        Dimension::ArealDensity => ("a mass per area", " such as `420g/m2`"),
         Dimension::Number => ("a plain number", ""),
     }
 }

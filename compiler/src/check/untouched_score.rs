@@ -79,6 +79,7 @@ mod tests {
             dimy: 45,
             spacing_m: 0.00625,
             start: ClothStart::Flat,
+            material: None,
         };
         let corner = |right| ClothPoint::Particle { right, front: 0.0 };
         let fold = Fold {

@@ -153,7 +153,7 @@ codes! {
 
     "F0105" MissingName Error
     "a name is missing"
-    "Tasks, stages, checks and lists of experts have a name: a letter, then letters, digits and `_`."
+    "Tasks, stages, checks, lists of experts and materials have a name: a letter, then letters, digits and `_`."
 
     "F0106" SectionOutsideTask Error
     "a section is outside of any task"
@@ -343,6 +343,10 @@ codes! {
     "F0510" StepChangesNothing Warning
     "a demonstrated step changes nothing"
     "Cloth that is folded over too little opens again when it is let go. `fabc subgoals` executes the demonstration in the simulator. If a step leaves the cloth as it was, it searches the smallest fold from the same point in the same direction that stays, and keeps the result beside the pictures. `fabc check` reads it there while cloth, picker and folds are the same; it simulates nothing itself."
+
+    "F0511" MaterialIncomplete Error
+    "a material lacks a value, or its source"
+    "A `material` states its weight, thickness, bending length, crease recovery, stretch and friction, each with the place where the value comes from: a publication, or how it was measured. Without a source, nobody can check a value or improve it. The colours of its faces are optional, and each is a name for prompts and a colour for the simulator's camera."
 
     "F0601" SaidNowhere Warning
     "a component is never used"

@@ -99,7 +99,9 @@ impl ChoiceKind {
         match dimension {
             Dimension::Angle => ChoiceKind::Directions,
             Dimension::Speed => ChoiceKind::Speeds,
-            Dimension::Length | Dimension::Pixels | Dimension::Number => ChoiceKind::Lengths,
+            Dimension::Length | Dimension::Pixels | Dimension::ArealDensity | Dimension::Number => {
+                ChoiceKind::Lengths
+            }
         }
     }
 

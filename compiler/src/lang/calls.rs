@@ -39,6 +39,13 @@ const START: Arg = Arg::named(
 )
 .or(Default::Word("flat"));
 
+const MATERIAL: Arg = Arg::named(
+    "material",
+    Kind::Material,
+    "what it is made of: the name of a `material`, or `pyflex` for the recorded cloth",
+)
+.or(Default::Nothing);
+
 /// The forms of `cloth`.
 pub(crate) const CLOTHS: &[CallOf<Cloth>] = &[
     Call {
@@ -57,6 +64,7 @@ pub(crate) const CLOTHS: &[CallOf<Cloth>] = &[
                     "particles from back to front",
                 ),
                 START,
+                MATERIAL,
             ],
             doc: "particles from left to right and from back to front, 6.25 mm apart",
         },
@@ -66,7 +74,7 @@ pub(crate) const CLOTHS: &[CallOf<Cloth>] = &[
         signature: Signature {
             name: "square",
             gives: "a cloth",
-            args: &[Arg::positional("side", SIDE, "its side"), START],
+            args: &[Arg::positional("side", SIDE, "its side"), START, MATERIAL],
             doc: "the same side both ways",
         },
         make: |args| cloth([particles(args.number("side")); 2], args),
@@ -79,6 +87,7 @@ pub(crate) const CLOTHS: &[CallOf<Cloth>] = &[
                 Arg::positional("width", SIDE, "from left to right"),
                 Arg::positional("depth", SIDE, "from back to front"),
                 START,
+                MATERIAL,
             ],
             doc: "width and depth",
         },
@@ -106,6 +115,10 @@ fn cloth([dimx, dimy]: [u32; 2], args: &Args) -> Cloth {
         dimy,
         spacing_m: SPACING_M,
         start,
+        material: match args.get("material") {
+            Some(ArgValue::Material(material)) => Some((**material).clone()),
+            _ => None,
+        },
     }
 }
 

@@ -8,6 +8,7 @@ pub(crate) mod annotate;
 pub(crate) mod calls;
 pub(crate) mod conditions;
 pub(crate) mod goal;
+pub(crate) mod material;
 mod reference;
 pub(crate) mod sections;
 pub(crate) mod stage;
@@ -21,7 +22,7 @@ pub use vocabulary::{BlockWords, CallEntry, VOCABULARY_FORMAT, Vocabulary, WordE
 
 #[cfg(test)]
 mod tests {
-    use super::{annotate, calls, vocabulary};
+    use super::{annotate, calls, material, vocabulary};
     use fab_program::samples;
     use fab_program::vocabulary::CallOf;
     use std::collections::BTreeSet;
@@ -40,6 +41,27 @@ mod tests {
         makes(calls::CAMERAS);
         makes(calls::CLOTH_POINTS);
         makes(annotate::MARKS);
+    }
+
+    #[test]
+    fn every_property_is_stored_from_the_arguments_that_it_declares() {
+        let before = material_of_zeros();
+        for row in material::PROPERTIES {
+            let mut stored = before.clone();
+            (row.call.make)(&mut stored, &samples::of(&row.call.signature)[0]);
+            assert_ne!(stored, before, "{}", row.call.signature.name);
+        }
+    }
+
+    fn material_of_zeros() -> fab_program::Material {
+        let colour = serde_json::json!({ "name": "", "rgb": [0, 0, 0] });
+        let none = serde_json::json!({ "warp": 0.0, "weft": 0.0, "bias": 0.0 });
+        serde_json::from_value(serde_json::json!({
+            "name": "", "weight_kg_m2": 0.0, "thickness_m": 0.0, "bending_length_m": none,
+            "crease_recovery_deg": 0.0, "stretch": none, "table_friction": 0.0, "self_friction": 0.0,
+            "upper": colour, "under": colour,
+        }))
+        .expect("a material")
     }
 
     #[test]

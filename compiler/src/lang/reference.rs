@@ -44,6 +44,7 @@ const CALLS: &[(&str, &str)] = &[
     ("cloths", "cloth"),
     ("pickers-with-a-manner", "picker"),
     ("cameras", "camera"),
+    ("properties", "property of a material"),
     ("points-of-the-cloth", "point of the cloth"),
     ("extractors", "extractor"),
     ("marks", "mark"),
@@ -57,6 +58,7 @@ const WORDS: &[(&str, &str)] = &[
     ("fields", "field"),
     ("settings", "setting"),
     ("colours", "colour"),
+    ("faces", "face"),
     ("conditions", "condition"),
     ("comparisons", "comparison"),
     ("numbers-of-verify", "verify"),
@@ -121,6 +123,7 @@ fn units(known: &Vocabulary) -> String {
             Dimension::Pixels => "a length in the picture",
             Dimension::Angle => "an angle",
             Dimension::Speed => "a speed",
+            Dimension::ArealDensity => "a mass per area",
             Dimension::Number => "a plain number",
         };
         vec![

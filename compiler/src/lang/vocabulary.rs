@@ -8,6 +8,7 @@ use super::annotate::{COLORS, MARKS};
 use super::calls::{CAMERAS, CLOTH_POINTS, CLOTHS, PICKERS};
 use super::conditions::{SIGNS, WORDS};
 use super::goal::{METRICS, STEPS};
+use super::material::{self, PROPERTIES};
 use super::sections::{SECTIONS, Section};
 use super::stage::{DRAWINGS, MODELS, PICTURES, SETTINGS};
 use super::test::{EXPECTATIONS, GIVEN};
@@ -16,7 +17,7 @@ use fab_grammar::Block;
 use fab_program::measures::MEASURES;
 use fab_program::units::{UNITS, Unit};
 use fab_program::vocabulary::{Kind, Signature, Word};
-use fab_program::{EXTRACTORS, Picker};
+use fab_program::{EXTRACTORS, Face, Picker};
 use serde::Serialize;
 
 /// Version of the format of [`Vocabulary`].
@@ -53,7 +54,8 @@ pub struct BlockWords {
 /// One form of a call.
 #[derive(Clone, Debug, Serialize)]
 pub struct CallEntry {
-    /// Where it may be used: `cloth`, `picker`, `camera`, `point of the cloth`, `extractor`, `mark`, `measure`.
+    /// Where it may be used: `cloth`, `picker`, `camera`, `property of a material`, `point of the cloth`,
+    /// `extractor`, `mark`, `measure`.
     pub kind: &'static str,
     /// How a complete call is written.
     pub form: String,
@@ -101,6 +103,10 @@ fn calls() -> Vec<CallEntry> {
     let cloths = CLOTHS.iter().map(|row| of("cloth", &row.signature));
     let pickers = PICKERS.iter().map(|row| of("picker", &row.signature));
     let cameras = CAMERAS.iter().map(|row| of("camera", &row.signature));
+    let properties = PROPERTIES.iter().map(|row| CallEntry {
+        form: material::form(&row.call.signature),
+        ..of("property of a material", &row.call.signature)
+    });
     let points = CLOTH_POINTS
         .iter()
         .map(|row| of("point of the cloth", &row.signature));
@@ -109,7 +115,11 @@ fn calls() -> Vec<CallEntry> {
         .map(|row| of("extractor", &row.call.signature));
     let marks = MARKS.iter().map(|row| of("mark", &row.signature));
     let measures = MEASURES.iter().map(|row| of("measure", &row.signature));
-    let table = cloths.chain(pickers).chain(cameras).chain(points);
+    let table = cloths
+        .chain(pickers)
+        .chain(cameras)
+        .chain(properties)
+        .chain(points);
     table
         .chain(extractors)
         .chain(marks)
@@ -123,9 +133,10 @@ fn words() -> Vec<WordEntry> {
         word: Word { name, doc },
         value,
     };
-    let sets: [(_, &[Word]); 7] = [
+    let sets: [(_, &[Word]); 8] = [
         ("picker", Picker::WORDS),
         ("colour", COLORS),
+        ("face", Face::WORDS),
         ("model", MODELS),
         ("picture", PICTURES),
         ("drawing", DRAWINGS),

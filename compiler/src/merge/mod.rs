@@ -25,8 +25,8 @@ use fab_grammar::Span;
 pub(crate) use said::Said;
 
 use fab_grammar::ast::{
-    Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints, Name,
-    NamedValue, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
+    Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints,
+    Material, Name, NamedValue, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
 };
 use lists::{LEAVE_OUT, OVERRIDE};
 use std::collections::{BTreeMap, BTreeSet};
@@ -288,6 +288,19 @@ impl<'a> Merged<'a> {
         self.add_sayings(body, report);
         self.add_checks(body, loaded, report);
         self.bytes += body.bytes();
+    }
+
+    /// Returns the material that the cloth names, if a file that it sees declares it.
+    pub fn material(&self, loaded: &Loaded<'a>) -> Option<Material<'a>> {
+        let Expr::Call(call) = self.statement("cloth")?.value() else {
+            return None;
+        };
+        let mut given = call.arguments();
+        let stated = given.find(|it| it.label().is_some_and(|label| label.text() == "material"))?;
+        match stated.value() {
+            Expr::Name(name) => loaded.material(name.span().file, name.text()),
+            _ => None,
+        }
     }
 
     /// Returns the first of a section, and records the proof of an error if there are more.

@@ -93,6 +93,7 @@ pub fn program(actions: Vec<ActionField>) -> Program {
             dimy: 41,
             spacing_m: EDGE_M / 50.0,
             start: ClothStart::Flat,
+            material: None,
         },
         subgoals: None,
         experts: Vec::new(),

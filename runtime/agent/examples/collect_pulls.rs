@@ -115,7 +115,7 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
     let programs = compiled.programs.into_iter();
     let mut plain = programs.filter(|program| program.variant.is_none());
     let program = plain.next().ok_or("the task does not compile")?;
-    let mut world = SimulatedWorld::new(&program.camera, program.picker)?;
+    let mut world = SimulatedWorld::of(&program)?;
     let flat = Start::flat(&program.cloth);
     let (cache, interrupt) = (Cache::none(), Interrupt::default());
     let mut start = crumple::start(&flat, seed, &world, &cache, &interrupt, &mut || {})?.start;

@@ -82,7 +82,7 @@
 //! let program = &compiled.programs[0];
 //!
 //! let make_world = || -> Result<Box<dyn World>, WorldError> {
-//!     Ok(Box::new(SimulatedWorld::new(&program.camera, program.picker)?))
+//!     Ok(Box::new(SimulatedWorld::of(program)?))
 //! };
 //! let folder = tempfile::tempdir()?;
 //! let interrupt = Interrupt::default();

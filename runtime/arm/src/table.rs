@@ -9,9 +9,10 @@ use crate::rgbd::{RgbdError, RgbdSource, Shot};
 use crate::settings::{Settings, SimulatedSettings};
 use crate::simulated::SimulatedTable;
 use fab_picture::DepthImage;
+use fab_program::Material;
 use fab_sim::{Grid, ImageUp, Mask, Params, Simulator, TopDownCamera};
 use fab_world::WorldError;
-use fab_world::simulated::{Look, stopped};
+use fab_world::simulated::{self, Look, stopped};
 use fab_world::start::Start;
 use image::RgbImage;
 use nalgebra::{Isometry3, Point3};
@@ -68,6 +69,13 @@ impl ClothTable {
             broken: None,
             is_unseen: false,
         })
+    }
+
+    /// Changes what every cloth is made of, and the colours of its faces; `None` is the recorded cloth.
+    pub fn with_material(mut self, material: Option<&Material>) -> ClothTable {
+        self.params.material = material.map(simulated::material);
+        self.look = simulated::look(material);
+        self
     }
 
     /// Lays a cloth as a start says.

@@ -142,9 +142,11 @@ impl World for ArmWorld {
         let Parts {
             settings_hash,
             calibration,
+            material,
             ..
         } = &self.parts;
-        parts::parameters(settings_hash, calibration, self.flat.as_ref())
+        let parameters = parts::parameters(settings_hash, calibration, self.flat.as_ref());
+        fab_world::parameters_with(parameters, material.as_ref())
     }
 
     fn code(&self) -> String {

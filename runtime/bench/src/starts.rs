@@ -144,6 +144,7 @@ pub fn recorded(folder: &Path, task: &str) -> Result<Vec<StartPoint>, RecordedEr
                 dimy: start.grid.dimy,
                 spacing_m: start.grid.spacing_m,
                 start: ClothStart::Flat,
+                material: None,
             },
             lie: Arrangement::Recorded(start),
         })

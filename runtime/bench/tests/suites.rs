@@ -116,6 +116,7 @@ fn cloth(dimx: u32, dimy: u32) -> Cloth {
         dimy,
         spacing_m: 0.00625,
         start: ClothStart::Flat,
+        material: None,
     }
 }
 

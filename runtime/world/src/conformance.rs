@@ -120,6 +120,7 @@ fn start() -> Start {
         dimy: 20,
         spacing_m: 0.00625,
         start: ClothStart::Flat,
+        material: None,
     })
 }
 

@@ -93,6 +93,7 @@ mod tests {
         dimy: 10,
         spacing_m: 0.00625,
         start: ClothStart::Crumpled,
+        material: None,
     };
 
     fn world() -> SimulatedWorld {

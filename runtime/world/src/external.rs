@@ -44,6 +44,7 @@ pub struct ExternalWorld {
     folder: TempDir,
     camera: program::Camera,
     picker: Picker,
+    material: Option<program::Material>,
     interrupt: Interrupt,
     is_laid: bool,
     /// How many starts were written.
@@ -138,12 +139,30 @@ impl ExternalWorld {
             folder,
             camera: camera.clone(),
             picker,
+            material: None,
             interrupt: interrupt.clone(),
             is_laid: false,
             n_starts: RefCell::new(0),
             particles: None,
             failed: RefCell::default(),
         })
+    }
+
+    /// Says what every cloth is made of; fails if the program knows no materials.
+    pub fn with_material(
+        self,
+        material: Option<&program::Material>,
+    ) -> Result<ExternalWorld, WorldError> {
+        match material {
+            Some(material) if !self.about.materials => Err(self.wrong(format!(
+                "its `hello` does not say `\"materials\": true`, and the task's cloth is made of `{}`",
+                material.name
+            ))),
+            material => Ok(ExternalWorld {
+                material: material.map(program::Material::without_sources),
+                ..self
+            }),
+        }
     }
 
     /// Asks a question. If it is interrupted, the program is interrupted too, and its last line counts.
@@ -236,6 +255,7 @@ impl ExternalWorld {
             dimy: grid.dimy,
             spacing_m: grid.spacing_m,
             start: ClothStart::Flat,
+            material: self.material.clone(),
         });
         let lie = match flat.positions == start.positions {
             true => Arrangement::Flat,
@@ -251,6 +271,7 @@ impl ExternalWorld {
             lie,
             grid,
             positions: path,
+            material: self.material.clone(),
         })
     }
 
@@ -292,7 +313,7 @@ impl World for ExternalWorld {
     }
 
     fn parameters(&self) -> String {
-        self.about.parameters.clone()
+        crate::parameters_with(self.about.parameters.clone(), self.material.as_ref())
     }
 
     fn code(&self) -> String {

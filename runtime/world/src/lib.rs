@@ -22,9 +22,10 @@ mod recorded;
 mod wrapper;
 
 use crate::start::Start;
+use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
-use fab_program::Manner;
+use fab_program::{Manner, Material};
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 use vary::AxisValues;
@@ -149,6 +150,16 @@ pub type Refuses<'a> = dyn Fn(&Motion) -> Option<String> + 'a;
 /// Refuses no motion: for questions outside any world.
 pub fn nothing(_: &Motion) -> Option<String> {
     None
+}
+
+/// Returns the hash of a world's settings with the material of its cloth, if a task states one.
+pub fn parameters_with(parameters: String, material: Option<&Material>) -> String {
+    let Some(material) = material else {
+        return parameters;
+    };
+    let text = serde_json::to_string(&material.without_sources())
+        .expect("a material has string keys and finite numbers");
+    Cache::key([parameters.as_str(), &text])[..16].to_owned()
 }
 
 /// Returns why nothing can be done at a point, as [`World::out_of_reach`] does.

@@ -5,7 +5,7 @@
 use crate::Grasp;
 use crate::start::Grid;
 use fab_picture::camera::Pinhole;
-use fab_program::{Camera, Manner, Picker};
+use fab_program::{Camera, Manner, Material, Picker};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -101,6 +101,9 @@ pub struct ClothState {
     pub grid: Grid,
     /// Its particles: a `.npy` file of float32, shape `[dimy * dimx, 3]`.
     pub positions: PathBuf,
+    /// What it is made of, if the task says so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
 }
 
 /// The arrangement of a cloth.
@@ -134,6 +137,9 @@ pub struct Hello {
     /// The fields of an action's manner that it acts on, such as `lift`.
     #[serde(default)]
     pub acts_on: Vec<String>,
+    /// Whether a cloth can be of the material that a start states; a task with a material needs such a world.
+    #[serde(default)]
+    pub materials: bool,
     /// Whether equal starts and actions give equal results.
     #[serde(default = "yes")]
     pub repeats: bool,

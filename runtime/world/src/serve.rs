@@ -108,7 +108,8 @@ impl Served {
                 picker,
                 start,
             } => {
-                let mut world = SimulatedWorld::new(&camera, picker)?;
+                let world = SimulatedWorld::new(&camera, picker)?;
+                let mut world = world.with_material(start.material.as_ref());
                 world.reset(&read(&start)?)?;
                 self.world = Some(world);
                 written(Nothing {})
@@ -188,6 +189,7 @@ fn hello(world: &SimulatedWorld) -> Hello {
         crumples: true,
         reach: false,
         acts_on: MANNERS.iter().map(|row| row.name.to_owned()).collect(),
+        materials: true,
         repeats: true,
         limits_s: Default::default(),
     }

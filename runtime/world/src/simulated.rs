@@ -9,7 +9,7 @@ use fab_base::interrupt::Interrupt;
 use fab_picture::DepthImage;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
-use fab_program as program;
+use fab_program::{self as program, Program};
 use fab_sim::{Aim, Grid, Manner, Mask, SimError, Simulator, TopDownCamera};
 pub use fab_sim::{Look, Params};
 use image::RgbImage;
@@ -60,6 +60,19 @@ impl SimulatedWorld {
             recorder: Some(recorder),
             ..self
         }
+    }
+
+    /// Sets up the world of a program: its camera, its picker, and the material of its cloth.
+    pub fn of(program: &Program) -> Result<SimulatedWorld, WorldError> {
+        let world = SimulatedWorld::new(&program.camera, program.picker)?;
+        Ok(world.with_material(program.cloth.material.as_ref()))
+    }
+
+    /// Changes what every cloth is made of, and the colours of its faces; `None` is the recorded cloth.
+    pub fn with_material(mut self, material: Option<&program::Material>) -> SimulatedWorld {
+        self.parameters.material = material.map(self::material);
+        self.look = look(material);
+        self
     }
 
     /// Changes the colours of cloth and table.
@@ -221,6 +234,36 @@ impl World for SimulatedWorld {
     }
 }
 
+/// Returns a material as the simulator takes it.
+pub fn material(declared: &program::Material) -> fab_sim::Material {
+    let directions = |along: program::Directions| fab_sim::Directions {
+        warp: along.warp as f32,
+        weft: along.weft as f32,
+        bias: along.bias as f32,
+    };
+    fab_sim::Material {
+        weight_kg_m2: declared.weight_kg_m2 as f32,
+        thickness_m: declared.thickness_m as f32,
+        bending_length_m: directions(declared.bending_length_m),
+        crease_recovery_deg: declared.crease_recovery_deg as f32,
+        stretch: directions(declared.stretch),
+        table_friction: declared.table_friction as f32,
+        self_friction: declared.self_friction as f32,
+    }
+}
+
+/// Returns the colours of a cloth of this material on the recorded table.
+pub fn look(material: Option<&program::Material>) -> Look {
+    match material {
+        None => Look::default(),
+        Some(material) => Look {
+            top: material.upper.rgb,
+            underside: material.under.rgb,
+            ..Look::default()
+        },
+    }
+}
+
 /// Says in the world's words why the simulator stopped.
 pub fn stopped(error: SimError) -> WorldError {
     match error {
@@ -228,5 +271,98 @@ pub fn stopped(error: SimError) -> WorldError {
         other => WorldError::Motion {
             why: other.to_string(),
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conformance;
+    use fab_program::{Cloth, ClothStart, Colour, Face, Picker};
+
+    fn towel() -> program::Material {
+        let along = |warp, weft, bias| program::Directions { warp, weft, bias };
+        program::Material {
+            name: "towel".to_owned(),
+            weight_kg_m2: 0.42,
+            thickness_m: 0.0021,
+            bending_length_m: along(0.021, 0.018, 0.019),
+            crease_recovery_deg: 110.0,
+            stretch: along(0.02, 0.03, 0.1),
+            table_friction: 0.4,
+            self_friction: 0.6,
+            upper: Colour {
+                name: "blue".to_owned(),
+                rgb: [20, 40, 200],
+            },
+            under: Colour::recorded(Face::Under),
+            sources: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_material_changes_the_parameters_and_the_picture_and_none_changes_nothing() {
+        let world = || SimulatedWorld::new(&conformance::camera(), Picker::default()).unwrap();
+        let plain = world().with_material(None);
+        assert_eq!(plain.parameters(), world().parameters());
+        let mut made = world().with_material(Some(&towel()));
+        assert_ne!(made.parameters(), plain.parameters());
+        let start = Start::flat(&Cloth {
+            dimx: 21,
+            dimy: 21,
+            spacing_m: 0.00625,
+            start: ClothStart::Flat,
+            material: Some(towel()),
+        });
+        made.reset(&start).unwrap();
+        let seen = made.observe().unwrap();
+        let middle = seen.rgb.width() / 2;
+        assert_eq!(seen.rgb.get_pixel(middle, middle).0, [20, 40, 200]);
+    }
+
+    #[test]
+    fn a_flat_cloth_lies_where_the_simulator_lets_it_rest() {
+        for thickness_m in [0.0002, 0.0021, 0.009] {
+            let material = program::Material {
+                thickness_m,
+                ..towel()
+            };
+            let simulated = Params {
+                material: Some(self::material(&material)),
+                ..Params::default()
+            };
+            let cloth = Cloth {
+                dimx: 2,
+                dimy: 2,
+                spacing_m: 0.00625,
+                start: ClothStart::Flat,
+                material: Some(material),
+            };
+            assert_eq!(cloth.rest_height_m() as f32, simulated.rest_height_m());
+        }
+    }
+
+    #[test]
+    fn a_material_that_is_too_stiff_for_the_grid_is_refused_with_a_spacing_that_would_do() {
+        let mut stiff = towel();
+        stiff.bending_length_m = program::Directions {
+            warp: 0.1,
+            weft: 0.1,
+            bias: 0.09,
+        };
+        let cloth = Cloth {
+            dimx: 21,
+            dimy: 21,
+            spacing_m: 0.00625,
+            start: ClothStart::Flat,
+            material: Some(stiff),
+        };
+        let world = SimulatedWorld::new(&conformance::camera(), Picker::default()).unwrap();
+        let mut world = world.with_material(cloth.material.as_ref());
+        let error = world.reset(&Start::flat(&cloth)).unwrap_err().to_string();
+        assert!(
+            error.contains("substeps") && error.contains("would do"),
+            "{error}"
+        );
     }
 }

@@ -94,7 +94,11 @@ mod tests {
         let share = length_m / 2.0_f64.sqrt();
         let place = WorldPoint::new(x + share, y - share, z);
         let mut world = SimulatedWorld::new(&camera, Picker::PutDown).expect("a camera");
-        let motion = Motion { pick, place };
+        let motion = Motion {
+            pick,
+            place,
+            manner: Default::default(),
+        };
         find(&cloth, &motion, &mut world, &Interrupt::default()).expect("a simulated cloth")
     }
 

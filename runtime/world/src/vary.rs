@@ -40,16 +40,30 @@ pub const AXES: &[Axis] = &[
         unit: "coefficient",
         low: 0.0,
         high: 10.0,
-        about: "Coulomb friction of table and picker; 0.75 by default",
-        change: |setup, coefficient| setup.parameters.table_friction = coefficient as f32,
+        about: "Coulomb friction of table and picker; 0.75 without a material",
+        change: |setup, coefficient| {
+            let parameters = &mut setup.parameters;
+            let of = match &mut parameters.material {
+                Some(material) => &mut material.table_friction,
+                None => &mut parameters.table_friction,
+            };
+            *of = coefficient as f32;
+        },
     },
     Axis {
         name: "self_friction",
         unit: "coefficient",
         low: 0.0,
         high: 10.0,
-        about: "Coulomb friction between layers of the cloth; 1 by default",
-        change: |setup, coefficient| setup.parameters.self_friction = coefficient as f32,
+        about: "Coulomb friction between layers of the cloth; 1 without a material",
+        change: |setup, coefficient| {
+            let parameters = &mut setup.parameters;
+            let of = match &mut parameters.material {
+                Some(material) => &mut material.self_friction,
+                None => &mut parameters.self_friction,
+            };
+            *of = coefficient as f32;
+        },
     },
     Axis {
         name: "turn_deg",

@@ -53,10 +53,7 @@ const DEFAULT_SEED: u64 = 0;
 
 /// Makes a simulated world for a program.
 pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
-    Ok(Box::new(SimulatedWorld::new(
-        &program.camera,
-        program.picker,
-    )?))
+    Ok(Box::new(SimulatedWorld::of(program)?))
 }
 
 /// Makes a simulated world for a program, filmed if there is a recorder.
@@ -67,7 +64,7 @@ pub fn filmed_world(
     let Some(recorder) = recorder else {
         return world(program);
     };
-    let world = SimulatedWorld::new(&program.camera, program.picker)?;
+    let world = SimulatedWorld::of(program)?;
     Ok(Box::new(world.with_recorder(recorder.clone())))
 }
 
@@ -115,7 +112,7 @@ pub fn start(
 
 /// Makes a simulated world that differs from a program's own in some values.
 pub fn varied_world(program: &Program, values: &AxisValues) -> Result<Box<dyn World>, WorldError> {
-    let world = SimulatedWorld::new(&program.camera, program.picker)?;
+    let world = SimulatedWorld::of(program)?;
     Ok(Box::new(world.varied(values, &program.camera)))
 }
 

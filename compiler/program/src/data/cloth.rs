@@ -1,7 +1,11 @@
 //! The cloth of a task.
 
 use crate::data::files::FileRef;
+use crate::data::material::{Colour, Face, Material};
 use serde::{Deserialize, Serialize};
+
+/// How high the recorded scene's cloth lies above the table, metres.
+pub const RECORDED_HEIGHT_M: f64 = 0.005;
 
 /// A rectangular cloth as a grid of particles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,12 +18,32 @@ pub struct Cloth {
     pub spacing_m: f64,
     /// How it lies at the start, unless the command line says otherwise.
     pub start: ClothStart,
+    /// What it is made of; `None` is the cloth of the recorded scene. A cloth on a real table is what it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
 }
 
 impl Cloth {
     /// Returns the length of the longer side, metres: one `edge`.
     pub fn edge_m(&self) -> f64 {
         f64::from(self.dimx.max(self.dimy) - 1) * self.spacing_m
+    }
+
+    /// Returns the colour of a face.
+    pub fn colour(&self, face: Face) -> Colour {
+        match (&self.material, face) {
+            (None, _) => Colour::recorded(face),
+            (Some(material), Face::Upper) => material.upper.clone(),
+            (Some(material), Face::Under) => material.under.clone(),
+        }
+    }
+
+    /// Returns how high the flat cloth's surface lies above the table in the simulator, metres.
+    pub fn rest_height_m(&self) -> f64 {
+        match &self.material {
+            None => RECORDED_HEIGHT_M,
+            Some(material) => material.gap_m() / 2.0,
+        }
     }
 
     /// Returns the area of the flat cloth, square metres.

@@ -378,6 +378,24 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
     row(
         "mask",
         KeypointShape::Mask,
+        &[Arg::named(
+            "face",
+            Kind::Face,
+            "a face of the cloth: `upper` or `under`",
+        )],
+        "the pixels of the colour of one face of the cloth's material",
+        |args| {
+            let [hue_deg, saturation, value] = args.colours("face");
+            Extractor::ColorMask {
+                hue_deg,
+                saturation,
+                value,
+            }
+        },
+    ),
+    row(
+        "mask",
+        KeypointShape::Mask,
         &[
             Arg::named(
                 "split",

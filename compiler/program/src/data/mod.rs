@@ -12,6 +12,7 @@ pub mod folds;
 pub mod goal;
 pub mod keypoints;
 pub mod manner;
+pub mod material;
 pub mod picker;
 pub mod placeholders;
 pub mod points;

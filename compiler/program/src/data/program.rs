@@ -97,6 +97,9 @@ impl Program {
             sources: Vec::new(),
             ..self.clone()
         };
+        if let Some(material) = &mut program.cloth.material {
+            material.sources.clear();
+        }
         for template in &mut program.templates {
             (template.declared_in, template.line) = (String::new(), 0);
         }

@@ -257,6 +257,7 @@ fn start_of(program: &Program, demo: &Demo) -> Result<Start, String> {
         dimy,
         spacing_m: program.cloth.spacing_m,
         start: ClothStart::Flat,
+        material: None,
     };
     Ok(Start::turned_by(&cloth, demo.turned_deg.to_radians()))
 }

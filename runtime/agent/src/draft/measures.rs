@@ -97,6 +97,7 @@ pub fn of(
         dimy,
         spacing_m: SPACING_M,
         start: ClothStart::Flat,
+        material: None,
     };
     Ok((camera, cloth))
 }

@@ -229,6 +229,7 @@ fn a_cloth_that_lies_turned_in_larger_pictures_is_read_as_one_that_lies_straight
         dimy: 41,
         spacing_m: measures::SPACING_M,
         start: program::ClothStart::Flat,
+        material: None,
     };
     let start = Start::turned_by(&cloth, 20.0_f64.to_radians());
     let mut world = SimulatedWorld::new(&camera, program::Picker::PutDown).unwrap();
@@ -383,6 +384,7 @@ fn a_square_has_eight_sides_to_fold_from_and_a_rectangle_four() {
         dimy,
         spacing_m: measures::SPACING_M,
         start: program::ClothStart::Flat,
+        material: None,
     };
     let folds = [
         fold(corner(0.0, 0.0), corner(1.0, 1.0)),

@@ -79,6 +79,7 @@ impl Scene {
                 dimy,
                 spacing_m,
                 start: ClothStart::Flat,
+                material: None,
             }),
             messages,
             goals_to_lose: 0,

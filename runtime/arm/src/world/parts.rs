@@ -7,6 +7,7 @@ use crate::settings::{DriverKind, Settings};
 use crate::sight::Sight;
 use crate::supervisor::{Supervisor, Watchdog};
 use crate::table::ClothTable;
+use fab_program::Material;
 use fab_world::About;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use sha2::{Digest, Sha256};
@@ -24,6 +25,8 @@ pub struct Parts {
     pub sight: Sight,
     /// Side of the square picture that the task's camera takes, pixels.
     pub image_px: u32,
+    /// What a simulated cloth is made of, if the task says so; a real one is what it is.
+    pub material: Option<Material>,
     /// Who confirms motion.
     pub supervisor: Box<dyn Supervisor>,
     /// Stops the arm if this program hangs.

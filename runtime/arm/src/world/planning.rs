@@ -42,7 +42,8 @@ impl PlanningWorld {
             ));
         }
         let base_from_world = super::base_from_world(&parts.settings);
-        let table = ClothTable::new(&parts.settings, &base_from_world)?;
+        let table = ClothTable::new(&parts.settings, &base_from_world)?
+            .with_material(parts.material.as_ref());
         let table = Rc::new(RefCell::new(table));
         let camera = Box::new(TableCamera(table.clone()));
         let mut planning = PlanningWorld::new(parts, camera)?;

@@ -37,7 +37,9 @@ impl ArmWorld {
             ));
         }
         let base_from_world = base_from_world(settings);
-        let table = Rc::new(RefCell::new(ClothTable::new(settings, &base_from_world)?));
+        let table = Rc::new(RefCell::new(
+            ClothTable::new(settings, &base_from_world)?.with_material(parts.material.as_ref()),
+        ));
         let simulation = Simulation {
             faults,
             ..Simulation::of(settings).map_err(motion)?

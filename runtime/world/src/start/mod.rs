@@ -105,7 +105,7 @@ impl Start {
                 positions.push([
                     (cos * right - sin * back) as f32,
                     (sin * right + cos * back) as f32,
-                    RESTING_HEIGHT_M as f32,
+                    cloth.rest_height_m() as f32,
                 ]);
             }
         }
@@ -166,6 +166,7 @@ mod tests {
             dimy: 3,
             spacing_m: 0.00625,
             start: fab_program::ClothStart::Flat,
+            material: None,
         }
     }
 

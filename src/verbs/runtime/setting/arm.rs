@@ -144,6 +144,8 @@ pub fn world(
         calibration,
         sight: SIGHT,
         image_px: program.camera.image_px,
+        // A real cloth is what it is.
+        material: program.cloth.material.clone().filter(|_| is_simulated),
         supervisor,
         // A simulated arm ends with this program; a real one gets a watchdog below.
         watchdog: Box::new(NoWatchdog),

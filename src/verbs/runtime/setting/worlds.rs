@@ -72,7 +72,9 @@ pub fn external(
     interrupt: &Interrupt,
 ) -> Result<Box<dyn World>, WorldError> {
     let world = ExternalWorld::start(command, &program.camera, program.picker, run, interrupt)?;
-    Ok(Box::new(world))
+    Ok(Box::new(
+        world.with_material(program.cloth.material.as_ref())?,
+    ))
 }
 
 /// Returns the failure for a world that cannot be made.

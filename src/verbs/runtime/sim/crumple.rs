@@ -170,6 +170,7 @@ fn cloth(arguments: &CrumpleArguments) -> Result<Cloth, Failure> {
         dimy: dimy as u32,
         spacing_m: SPACING_M,
         start: ClothStart::Crumpled,
+        material: None,
     };
     let flat = Start {
         outline: files::outline_of(&mask),

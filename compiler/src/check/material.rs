@@ -1,0 +1,289 @@
+//! `material NAME { weight 420g/m2 from "…" … }`: what a cloth is made of.
+
+use super::arguments::{Bound, bind, form};
+use super::context::Context;
+use super::expressions::{Scope, values};
+use super::quantity::out_of_range;
+use crate::diag::{Code, Diagnostic, Report, Reported, among};
+use crate::lang::material::{self, PROPERTIES};
+use crate::load::Loaded;
+use crate::merge::repeated;
+use fab_grammar::ast::{self, Expr, Name, Text};
+use fab_program::data::material::{Directions, RECORDED, Source};
+use fab_program::vocabulary::ArgValue;
+use fab_program::{Colour, Face, Material};
+use std::collections::BTreeMap;
+
+/// The most characters of a source: about five lines.
+const MAX_SOURCE_CHARS: usize = 500;
+
+/// The most characters of a colour's name.
+const MAX_COLOUR_CHARS: usize = 40;
+
+/// Reads a declared material.
+pub(crate) fn check<'a>(
+    declared: ast::Material<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Material, Reported> {
+    // The constants of a task mean nothing here, and `edge` has no size.
+    let context = &mut Context::outside(context.loaded, context.report);
+    let name = declared.name();
+    let mut all = Ok(());
+    if name.text() == RECORDED {
+        let message = format!("`{RECORDED}` is the cloth of the recorded scene");
+        let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
+        all = Err(context.error(diagnostic.help("choose another name for the material")));
+    }
+    let zero = Directions {
+        warp: 0.0,
+        weft: 0.0,
+        bias: 0.0,
+    };
+    let mut material = Material {
+        name: name.text().to_owned(),
+        weight_kg_m2: 0.0,
+        thickness_m: 0.0,
+        bending_length_m: zero,
+        crease_recovery_deg: 0.0,
+        stretch: zero,
+        table_friction: 0.0,
+        self_friction: 0.0,
+        upper: Colour::recorded(Face::Upper),
+        under: Colour::recorded(Face::Under),
+        sources: Vec::new(),
+    };
+    let mut given: BTreeMap<&str, Name<'_>> = BTreeMap::new();
+    for property in declared.properties() {
+        let word = property.name();
+        let first = *given.entry(word.text()).or_insert(word);
+        if first.span() != word.span() {
+            let diagnostic = repeated(word.text(), first.span(), word.span());
+            all = Err(context.error(diagnostic));
+        } else if let Err(reported) = set(property, &mut material, context) {
+            all = Err(reported);
+        }
+    }
+    let rows = PROPERTIES.iter().map(|row| (row, row.call.signature.name));
+    let missing = rows.filter(|(row, name)| row.face.is_none() && !given.contains_key(name));
+    let missing: Vec<&str> = missing.map(|(_, name)| name).collect();
+    // A misspelt property is not missing too.
+    if all.is_ok() && !missing.is_empty() {
+        let lacks = among(missing.iter().copied()).replace(" or ", " and ");
+        let message = format!("the material `{}` lacks {lacks}", name.text());
+        let first = PROPERTIES
+            .iter()
+            .find(|row| row.call.signature.name == missing[0]);
+        let form = first.map_or_else(String::new, |row| material::form(&row.call.signature));
+        let diagnostic = Diagnostic::new(Code::MaterialIncomplete, name.span(), message)
+            .help(format!("write `{form}`"));
+        all = Err(context.missing(declared.is_damaged(), name.span().file, diagnostic));
+    }
+    all.map(|()| material)
+}
+
+/// Reads one property into a material.
+fn set<'a>(
+    property: ast::Property<'a>,
+    material: &mut Material,
+    context: &mut Context<'a, '_>,
+) -> Result<(), Reported> {
+    let word = property.name();
+    let rows = || PROPERTIES.iter().map(|row| &row.call.signature);
+    let found = property
+        .call()
+        .and_then(|call| Some((call, form(call, rows())?)));
+    let Some((call, (index, signature))) = found else {
+        return Err(context.unknown("property of a material", word, rows().map(|row| row.name)));
+    };
+    let row = &PROPERTIES[index];
+    let written = material::form(signature);
+    let bound = bind(
+        call,
+        signature,
+        &|| format!("`{written}`"),
+        material::form,
+        context,
+    )?;
+    let args = values(&bound, signature, Scope::Everywhere, context)?;
+    for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
+        // `edge` is the only unit without a size outside of a task.
+        if matches!(value, ArgValue::Number(number) if number.is_nan()) {
+            let message = "a material has no `edge`: cloths of many sizes are made of it";
+            let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
+            return Err(context.error(diagnostic.help("write a length such as `2mm`")));
+        }
+    }
+    (row.call.make)(material, &args);
+    if word.text() == "bending" {
+        bias_fits(&bound, material, context)?;
+    }
+    match (row.face, property.text(), property.cited()) {
+        (Some(face), Some(text), _) => {
+            let rgb = rgb(text, context)?;
+            match face {
+                Face::Upper => material.upper.rgb = rgb,
+                Face::Under => material.under.rgb = rgb,
+            }
+            Ok(())
+        }
+        (Some(_), None, _) => {
+            let message = format!("`{}` does not say which colour that is", word.text());
+            let diagnostic = Diagnostic::new(Code::MaterialIncomplete, word.span(), message);
+            Err(context.error(diagnostic.help(format!("write `{written}`"))))
+        }
+        (None, Some(text), _) => {
+            let message = format!("a text beside `{}` has no meaning", word.text());
+            let diagnostic = Diagnostic::new(Code::WrongForm, text.span(), message);
+            let help = "write `from` before it, if it says where the value comes from";
+            Err(context.error(diagnostic.help(help)))
+        }
+        (None, None, Some(cited)) => {
+            material.sources.push(Source {
+                property: word.text().to_owned(),
+                from: line(cited, "a source", MAX_SOURCE_CHARS, context)?,
+            });
+            Ok(())
+        }
+        (None, None, None) => {
+            let message = format!("`{}` does not say where its value comes from", word.text());
+            let diagnostic = Diagnostic::new(Code::MaterialIncomplete, word.span(), message);
+            let help = "write `from \"…\"` behind the value: a publication, or how you measured it";
+            Err(context.error(diagnostic.help(help)))
+        }
+    }
+}
+
+/// Reports a bending length on the bias that those of warp and weft do not allow.
+///
+/// A narrow strip on the bias bends along both threads and twists, so `4 / bias^3 > 1 / warp^3 + 1 / weft^3` (an
+/// orthotropic plate, Timoshenko and Woinowsky-Krieger 1959). The simulator has the same bound.
+fn bias_fits(
+    bound: &Bound<'_>,
+    material: &Material,
+    context: &mut Context<'_, '_>,
+) -> Result<(), Reported> {
+    let Directions { warp, weft, bias } = material.bending_length_m;
+    let cube = |length: f64| length * length * length;
+    let most_m = (4.0 / (1.0 / cube(warp) + 1.0 / cube(weft))).cbrt();
+    let Some((_, expr)) = bound.iter().find(|(arg, _)| arg.name == "bias") else {
+        return Ok(());
+    };
+    if bias < most_m {
+        return Ok(());
+    }
+    // A value at the limit has no twist left.
+    let most_mm = (most_m * 10_000.0).floor() / 10.0;
+    let help = format!(
+        "with these along warp and weft, a strip on the bias bends more: expected below `{most_mm}mm`"
+    );
+    Err(out_of_range(*expr, &help, context))
+}
+
+/// Reads `"#ff7100"` as red, green and blue.
+fn rgb(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<[u8; 3], Reported> {
+    let plain = text.plain().unwrap_or_default();
+    let digits = plain.strip_prefix('#').filter(|it| it.len() == 6);
+    let number = digits
+        .filter(|it| it.chars().all(|digit| digit.is_ascii_hexdigit()))
+        .and_then(|it| u32::from_str_radix(it, 16).ok());
+    let Some(number) = number else {
+        let written = context.written(text.span());
+        let message = format!("expected a colour, found `{written}`");
+        let diagnostic = Diagnostic::new(Code::WrongForm, text.span(), message);
+        let help = "a colour is `#` with two hexadecimal digits each for red, green and blue, such as `\"#ff7100\"`";
+        return Err(context.error(diagnostic.help(help)));
+    };
+    let [_, red, green, blue] = number.to_be_bytes();
+    Ok([red, green, blue])
+}
+
+/// Reads a short text without placeholders.
+fn line(
+    text: Text<'_>,
+    what: &str,
+    most: usize,
+    context: &mut Context<'_, '_>,
+) -> Result<String, Reported> {
+    let Some(plain) = text.plain() else {
+        let message = format!("{what} cannot have a placeholder");
+        let diagnostic = Diagnostic::new(Code::WrongForm, text.span(), message);
+        return Err(context.error(diagnostic.help("write plain text")));
+    };
+    let n_chars = plain.chars().count();
+    if plain.trim().is_empty() {
+        return Err(context.fault(Code::EmptyText, text.span(), "the text is empty"));
+    }
+    if n_chars > most {
+        let message = format!("{what} has {n_chars} characters, at most {most} are accepted");
+        return Err(context.fault(Code::TextTooLong, text.span(), message));
+    }
+    // Line breaks of the source mean nothing.
+    Ok(plain.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+/// Reads the name of a colour: a word, or words in quotes.
+pub(super) fn colour_name(
+    expr: Expr<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<String, Reported> {
+    match expr {
+        Expr::Name(name) => Ok(name.text().to_owned()),
+        Expr::Text(text) => line(text, "a colour's name", MAX_COLOUR_CHARS, context),
+        _ => {
+            let diagnostic = context.unexpected(Code::WrongForm, expr, "the name of a colour");
+            Err(context.error(diagnostic.help("write a word such as `orange`, or `\"dark blue\"`")))
+        }
+    }
+}
+
+/// Reads the name of a material where a cloth states it; `None` is the recorded cloth.
+pub(super) fn named<'a>(
+    expr: Expr<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Option<Material>, Reported> {
+    let Expr::Name(name) = expr else {
+        let diagnostic = context.unexpected(Code::WrongForm, expr, "the name of a material");
+        return Err(context.error(diagnostic));
+    };
+    if name.text() == RECORDED {
+        return Ok(None);
+    }
+    let file = name.span().file;
+    if let Some(declared) = context.loaded.material(file, name.text()) {
+        // Each material is also checked by itself; the report keeps one of two equal findings.
+        return check(declared, context).map(Some);
+    }
+    let seen = context.loaded.visible_from(file);
+    let seen: Vec<&str> = seen
+        .flat_map(|file| &file.materials)
+        .map(|material| material.name().text())
+        .collect();
+    if seen.is_empty() {
+        context.may_be_hidden(name.text())?;
+        let message = format!("there is no material `{}`", name.text());
+        let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message);
+        let help = "declare it, or write `use \"lib/materials.fab\"` for the shipped ones";
+        return Err(context.error(diagnostic.about(name.text()).help(help)));
+    }
+    Err(context.unknown("material", name, seen.into_iter().chain([RECORDED])))
+}
+
+/// Warns of the materials of the first file that no cloth is made of. A file without tasks declares them for others.
+pub(crate) fn unused(loaded: &Loaded<'_>, report: &mut Report) {
+    let entry = loaded.entry();
+    if entry.tasks.is_empty() {
+        return;
+    }
+    for material in &entry.materials {
+        let name = material.name();
+        if !loaded.is_used(name.text()) {
+            let message = format!("nothing uses the material `{}`", name.text());
+            let diagnostic = Diagnostic::new(Code::UnusedName, name.span(), message);
+            let help = format!(
+                "remove it, or write it into a cloth: `square(340mm, material: {})`",
+                name.text()
+            );
+            report.remark(diagnostic.help(help));
+        }
+    }
+}

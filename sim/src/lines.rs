@@ -1,0 +1,192 @@
+//! Keeps the threads' lengths: every line of the grid is solved as a whole.
+//!
+//! In: positions and inverse masses of one side. Out: positions moved so that all edges of each column have their
+//! rest length, to first order. The edges of a line are a chain, whose equations have three diagonals, so that two
+//! passes along it solve them exactly (Han and Harada 2013, for strands of hair), where sweeps over springs leave a
+//! hanging cloth slack by the square of its length. All columns are solved side by side.
+
+use crate::layout::Layout;
+use crate::planes::Planes;
+use crate::sides::Side;
+#[cfg(not(feature = "narrow"))]
+use multiversion::multiversion;
+
+const TINY_M2: f32 = 1e-20;
+// An edge is corrected by at most this share of its length in a substep, so that a start that was stretched far is
+// no explosion.
+const MOST: f32 = 0.05;
+
+/// The edges between one row and the next, of all columns.
+///
+/// The planes begin with a row of no edges, which is what comes before the first.
+#[derive(Clone, Debug)]
+pub(crate) struct Lines {
+    stride: usize,
+    rows: usize,
+    spacing_m: f32,
+    /// 1 if the edge from a slot to the next row's is there.
+    there: Vec<f32>,
+    /// Directions of the edges.
+    way: Planes,
+    /// Coupling of an edge to the one before, divided by the pivot of that one.
+    ratio: Vec<f32>,
+    /// Inverse pivots.
+    pivot: Vec<f32>,
+    pull: Vec<f32>,
+}
+
+impl Lines {
+    /// Lists the edges along the columns of a layout.
+    pub fn new(layout: &Layout) -> Lines {
+        let stride = layout.stride();
+        let n = layout.rows() * stride;
+        let there = |slot: usize| {
+            let is =
+                slot + stride < n && layout.is_present(slot) && layout.is_present(slot + stride);
+            if is { 1.0 } else { 0.0 }
+        };
+        let mut marks = vec![0.0; stride];
+        marks.extend((0..n).map(there));
+        let n = n + stride;
+        Lines {
+            stride,
+            rows: layout.rows(),
+            spacing_m: layout.grid().spacing_m,
+            there: marks,
+            way: Planes::zeros(n),
+            ratio: vec![0.0; n],
+            pivot: vec![1.0; n],
+            pull: vec![0.0; n],
+        }
+    }
+
+    /// Returns the number of edges.
+    pub fn count(&self) -> usize {
+        self.there.iter().filter(|&&there| there > 0.0).count()
+    }
+
+    /// Gives every edge its length.
+    ///
+    /// - `compliance`: inverse stiffness divided by the square of the substep.
+    pub fn solve(&mut self, side: &mut Side, compliance: f32) {
+        let s = self.stride;
+        let w = &side.inverse_mass;
+        let Planes { x, y, z } = &mut side.positions;
+        for row in 0..self.rows - 1 {
+            let (from, to) = (row * s, row * s + s);
+            let (old_x, new_x) = two_rows(&mut self.way.x, to, s);
+            let (old_y, new_y) = two_rows(&mut self.way.y, to, s);
+            let (old_z, new_z) = two_rows(&mut self.way.z, to, s);
+            let (old_pivot, new_pivot) = two_rows(&mut self.pivot, to, s);
+            let (old_pull, new_pull) = two_rows(&mut self.pull, to, s);
+            let ends = [&x[from..to + s], &y[from..to + s], &z[from..to + s]];
+            eliminate(
+                ends,
+                &w[from..to + s],
+                &self.there[from..to + s],
+                [old_x, old_y, old_z, old_pivot, old_pull],
+                [
+                    new_x,
+                    new_y,
+                    new_z,
+                    new_pivot,
+                    new_pull,
+                    &mut self.ratio[to..to + s],
+                ],
+                [self.spacing_m, compliance],
+            );
+        }
+        for row in (1..self.rows - 1).rev() {
+            let next = row * s + s;
+            let (low, high) = two_rows(&mut self.pull, next, s);
+            substitute(low, high, &self.ratio[next..next + s]);
+        }
+        for row in 0..self.rows - 1 {
+            let (from, to) = (row * s, row * s + s);
+            let pull = &self.pull[to..to + s];
+            let weights = &w[from..to + s];
+            apply(&mut x[from..to + s], weights, &self.way.x[to..to + s], pull);
+            apply(&mut y[from..to + s], weights, &self.way.y[to..to + s], pull);
+            apply(&mut z[from..to + s], weights, &self.way.z[to..to + s], pull);
+        }
+    }
+}
+
+/// Returns the row that ends at `from`, and the one that begins there.
+fn two_rows(plane: &mut [f32], from: usize, stride: usize) -> (&mut [f32], &mut [f32]) {
+    let (before, after) = plane.split_at_mut(from);
+    (&mut before[from - stride..], &mut after[..stride])
+}
+
+/// Eliminates the edges before from one row of edges.
+///
+/// - `ends`, `weights`: two rows of particles; `there`: the row of edges before, and this one.
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
+fn eliminate(
+    [x, y, z]: [&[f32]; 3],
+    weights: &[f32],
+    there: &[f32],
+    [old_x, old_y, old_z, old_pivot, old_pull]: [&mut [f32]; 5],
+    [new_x, new_y, new_z, new_pivot, new_pull, ratio]: [&mut [f32]; 6],
+    [rest_m, compliance]: [f32; 2],
+) {
+    let s = new_x.len();
+    let (ax, bx) = (&x[..s], &x[s..][..s]);
+    let (ay, by) = (&y[..s], &y[s..][..s]);
+    let (az, bz) = (&z[..s], &z[s..][..s]);
+    let (wa, wb) = (&weights[..s], &weights[s..][..s]);
+    let (before, there) = (&there[..s], &there[s..][..s]);
+    let (old_x, old_y, old_z) = (&old_x[..s], &old_y[..s], &old_z[..s]);
+    let (old_pivot, old_pull) = (&old_pivot[..s], &old_pull[..s]);
+    let (new_y, new_z) = (&mut new_y[..s], &mut new_z[..s]);
+    let (new_pivot, new_pull, ratio) = (&mut new_pivot[..s], &mut new_pull[..s], &mut ratio[..s]);
+    let most = MOST * rest_m;
+    for i in 0..s {
+        let (dx, dy, dz) = (bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]);
+        let length = (dx * dx + dy * dy + dz * dz + TINY_M2).sqrt();
+        let per = 1.0 / length;
+        let (dx, dy, dz) = (dx * per, dy * per, dz * per);
+        let excess = length - rest_m;
+        let excess = if excess > most { most } else { excess };
+        let excess = if excess < -most { -most } else { excess };
+        let weight = wa[i] + wb[i];
+        let own = if weight > 0.5 {
+            weight + compliance
+        } else {
+            1.0
+        };
+        let turn = dx * old_x[i] + dy * old_y[i] + dz * old_z[i];
+        let coupling = -wa[i] * turn * before[i] * there[i];
+        let share = coupling * old_pivot[i];
+        let pivot = 1.0 / (own - coupling * share);
+        ratio[i] = share;
+        new_x[i] = dx;
+        new_y[i] = dy;
+        new_z[i] = dz;
+        new_pivot[i] = pivot;
+        new_pull[i] = (-excess * there[i] - coupling * old_pull[i]) * pivot;
+    }
+}
+
+/// Corrects the pulls of one row of edges by those of the next.
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
+fn substitute(pull: &mut [f32], next: &[f32], ratio: &[f32]) {
+    for ((pull, next), ratio) in pull.iter_mut().zip(next).zip(ratio) {
+        *pull -= ratio * next;
+    }
+}
+
+/// Moves both rows of particles of a row of edges, along one coordinate.
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
+fn apply(ends: &mut [f32], weights: &[f32], way: &[f32], pull: &[f32]) {
+    let s = way.len();
+    let pull = &pull[..s];
+    let (a, b) = ends.split_at_mut(s);
+    let (wa, wb) = (&weights[..s], &weights[s..][..s]);
+    let (a, b) = (&mut a[..s], &mut b[..s]);
+    for i in 0..s {
+        let shift = way[i] * pull[i];
+        a[i] -= wa[i] * shift;
+        b[i] += wb[i] * shift;
+    }
+}

@@ -1,0 +1,283 @@
+//! A cloth as textile laboratories measure it.
+//!
+//! Plain data with bounds, and what follows from it for a grid: stiffnesses, the gap between layers, the number of
+//! substeps. `textile` moves a cloth with these numbers; without a material a cloth is the recorded scene's (the
+//! other numbers of [`Params`](crate::Params)).
+
+use serde::{Deserialize, Serialize};
+
+/// Acceleration by which a bending length is converted to a rigidity, m/s^2.
+pub const BENDING_GRAVITY_M_S2: f64 = 9.81;
+/// Thinnest gap between layers that contacts of particles hold, metres; a thinner cloth has this one.
+pub const MIN_GAP_M: f32 = 0.001;
+/// Thickest gap between layers, metres; a thicker cloth has this one.
+pub const MAX_GAP_M: f32 = 0.003;
+/// Fewest substeps of a step of 0.01 s. Fewer let a fast fold slide over what it should rest on.
+const MIN_SUBSTEPS_PER_S: f64 = 2000.0;
+/// Most substeps of one step, which bounds its time.
+pub(crate) const MAX_SUBSTEPS: u32 = 100;
+// Product of substep and highest angular frequency of bending. An explicit step of a linear spring is stable below
+// 2; the rest is for folds, which are stiffer than a gentle bend.
+const STABLE: f64 = 1.2;
+// Loads of the extensions E100 and EB5 of FAST, newtons per metre of width.
+const THREAD_LOAD_N_M: f64 = 98.1;
+const BIAS_LOAD_N_M: f64 = 4.905;
+
+/// What was measured of a woven or knitted cloth. Each value is what a laboratory reports, in SI units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Mass per area, kg/m^2 (ISO 3801).
+    pub weight_kg_m2: f32,
+    /// Distance between the middles of two layers that lie on each other, metres (ISO 5084).
+    pub thickness_m: f32,
+    /// Bending length, metres (Peirce 1930; ASTM D1388, option A). A strip's bending rigidity per width is
+    /// `weight * 9.81 m/s^2 * length^3`.
+    pub bending_length_m: Directions,
+    /// Angle to which a fold that was pressed flat opens again, degrees: 180 is flat, 0 stays folded (ISO 2313). Internal
+    /// friction of bending follows from it.
+    pub crease_recovery_deg: f32,
+    /// How much the cloth gives under the loads of FAST, as a share of its length: along its threads under 98.1 N/m
+    /// (E100), along their diagonal under 4.9 N/m (EB5). The cloth's resistance to shear follows from the second.
+    pub stretch: Directions,
+    /// Coulomb friction on the table.
+    pub table_friction: f32,
+    /// Coulomb friction between layers.
+    pub self_friction: f32,
+}
+
+/// A value along each direction of a woven cloth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Directions {
+    /// Along the warp: the cloth's first side, from left to right in the grid.
+    pub warp: f32,
+    /// Along the weft: from back to front in the grid.
+    pub weft: f32,
+    /// At 45 degrees to both.
+    pub bias: f32,
+}
+
+/// Says why a cloth of a material cannot be simulated, with the bound.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MaterialError {
+    /// A value is no number, or none of a cloth.
+    #[error("the material's `{field}` is `{value}`, outside `{low}` to `{high}`{unit}")]
+    OutOfBounds {
+        /// Name of the field.
+        field: &'static str,
+        /// Its value.
+        value: f32,
+        /// Least value allowed.
+        low: f32,
+        /// Greatest value allowed.
+        high: f32,
+        /// Unit of all three after a blank, or nothing.
+        unit: &'static str,
+    },
+    /// The bias resists more than any twist resistance explains.
+    #[error(
+        "the material's bending length is `{bias_m}` m on the bias, which has to be below `{most_m}` m with these of warp and weft"
+    )]
+    StiffBias {
+        /// Bending length on the bias, metres.
+        bias_m: f32,
+        /// Bound for it, metres.
+        most_m: f32,
+    },
+    /// Bending is so stiff that a step would need too many substeps.
+    #[error(
+        "a cloth with a bending length of up to `{length_m}` m needs `{substeps}` substeps at a spacing of `{spacing_m}` m, more than `{MAX_SUBSTEPS}`; a spacing from `{least_spacing_m:.4}` m on would do"
+    )]
+    TooStiff {
+        /// Longest bending length, metres.
+        length_m: f32,
+        /// Substeps that a step would need.
+        substeps: u32,
+        /// Distance between particles, metres.
+        spacing_m: f32,
+        /// Least spacing at which `MAX_SUBSTEPS` are enough, metres.
+        least_spacing_m: f32,
+    },
+}
+
+/// A way in which a simulated cloth differs from its material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MaterialWarning {
+    /// Layers keep another distance than the thickness.
+    Gap {
+        /// The declared thickness, metres.
+        thickness_m: f32,
+        /// The distance that they keep, metres.
+        gap_m: f32,
+    },
+    /// Bends are rounder than the particles can follow.
+    Coarse {
+        /// The shortest bending length, metres.
+        length_m: f32,
+        /// Spacing up to which a bending length is met within 10 %, metres.
+        spacing_m: f32,
+    },
+}
+
+impl std::fmt::Display for MaterialWarning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            MaterialWarning::Gap { thickness_m, gap_m } => write!(
+                f,
+                "layers keep `{gap_m}` m apart and not the thickness of `{thickness_m}` m; contacts hold `{MIN_GAP_M}` to `{MAX_GAP_M}` m"
+            ),
+            MaterialWarning::Coarse {
+                length_m,
+                spacing_m,
+            } => write!(
+                f,
+                "a bending length of `{length_m}` m is met within 10 % only at a spacing of up to `{spacing_m:.4}` m"
+            ),
+        }
+    }
+}
+
+/// Stiffnesses of a cloth on a grid, for particles of mass 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stiffness {
+    /// Acceleration per second difference of positions along warp and weft, and per mixed difference of a cell, 1/s^2.
+    pub bend: [f32; 3],
+    /// Inverse stiffness of the edges along warp and weft, s^2.
+    pub stretch: [f32; 2],
+    /// Inverse stiffness of the diagonals of a cell, s^2.
+    pub shear: f32,
+}
+
+impl Material {
+    /// Tells whether every number is finite and could be that of a cloth.
+    pub fn check_values(&self) -> Result<(), MaterialError> {
+        let Material {
+            bending_length_m: bending,
+            stretch,
+            ..
+        } = self;
+        #[rustfmt::skip] // a table, one field a line
+        let rows = [
+            ("weight_kg_m2", self.weight_kg_m2, [0.005, 5.0], " kg/m^2"),
+            ("thickness_m", self.thickness_m, [1e-5, 0.02], " m"),
+            ("bending_length_m.warp", bending.warp, [0.002, 0.2], " m"),
+            ("bending_length_m.weft", bending.weft, [0.002, 0.2], " m"),
+            ("bending_length_m.bias", bending.bias, [0.002, 0.2], " m"),
+            ("crease_recovery_deg", self.crease_recovery_deg, [0.0, 180.0], " degrees"),
+            ("stretch.warp", stretch.warp, [0.0, 1.0], ""),
+            ("stretch.weft", stretch.weft, [0.0, 1.0], ""),
+            ("stretch.bias", stretch.bias, [0.0, 1.0], ""),
+            ("table_friction", self.table_friction, [0.0, 10.0], ""),
+            ("self_friction", self.self_friction, [0.0, 10.0], ""),
+        ];
+        for (field, value, [low, high], unit) in rows {
+            // A value that is no number is outside too.
+            if !(low..=high).contains(&value) {
+                return Err(MaterialError::OutOfBounds {
+                    field,
+                    value,
+                    low,
+                    high,
+                    unit,
+                });
+            }
+        }
+        let [warp, weft, bias] = self.cubes();
+        let most = 4.0 / (1.0 / warp + 1.0 / weft);
+        if bias >= most {
+            return Err(MaterialError::StiffBias {
+                bias_m: bending.bias,
+                most_m: most.cbrt() as f32,
+            });
+        }
+        Ok(())
+    }
+
+    /// Tells whether a cloth of this material can be simulated with particles this far apart, in steps of 0.01 s.
+    ///
+    /// Fails with the bound that is exceeded; returns in what the simulated cloth differs from the material.
+    pub fn check(&self, spacing_m: f32) -> Result<Vec<MaterialWarning>, MaterialError> {
+        self.check_step(spacing_m, 0.01)?;
+        let mut warnings = Vec::new();
+        if self.gap_m() != self.thickness_m {
+            warnings.push(MaterialWarning::Gap {
+                thickness_m: self.thickness_m,
+                gap_m: self.gap_m(),
+            });
+        }
+        let Directions { warp, weft, bias } = self.bending_length_m;
+        let shortest = warp.min(weft).min(bias);
+        // By the cantilevers of `tests/textile`: 10 mm at 6.25 mm are met within 10 %.
+        let limit = shortest * 0.625;
+        if spacing_m > limit * 1.0001 {
+            warnings.push(MaterialWarning::Coarse {
+                length_m: shortest,
+                spacing_m: limit,
+            });
+        }
+        Ok(warnings)
+    }
+
+    /// Tells whether a step of this length can be computed.
+    pub(crate) fn check_step(&self, spacing_m: f32, step_secs: f32) -> Result<(), MaterialError> {
+        self.check_values()?;
+        let substeps = self.substeps(spacing_m, step_secs);
+        if substeps <= MAX_SUBSTEPS {
+            return Ok(());
+        }
+        let Directions { warp, weft, bias } = self.bending_length_m;
+        // The frequency falls with the square of the spacing.
+        let share = (f64::from(substeps) / f64::from(MAX_SUBSTEPS)).sqrt() as f32;
+        Err(MaterialError::TooStiff {
+            length_m: warp.max(weft).max(bias),
+            substeps,
+            spacing_m,
+            least_spacing_m: spacing_m * share,
+        })
+    }
+
+    /// Returns the distance between layers that lie on each other, metres.
+    pub fn gap_m(&self) -> f32 {
+        self.thickness_m.clamp(MIN_GAP_M, MAX_GAP_M)
+    }
+
+    /// Returns the number of substeps that a step is computed in.
+    pub(crate) fn substeps(&self, spacing_m: f32, step_secs: f32) -> u32 {
+        let [warp, weft, twist] = self.stiffness(spacing_m).bend.map(f64::from);
+        // A chessboard of particles up and down bends all families the most.
+        let highest = (16.0 * (warp + weft + twist)).sqrt();
+        let step = f64::from(step_secs);
+        let needed = (step * highest / STABLE).ceil();
+        needed
+            .max((step * MIN_SUBSTEPS_PER_S - 1e-6).ceil())
+            .max(1.0) as u32
+    }
+
+    /// Returns the stiffnesses on a grid.
+    pub(crate) fn stiffness(&self, spacing_m: f32) -> Stiffness {
+        let dx = f64::from(spacing_m);
+        let weight = f64::from(self.weight_kg_m2);
+        let per_cube = BENDING_GRAVITY_M_S2 / dx.powi(4);
+        let [warp, weft, bias] = self.cubes();
+        // A narrow strip on the bias gives way by bending along both threads and by twist, one after the other:
+        // 1/bias = (1/warp + 1/weft + 1/twist) / 4 (Timoshenko and Woinowsky-Krieger 1959, an orthotropic plate
+        // without Poisson's effect). A cell's mixed difference takes four times the twist rigidity.
+        let twist = 1.0 / (4.0 / bias - 1.0 / warp - 1.0 / weft);
+        let mass = weight * dx * dx;
+        // FAST: the rigidity of shear is the load over four times the extension on the bias (123 / EB5, in N/m
+        // and percent).
+        let shear = BIAS_LOAD_N_M / (4.0 * f64::from(self.stretch.bias));
+        let along = |extension: f32| (mass * f64::from(extension) / THREAD_LOAD_N_M) as f32;
+        Stiffness {
+            bend: [warp, weft, 4.0 * twist].map(|cube| (per_cube * cube) as f32),
+            stretch: [along(self.stretch.warp), along(self.stretch.weft)],
+            shear: (mass / shear) as f32,
+        }
+    }
+
+    fn cubes(&self) -> [f64; 3] {
+        let Directions { warp, weft, bias } = self.bending_length_m;
+        [warp, weft, bias].map(|length| f64::from(length).powi(3))
+    }
+}
