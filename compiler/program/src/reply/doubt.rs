@@ -760,10 +760,6 @@ impl<'a> Clause<'a> {
         self.is_sequel
     }
 
-    fn says(&self, table: &[&str]) -> bool {
-        self.words.iter().any(|it| table.contains(it))
-    }
-
     fn is_explaining(&self) -> bool {
         EXPLAINING.contains(&self.joint)
     }
@@ -1348,7 +1344,7 @@ impl<'a> Clause<'a> {
         if cannot && self.place != Place::Before {
             return Some(HALTED);
         }
-        if !modal.is_some_and(|it| !words!("do does did have has").contains(&it)) {
+        if modal.is_none_or(|it| words!("do does did have has").contains(&it)) {
             return None;
         }
         if denies {
@@ -1609,7 +1605,7 @@ impl<'a> Clause<'a> {
             && !rest
                 .iter()
                 .any(|it| words!("resulting updated latest new").contains(it))
-            && rest.iter().any(|it| photo(&it))
+            && rest.iter().any(|it| photo(it))
             && self.place == Place::After)
             .then_some(HALTED)
     }
@@ -1719,7 +1715,7 @@ impl<'a> Clause<'a> {
                 .any(|it| matches!(*it, "based" | "follows" | "matches"))
                 || refers(behind) && !behind.contains(&"leave");
             let mine = matches!(words[0], "my" | "our");
-            if mine && (behind.first().is_some_and(|it| speaks(&it)) || behind.is_empty()) && !own {
+            if mine && (behind.first().is_some_and(|it| speaks(it)) || behind.is_empty()) && !own {
                 return Some(OTHERWISE);
             }
         }
@@ -1871,7 +1867,7 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         }
         "what" | "whatever" => {
             let tells = |it: &&str| words!("i follows comes stands above below").contains(it);
-            if words.iter().skip(1).take(2).any(|it| tells(&it)) {
+            if words.iter().skip(1).take(2).any(|it| tells(it)) {
                 let verb = words
                     .iter()
                     .skip(2)

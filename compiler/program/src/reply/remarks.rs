@@ -223,30 +223,45 @@ pub(super) fn doubt(
     place: Place,
 ) -> Option<&'static str> {
     let last = stated.map(|stated| stated.last);
-    sentences(tokens, last).into_iter().find_map(|sentence| {
-        let Some(Stated { first, last, end }) = stated else {
-            return doubt::cast_by(sentence, place);
-        };
-        let (begins, ends) = (sentence.first()?.at, sentence.last()?.at);
-        // `Draft, to be checked:` above the first value
-        if begins < first && first <= ends {
-            let above = sentence.partition_point(|token| token.at < first);
-            let is_heading = above > 0 && sentence[above - 1].is_sign(':');
-            if is_heading && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before) {
-                return Some(why);
+    let spoken = sentences(tokens, last).into_iter();
+    spoken
+        .filter(|sentence| sentence.len() <= MAX_SENTENCE)
+        .find_map(|sentence| {
+            let Some(Stated { first, last, end }) = stated else {
+                return doubt::cast_by(sentence, place);
+            };
+            let (begins, ends) = (sentence.first()?.at, sentence.last()?.at);
+            // `Draft, to be checked:` above the first value
+            if begins < first && first <= ends {
+                let above = sentence.partition_point(|token| token.at < first);
+                let is_heading = above > 0 && sentence[above - 1].is_sign(':');
+                if is_heading && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before) {
+                    return Some(why);
+                }
             }
-        }
-        let place = match () {
-            () if ends > last => Place::After,
-            () if begins > first => Place::Beside,
-            () => Place::Before,
-        };
-        let behind = match begins > last || place != Place::After {
-            true => 0,
-            false => sentence.partition_point(|token| token.at < end),
-        };
-        doubt::cast_by(&sentence[behind..], place)
-    })
+            // A remark on the lines below the first value, before the next one.
+            if begins <= first && first <= ends && ends <= last {
+                let below = sentence
+                    .iter()
+                    .position(|token| token.at > first && token.gap >= Gap::Line);
+                if let Some(why) =
+                    below.and_then(|at| doubt::cast_by(&sentence[at..], Place::Beside))
+                {
+                    return Some(why);
+                }
+            }
+            let place = match () {
+                () if ends > last => Place::After,
+                () if begins > first => Place::Beside,
+                () => Place::Before,
+            };
+            let behind = if begins > last || place != Place::After {
+                0
+            } else {
+                sentence.partition_point(|token| token.at < end)
+            };
+            doubt::cast_by(&sentence[behind..], place)
+        })
 }
 
 /// Returns whether a line such as `If it has to be pulled:` stands above a claim.
