@@ -990,10 +990,8 @@ impl<'a> Clause<'a> {
             };
             let is_doubt = judgement.iter().enumerate().any(|(at, it)| {
                 let is_slight = *it == "off" && rest.get(at + 1) == Some(&"by");
-                DOUBTS.contains(it)
-                    && !denied(at)
-                    && !is_slight
-                    && !(is_it && WEAK_DOUBTS.contains(it))
+                let is_weak = is_it && WEAK_DOUBTS.contains(it);
+                DOUBTS.contains(it) && !(denied(at) || is_slight || is_weak)
             });
             if is_doubt && !denies {
                 return Some(DOUBTED);
@@ -1387,7 +1385,7 @@ impl<'a> Clause<'a> {
             });
         let waits = words!("until unless before once").contains(&self.joint);
         let like = self.words.iter().any(|it| matches!(*it, "like" | "as"));
-        ((modal || waits) && !like && !(self.is_none && !waits)).then_some(HALTED)
+        ((waits || modal && !self.is_none) && !like).then_some(HALTED)
     }
 
     /// `Wait`, `Disregard this`, `Do not let the arm act on it`
@@ -1605,7 +1603,7 @@ impl<'a> Clause<'a> {
             && !rest
                 .iter()
                 .any(|it| words!("resulting updated latest new").contains(it))
-            && rest.iter().any(|it| photo(it))
+            && rest.iter().any(photo)
             && self.place == Place::After)
             .then_some(HALTED)
     }
@@ -1715,7 +1713,7 @@ impl<'a> Clause<'a> {
                 .any(|it| matches!(*it, "based" | "follows" | "matches"))
                 || refers(behind) && !behind.contains(&"leave");
             let mine = matches!(words[0], "my" | "our");
-            if mine && (behind.first().is_some_and(|it| speaks(it)) || behind.is_empty()) && !own {
+            if mine && (behind.first().is_some_and(speaks) || behind.is_empty()) && !own {
                 return Some(OTHERWISE);
             }
         }
@@ -1867,7 +1865,7 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         }
         "what" | "whatever" => {
             let tells = |it: &&str| words!("i follows comes stands above below").contains(it);
-            if words.iter().skip(1).take(2).any(|it| tells(it)) {
+            if words.iter().skip(1).take(2).any(tells) {
                 let verb = words
                     .iter()
                     .skip(2)
