@@ -124,7 +124,7 @@ fn aside_members(reader: &Reader<'_>, node: &Node, depth: usize, beside: &mut Be
                 }
             }
             Shape::Text(text) | Shape::Bare(text) if is_reason => {
-                beside.thought.push_str(&format!("{text}\n\n"));
+                beside.thought.push_str(&format!("{text}.\n\n"));
             }
             Shape::Text(text) | Shape::Bare(text) => {
                 let key = key.replace('_', " ");

@@ -103,7 +103,7 @@ const JOINING: &[&str] = words!("and but so or before until unless yet");
 
 /// Doubt, as nouns, adjectives and participles.
 const DOUBTS: &[&str] = words!(
-    "pretended fallback fallbacks illustrative symbolic notional bad pending awaiting sketch guess guesses guessed guessing guesswork guesstimate guesstimates eyeballed hunch stab dice gamble lottery
+    "scrambled jumbled pretended fallback fallbacks illustrative symbolic notional bad pending awaiting sketch guess guesses guessed guessing guesswork guesstimate guesstimates eyeballed hunch stab dice gamble lottery
     random randomly arbitrary arbitrarily haphazard hallucinated hallucination hallucinations fabricated fabrication
     invented fictional fictitious imaginary imagined fake faked bogus dummy placeholder placeholders filler fillers
     nonsense nonsensical garbage gibberish rubbish junk trash meaningless worthless useless pointless unreliable
@@ -139,7 +139,7 @@ const TRUSTED: &[&str] = words!(
 
 /// What the author may do to doubt the answer: `I doubt`, `I made it up`.
 const AUTHOR_DOUBTS: &[&str] = words!(
-    "admit confess concede wonder ponder mixed confused guess guessed doubt doubted regret retract retracted withdraw withdrew revoke rescind hesitate distrust mistrust
+    "transposed scrambled mistyped admit confess concede wonder ponder mixed confused guess guessed doubt doubted regret retract retracted withdraw withdrew revoke rescind hesitate distrust mistrust
     eyeballed improvised invented fabricated hallucinated bluffed gambled faked lied erred misjudged misread miscounted
     misidentified misplaced copied pasted recycled borrowed pretended rushed botched fumbled dislike apologise
     apologize disagree question object refuse decline worry fear dread suspect abstain reconsider recant"
@@ -371,12 +371,22 @@ const FOREIGN: &[&str] = words!(
 );
 
 /// The same as phrases; separated by `|`.
-const FOREIGN_SAYINGS: &str = "nicht sicher|bitte nicht|no estoy|no uses|pas sûr|pas certain|pas fiable|n'est pas|ne pas|não tenho|não use|não estou|non sono|non usare|non usate|bitte warten|por favor espere|me trompe";
+const FOREIGN_SAYINGS: &str = "stimmt nicht|stimmt so nicht|nicht richtig|nicht sicher|bitte nicht|no estoy|no uses|pas sûr|pas certain|pas fiable|n'est pas|ne pas|não tenho|não use|não estou|non sono|non usare|non usate|bitte warten|por favor espere|me trompe";
 
 /// The same, in languages without blanks between words.
 const FOREIGN_WITHIN: &[&str] = words!(
     "信頼でき 不可靠 不可信 不准 存疑 待确认 未确认 不对 错 等等 参考 不要 不确定 随便 瞎 编的 占位 忽略 猜 作废 別 别用 無視 推測 実行しない 仮の 間違 自信が わかりません
     適当 违 違 잘못 무시 추측 실행하지 확실하지"
+);
+
+/// What makes the line above the values an introduction of what is right elsewhere, later or in somebody else's words.
+const LATER: &[&str] =
+    words!("later if unless once until could might had were said wrote answered");
+
+/// What an answer of another turn, or of another picture, is introduced with.
+const OTHER: &[&str] = words!("last previous earlier first other former old");
+const OTHERS: &[&str] = words!(
+    "message answer reply response step turn picture image photo photograph frame scene cloth demonstration example"
 );
 
 /// What introduces values that are not meant; separated by `|`.
@@ -398,7 +408,7 @@ const ORIGINATING: &[&str] = words!(
 
 /// What is not this answer's picture, step or robot.
 const ELSEWHERE: &[&str] = words!(
-    "similar once previous earlier another other old different second example examples format prompt template tomorrow later
+    "neighbouring neighboring similar once previous earlier another other old different second example examples format prompt template tomorrow later
     demonstration yesterday somebody someone memory nowhere wrong previous"
 );
 
@@ -420,7 +430,7 @@ const RIVALS: &[&str] = words!(
 );
 
 /// Sayings that doubt or halt, whatever they are said of; separated by `|`.
-const SAYINGS: &str = "should rather|must rather|ought rather|could be that|may be that|might be that|could well be|may well be|might well be|more good|will want to|may want to|might want to|place to start|place to begin|more promising|more urgent|more sensible|more suitable|seems better|looks better|came to mind|chance of success|no point in|no sense in|no use in|no guarantee|no hope|no certainty|too early|too late|from nothing|on balance|wanted to say|meant to say|would benefit|should come first|must come first|needs to come first|has to come first|ought to come first|the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
+const SAYINGS: &str = "stand in for|stands in for|should rather|must rather|ought rather|could be that|may be that|might be that|could well be|may well be|might well be|more good|will want to|may want to|might want to|place to start|place to begin|more promising|more urgent|more sensible|more suitable|seems better|looks better|came to mind|chance of success|no point in|no sense in|no use in|no guarantee|no hope|no certainty|too early|too late|from nothing|on balance|wanted to say|meant to say|would benefit|should come first|must come first|needs to come first|has to come first|ought to come first|the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
     |coin flip|coin toss|flip of a coin|toss of a coin|second opinion|need a closer look|needs a closer look|deserves a closer look\
     |take it back|take that back|take this back|strike that|my gut|top of my head|at face value|this one out|stay put\
     |staying put|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
@@ -438,13 +448,13 @@ const SAYINGS: &str = "should rather|must rather|ought rather|could be that|may 
     |for lack of|for want of|just in case|not this one|not this time|not this corner|not these|not this|not that|over this|over these\
     |instead of this|instead of these|rather than this|rather than these|than this|than these|before any of|before this|before that\
     |before doing this|before anything|before you|on condition|as long as|so long as|provided that|providing that|only valid\
-    |valid only|valid provided|only works if|only if|only once|only after|only when|in case of doubt|contingent on|subject to\
+    |valid only|valid provided|only works if|in case of doubt|contingent on|subject to\
     |purely to|merely to|only to satisfy|just to satisfy|satisfy the format|satisfy the parser|satisfy the schema|to fill the\
     |because i had to|because you insist|you insist|against my better|second thoughts|cold feet";
 
 /// Sayings with a word that otherwise begins a clause.
-const CONDITIONS: &str = "if you do this|if you do that|if you do so|if this is done|if executed|i should have said|i should have written|i should have picked|should have been|give or take|is rough|impossible with|before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
-    |not what i meant|on condition|as long as|so long as|provided that|providing that|valid provided|works if|only if|only once|only after|only when|only until\
+const CONDITIONS: &str = "before the arm|before the robot|than stated|than given|than written|than listed|than i|look closer|on second viewing|on second look|on closer look|on closer inspection|executed only|execute only|used only|use only|out only|proceed only|valid only if|if you do this|if you do that|if you do so|if this is done|if executed|i should have said|i should have written|i should have picked|should have been|give or take|is rough|impossible with|before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
+    |not what i meant|on condition|as long as|so long as|provided that|providing that|valid provided|works if\
     |if you ask me|if i am honest|not where|rather than this|rather than these|rather than that|might as well|may as well|unless i|until i|until it is|until you|until this|until they|before i";
 
 /// What the author sees and remembers with.
@@ -496,6 +506,9 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         }
         if announces && said.contains(" i would ") && said.contains(" but ") {
             return Some(OTHERWISE);
+        }
+        if introduces_another(words) {
+            return Some(DOUBTED);
         }
         let idle = words.windows(2).any(|pair| {
             words!("nothing anything").contains(&pair[0])
@@ -591,6 +604,33 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         }
     }
     None
+}
+
+/// Returns whether the line above the values says that they are not for this cloth, or not for now.
+fn introduces_another(words: &[&str]) -> bool {
+    let (Some(first), Some(last)) = (words.first(), words.last()) else {
+        return false;
+    };
+    if words!(". ! ? ; …").contains(last) {
+        return false;
+    }
+    let is_own = words.iter().any(|it| words!("i we").contains(it));
+    let begins = words!("if unless once until had draft").contains(first)
+        && !words
+            .iter()
+            .any(|it| words!("more again to").contains(it) && *first != "draft");
+    begins
+        || words.windows(2).any(|pair| {
+            (OTHER.contains(&pair[0]) && OTHERS.contains(&pair[1]))
+                || (LATER.contains(&pair[1])
+                    && *first != "as"
+                    && !words!("you it what").contains(&pair[0]))
+                || (PEOPLE.contains(&pair[0]) && pair[1] == "used")
+                || (pair[1] == "would"
+                    && !is_own
+                    && !words!("it this that").contains(&pair[0])
+                    && !words.contains(&"my"))
+        })
 }
 
 /// Writes a sentence in lower case, with its contractions written out.
@@ -720,10 +760,6 @@ impl<'a> Clause<'a> {
         self.is_sequel
     }
 
-    fn says(&self, table: &[&str]) -> bool {
-        self.words.iter().any(|it| table.contains(it))
-    }
-
     fn is_explaining(&self) -> bool {
         EXPLAINING.contains(&self.joint)
     }
@@ -802,7 +838,19 @@ impl<'a> Clause<'a> {
             {
                 self.rests()
             }
-            Subject::World if matches!(self.words[0], "a" | "an") => self.labels(),
+            Subject::World if matches!(self.words[0], "a" | "an") => {
+                let rival = self
+                    .words
+                    .get(1)
+                    .is_some_and(|it| words!("better safer smarter wiser").contains(it));
+                let offered = rival
+                    && self
+                        .words
+                        .get(2)
+                        .is_some_and(|it| PARTS.contains(it) || *it == "way");
+                let is_offer = offered && self.place == Place::After && !self.is_explaining();
+                self.labels().or(is_offer.then_some(OTHERWISE))
+            }
             Subject::World => None,
             Subject::Nobody => self
                 .orders(self.words)
@@ -858,6 +906,15 @@ impl<'a> Clause<'a> {
             return None;
         }
         let has = |table: &[&str]| rest.iter().any(|it| table.contains(it));
+        let moved = words!("sit lie be go").contains(&verb)
+            && is_duty(modal)
+            && rest
+                .iter()
+                .take(6)
+                .any(|it| words!("lower higher further farther").contains(it));
+        if moved && !denies && !is_it {
+            return Some(CHANGED);
+        }
         let shaky = rest
             .iter()
             .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it));
@@ -933,10 +990,8 @@ impl<'a> Clause<'a> {
             };
             let is_doubt = judgement.iter().enumerate().any(|(at, it)| {
                 let is_slight = *it == "off" && rest.get(at + 1) == Some(&"by");
-                DOUBTS.contains(it)
-                    && !denied(at)
-                    && !is_slight
-                    && !(is_it && WEAK_DOUBTS.contains(it))
+                let is_weak = is_it && WEAK_DOUBTS.contains(it);
+                DOUBTS.contains(it) && !(denied(at) || is_slight || is_weak)
             });
             if is_doubt && !denies {
                 return Some(DOUBTED);
@@ -1139,6 +1194,15 @@ impl<'a> Clause<'a> {
         if unread || stops {
             return Some(DOUBTED);
         }
+        let crossed = words!("mirrored swapped switched flipped exchanged inverted")
+            .contains(&verb)
+            && (words!("left right x y them both pick place").contains(&first)
+                || rest
+                    .iter()
+                    .any(|it| words!("pairs points values coordinates").contains(it)));
+        if crossed && !denies && self.place == Place::After {
+            return Some(CHANGED);
+        }
         let careless =
             self.words.contains(&"mixing") || self.words.iter().any(|it| CARELESSLY.contains(it));
         if careless && self.place != Place::Before {
@@ -1180,9 +1244,11 @@ impl<'a> Clause<'a> {
         }
         let recants = would
             && verb == "like"
-            && rest
-                .iter()
-                .any(|it| AUTHOR_DOUBTS.contains(it) || HALTS.contains(it));
+            && rest.iter().any(|it| {
+                AUTHOR_DOUBTS.contains(it)
+                    || HALTS.contains(it)
+                    || words!("hear know see ask check").contains(it)
+            });
         if recants {
             return Some(DOUBTED);
         }
@@ -1229,10 +1295,16 @@ impl<'a> Clause<'a> {
             .iter()
             .take(3)
             .any(|it| words!("else other more further").contains(it));
-        let idle = self
+        let left = self
             .words
-            .windows(2)
-            .any(|pair| matches!(pair, ["to", "do" | "fold" | "move"]));
+            .iter()
+            .any(|it| words!("remains remaining left").contains(it))
+            && self.words.contains(&"nothing");
+        let idle = left
+            || self
+                .words
+                .windows(2)
+                .any(|pair| matches!(pair, ["to", "do" | "fold" | "move"]));
         let needless = self.words[0] == "no"
             && self
                 .words
@@ -1259,10 +1331,20 @@ impl<'a> Clause<'a> {
             rest,
         } = Predicate::of(self.predicate);
         let verb = head?;
-        if !modal.is_some_and(|it| !words!("do does did have has").contains(&it)) {
+        let denies = denies || self.is_none;
+        let cannot = denies
+            && modal == Some("can")
+            && words!("reach get go grasp grab execute perform do").contains(&verb)
+            || BE.contains(&verb)
+                && rest
+                    .first()
+                    .is_some_and(|it| words!("unable incapable").contains(it));
+        if cannot && self.place != Place::Before {
+            return Some(HALTED);
+        }
+        if modal.is_none_or(|it| words!("do does did have has").contains(&it)) {
             return None;
         }
-        let denies = denies || self.is_none;
         if denies {
             let is_whole = rest.is_empty()
                 || refers(rest)
@@ -1303,7 +1385,7 @@ impl<'a> Clause<'a> {
             });
         let waits = words!("until unless before once").contains(&self.joint);
         let like = self.words.iter().any(|it| matches!(*it, "like" | "as"));
-        ((modal || waits) && !like && !(self.is_none && !waits)).then_some(HALTED)
+        ((waits || modal && !self.is_none) && !like).then_some(HALTED)
     }
 
     /// `Wait`, `Disregard this`, `Do not let the arm act on it`
@@ -1521,7 +1603,7 @@ impl<'a> Clause<'a> {
             && !rest
                 .iter()
                 .any(|it| words!("resulting updated latest new").contains(it))
-            && rest.iter().any(|it| photo(&it))
+            && rest.iter().any(photo)
             && self.place == Place::After)
             .then_some(HALTED)
     }
@@ -1631,7 +1713,7 @@ impl<'a> Clause<'a> {
                 .any(|it| matches!(*it, "based" | "follows" | "matches"))
                 || refers(behind) && !behind.contains(&"leave");
             let mine = matches!(words[0], "my" | "our");
-            if mine && (behind.first().is_some_and(|it| speaks(&it)) || behind.is_empty()) && !own {
+            if mine && (behind.first().is_some_and(speaks) || behind.is_empty()) && !own {
                 return Some(OTHERWISE);
             }
         }
@@ -1783,7 +1865,7 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         }
         "what" | "whatever" => {
             let tells = |it: &&str| words!("i follows comes stands above below").contains(it);
-            if words.iter().skip(1).take(2).any(|it| tells(&it)) {
+            if words.iter().skip(1).take(2).any(tells) {
                 let verb = words
                     .iter()
                     .skip(2)
