@@ -271,7 +271,7 @@ impl TopDownCamera {
             Shade::both(look, [brightness; 2])
         };
         let vertex_of = |index: usize, point| Some(self.see(point)?.vertex(shade_of(index)));
-        scene::cloth(mask, positions, &vertex_of)
+        scene::cloth(mask, positions, &|_| true, &vertex_of)
     }
 
     /// Projects a point; `None` where it cannot be drawn.

@@ -36,10 +36,12 @@ pub(crate) type Project<'a> = dyn Fn([f32; 3]) -> Option<Seen> + 'a;
 /// Lists the cloth's triangles; of a cell that cannot be drawn whole, neither.
 ///
 /// - `positions`: `[dimy * dimx]` points in grid order, world frame, metres.
+/// - `is_shown`: whether to draw a triangle, by the indices of its corners.
 /// - `vertex_of`: projects and shades a particle, by its index and its point; `None` if it cannot be drawn.
 pub(crate) fn cloth(
     mask: &Mask,
     positions: &[[f32; 3]],
+    is_shown: &dyn Fn([usize; 3]) -> bool,
     vertex_of: &dyn Fn(usize, [f32; 3]) -> Option<Vertex>,
 ) -> Vec<[Vertex; 3]> {
     let vertex = |index: usize| match mask.has(index) {
@@ -50,13 +52,17 @@ pub(crate) fn cloth(
     let vertices: Vec<Option<Vertex>> = (0..count).map(vertex).collect();
     let mut triangles = Vec::with_capacity(2 * vertices.len());
     for cell in mesh::cells(mask) {
-        let corners = cell.map(|corners| {
+        let triangle = |corners: [usize; 3]| {
             // The mesh is anticlockwise as seen from above, the raster takes clockwise for the top.
             let [first, second, third] = corners.map(|index| vertices.get(index)?.as_ref());
             Some([*first?, *third?, *second?])
-        });
-        if let [Some(one), Some(other)] = corners {
-            triangles.extend([one, other]);
+        };
+        if let [Some(one), Some(other)] = cell.map(triangle) {
+            let both = cell.into_iter().zip([one, other]);
+            triangles.extend(
+                both.filter(|(corners, _)| is_shown(*corners))
+                    .map(|it| it.1),
+            );
         }
     }
     triangles

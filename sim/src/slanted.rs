@@ -33,8 +33,8 @@ const BLACK: Shade = Shade {
     top: [0.0; 3],
     underside: [0.0; 3],
 };
-/// Cloth below this height lies on the table, metres: one layer, or two that touch.
-const LYING_M: f32 = 0.012;
+/// Cloth below this height lies flat on the table, where half its thickness of 0.01 m is, metres.
+const LYING_M: f32 = 0.0055;
 
 /// A slanted camera over a table of which it keeps the picture.
 #[derive(Clone, Debug)]
@@ -258,16 +258,17 @@ impl SlantedView {
         let project = self.camera.projector();
         let lit =
             |index: usize, point| Some(project(point)?.vertex(self.shade(mask, positions, index)));
-        let dark = |index: usize, point: [f32; 3]| {
-            // Cloth that lies on the table hides its shadow, except at its rim.
-            let is_hidden = point[2] < LYING_M && !is_near_rim(mask, index, 2);
-            match is_hidden {
-                true => None,
-                false => Some(project(shadow_of(point))?.vertex(BLACK)),
-            }
-        };
-        let mut triangles = scene::cloth(mask, positions, &lit);
-        triangles.extend(scene::cloth(mask, positions, &dark));
+        let dark = |_: usize, point| Some(project(shadow_of(point))?.vertex(BLACK));
+        // Cloth that lies on the table hides its shadow, except at its rim.
+        let casts = |index: usize| positions[index][2] >= LYING_M || is_near_rim(mask, index, 2);
+        let mut triangles = scene::cloth(mask, positions, &|_| true, &lit);
+        let shadows = scene::cloth(
+            mask,
+            positions,
+            &|corners| corners.into_iter().any(casts),
+            &dark,
+        );
+        triangles.extend(shadows);
         triangles
     }
 

@@ -75,6 +75,7 @@ mod stand_in;
 mod steered;
 mod tidy;
 mod verbs;
+mod videos;
 mod watch;
 mod watched_arm;
 mod whole_programs;

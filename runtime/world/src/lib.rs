@@ -7,7 +7,6 @@ pub mod conformance;
 pub mod crumple;
 pub mod expert;
 pub mod external;
-pub mod film;
 pub mod metrics;
 pub mod protocol;
 pub mod serve;
@@ -31,7 +30,7 @@ use serde::{Deserialize, Serialize};
 use vary::AxisValues;
 
 pub use external::ExternalWorld;
-pub use simulated::{Look, SimulatedWorld};
+pub use simulated::{Look, SimulatedWorld, film};
 pub use wrapper::Wrapper;
 
 /// A point in the world frame: right-handed, z up, origin at the table's centre, metres.

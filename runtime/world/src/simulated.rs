@@ -1,8 +1,10 @@
 //! The bundled cloth simulator as a [`World`]; this module alone names the simulator's crate.
 
+pub mod film;
+
+use self::film::Recorder;
 use super::{Executed, Grasp, Motion, World, WorldError};
 use crate::crumple;
-use crate::film::{self, Recorder};
 use crate::start::Start;
 use crate::vary::{AxisValues, Setup};
 use fab_base::interrupt::Interrupt;

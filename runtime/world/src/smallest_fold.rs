@@ -86,6 +86,7 @@ mod tests {
             dimx: 55,
             dimy: 55,
             spacing_m: 0.00625,
+            material: None,
             start: ClothStart::Flat,
         });
         let [x, y, z] = cloth.positions[0].map(f64::from);

@@ -250,6 +250,7 @@ mod tests {
             dimx: 9,
             dimy: 9,
             spacing_m: 0.00625,
+            material: None,
             start: ClothStart::Flat,
         });
         // Parameters, colours, depths and camera.

@@ -88,7 +88,11 @@ mod tests {
     fn executed(grasp: Grasp, released_at: Option<WorldPoint>) -> Executed {
         let pick = WorldPoint::origin();
         Executed {
-            motion: Motion { pick, place: pick },
+            motion: Motion {
+                pick,
+                place: pick,
+                manner: Default::default(),
+            },
             grasp,
             released_at,
             duration_s: 1.0,

@@ -1,0 +1,237 @@
+//! `fabc run --video` and `fabc sim record` through the command itself, decoded again.
+
+use super::sim_verbs::told;
+use super::support::{Captured, bring_library, bring_robot, fabc, finish};
+use image::{Rgb, RgbImage};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// Two folds of a small cloth.
+const TASK: &str = r#"
+use "lib/folding.fab"
+
+task small extends folding {
+    cloth grid(25, 25)
+    subgoals {
+        demonstrate {
+            fold corner(back_left) -> corner(front_right)
+            fold corner(back_right) -> center
+        }
+    }
+}
+"#;
+
+/// A folder with the task and the settings of an arm.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    bring_library(folder.path());
+    bring_robot(folder.path(), &[]);
+    fs::write(folder.path().join("small.fab"), TASK).unwrap();
+    folder
+}
+
+fn said(folder: &Path, call: &str) -> Captured {
+    finish(fabc(folder).args(call.split(' ')))
+}
+
+/// A decoded video: how long each picture is shown, hundredths of a second, and the last picture.
+struct Decoded {
+    delays_cs: Vec<u64>,
+    last: RgbImage,
+}
+
+fn decoded(path: &Path) -> Decoded {
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(fs::File::open(path).unwrap()).unwrap();
+    let size = [decoder.width(), decoder.height()].map(u32::from);
+    let mut last = RgbImage::new(size[0], size[1]);
+    let mut delays_cs = Vec::new();
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        delays_cs.push(u64::from(frame.delay));
+        let width = usize::from(frame.width);
+        for (number, pixel) in frame
+            .buffer
+            .chunks(4)
+            .enumerate()
+            .filter(|(_, it)| it[3] > 0)
+        {
+            let column = u32::from(frame.left) + (number % width) as u32;
+            let row = u32::from(frame.top) + (number / width) as u32;
+            last.put_pixel(column, row, Rgb([pixel[0], pixel[1], pixel[2]]));
+        }
+    }
+    Decoded { delays_cs, last }
+}
+
+/// Checks a decoded video against what the JSON says of it.
+fn check(video: &Value, decoded: &Decoded, path: &Path) {
+    assert_eq!(video["pictures"], decoded.delays_cs.len(), "{video}");
+    let shown_cs: u64 = decoded.delays_cs.iter().sum();
+    assert_eq!(video["shown_s"], shown_cs as f64 / 100.0, "{video}");
+    assert_eq!(video["bytes"], fs::metadata(path).unwrap().len(), "{video}");
+    assert_eq!(video["left_out"], 0, "{video}");
+}
+
+#[test]
+fn a_runs_video_decodes_ends_with_the_final_picture_and_is_the_same_again() {
+    let folder = folder();
+    let here = folder.path();
+    let run = |call: &str| -> Value {
+        let said = said(
+            here,
+            &format!("run small.fab --policy expert --json {call}"),
+        );
+        assert!([0, 3].contains(&said.code), "{}", said.stderr);
+        serde_json::from_str(&said.stdout).unwrap()
+    };
+    let report = run("--out a --video --view table");
+    let path = here.join("a/video.gif");
+    let table = decoded(&path);
+    check(&report["video"], &table, &path);
+    assert_eq!(report["video"]["file"], "a/video.gif");
+    assert_eq!(report["video"]["view"], "table");
+    // Both folds are shown: 12.5 pictures a second while something moves.
+    let count = table.delays_cs.len();
+    assert!((40..130).contains(&count), "{count}");
+    assert!(table.delays_cs.iter().filter(|&&delay| delay == 8).count() > count / 2);
+    let last = fab_picture::png::load(&here.join("a/step_2/after.png")).unwrap();
+    let differences = last.as_raw().iter().zip(table.last.as_raw());
+    let differences: Vec<u8> = differences.map(|(a, b)| a.abs_diff(*b)).collect();
+    let sum: u64 = differences.iter().map(|it| u64::from(*it)).sum();
+    // The palette has 250 colours, and the picker is out of the picture.
+    assert!(sum < differences.len() as u64 / 2, "{sum}");
+    assert!(
+        differences.iter().all(|it| *it < 40),
+        "{:?}",
+        differences.iter().max()
+    );
+
+    // With a file of its own, from the side: another picture of the same rollout.
+    let slanted = run("--out b --video fold.gif");
+    let path = here.join("fold.gif");
+    check(&slanted["video"], &decoded(&path), &path);
+    assert_eq!(slanted["video"]["view"], "slanted");
+    assert!(!here.join("b/video.gif").exists());
+    run("--out c --video again.gif --view slanted");
+    assert_eq!(
+        fs::read(path).unwrap(),
+        fs::read(here.join("again.gif")).unwrap()
+    );
+
+    // A run that is not filmed says nothing of a video, and no run leaves a half-written file.
+    let plain = run("--out d");
+    assert_eq!(plain.get("video"), None);
+    let digest = |report: &Value| report["mean_particle_distance_mm"].clone();
+    assert_eq!(digest(&plain), digest(&slanted));
+    for run in ["a", "d"] {
+        let names = fs::read_dir(here.join(run))
+            .unwrap()
+            .map(|it| it.unwrap().file_name());
+        assert!(
+            names
+                .into_iter()
+                .all(|name| !name.to_string_lossy().ends_with(".part"))
+        );
+    }
+    let begun = |run: &str| fs::read_to_string(here.join(run).join("run.json")).unwrap();
+    assert!(!begun("d").contains("video") && begun("b").contains(r#""video": "fold.gif""#));
+}
+
+#[test]
+fn videos_that_cannot_be_are_refused_before_anything_happens() {
+    let folder = folder();
+    let robot = "--world arm --robot robot.toml";
+    let cases = [
+        (
+            format!("run small.fab --video {robot}"),
+            64,
+            "`--world arm` has none",
+        ),
+        (
+            "run small.fab --video --world exec:nothing".to_owned(),
+            64,
+            "`--world exec:nothing` has none; use `--world sim`",
+        ),
+        (
+            "run small.fab --video fold.mp4".to_owned(),
+            64,
+            "`--video fold.mp4` is no GIF file; name one that ends in `.gif`",
+        ),
+        (
+            "run small.fab --video absent/fold.gif".to_owned(),
+            2,
+            "cannot write `absent/fold.gif`: there is no folder `absent`",
+        ),
+        ("run small.fab --view table".to_owned(), 64, "--video"),
+        (
+            "sim record -o a.gif".to_owned(),
+            64,
+            "there is nothing to film",
+        ),
+        (
+            "sim record --move 0,0 -o a.gif".to_owned(),
+            64,
+            "such as `-0.12,0.12:0.1,-0.1`",
+        ),
+        (
+            "sim record --move 0,0:9,0 -o a.gif".to_owned(),
+            2,
+            "motion 1: ",
+        ),
+        (
+            "sim record --move 0,0:0,0 -o a.png".to_owned(),
+            64,
+            "`--out a.png` is no GIF file",
+        ),
+        (
+            "sim record --id 3 -o a.gif".to_owned(),
+            64,
+            "choose a recorded demonstration",
+        ),
+        (
+            "sim record . -o a.gif".to_owned(),
+            2,
+            "expected a folder of recorded demonstrations",
+        ),
+        (
+            "sim record . --move 0,0:0,0 -o a.gif".to_owned(),
+            64,
+            "leave `--move`",
+        ),
+    ];
+    let files = || fs::read_dir(folder.path()).unwrap().count();
+    let before = files();
+    for (call, code, message) in cases {
+        let said = said(folder.path(), &call);
+        assert_eq!(said.code, code, "{call}\n{}", said.stderr);
+        assert!(said.stderr.contains(message), "{call}\n{}", said.stderr);
+        assert_eq!(files(), before, "{call}");
+    }
+}
+
+#[test]
+fn given_picks_are_filmed_without_a_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let moves = "--size 24 --move -0.07,0.07:0.05,-0.05 --move 0.2,0.2:0.2,0.25";
+    let call = format!("record {moves} -o fold.gif");
+    let value = told(here, &call.split(' ').collect::<Vec<_>>());
+    let path = here.join("fold.gif");
+    check(&value["video"], &decoded(&path), &path);
+    let grasped: Vec<_> = (0..2)
+        .map(|it| value["moves"][it]["grasped"].clone())
+        .collect();
+    assert_eq!(grasped, [Value::from(0), Value::Null]);
+    let said = said(here, &format!("sim {call} --view table"));
+    assert_eq!(said.code, 0);
+    assert_eq!(said.stderr, "note: motion 2 grasped nothing\n");
+    assert!(
+        said.stdout.starts_with("video: fold.gif ("),
+        "{}",
+        said.stdout
+    );
+    assert_eq!(decoded(&path).last.dimensions(), (224, 224));
+}
