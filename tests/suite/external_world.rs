@@ -4,7 +4,7 @@
 use super::support::{self, fabc, finish, project};
 use fab_base::child::CommandLine;
 use fab_base::interrupt::Interrupt;
-use fab_program::Picker;
+use fab_program::{Manner, Picker};
 use fab_world::conformance::{PROMISES, camera};
 use fab_world::start::Start;
 use fab_world::{ExternalWorld, Motion, World, WorldError, WorldPoint};
@@ -108,6 +108,10 @@ fn wrong_answers_are_named_with_their_values() {
             "s/\"limits_s\":{}/\"limits_s\":{\"act\":1}/; /duration_s/d",
             "did not answer within 1 s",
         ),
+        (
+            "s/\"acts_on\":\\[[^]]*/\"acts_on\":[\"lifts\"/",
+            "acts on `lifts`, and a manner has `lift`, `speed`, `release_height`, `press`",
+        ),
         ("/duration_s/q", ""),
     ] {
         let done = played(&edited(script));
@@ -123,6 +127,29 @@ fn wrong_answers_are_named_with_their_values() {
         let error = done.expect_err(script).to_string();
         assert!(error.contains(words), "{script}: {error}");
     }
+}
+
+#[test]
+fn a_world_is_asked_only_for_the_manners_that_it_announces() {
+    let lift = Manner::default().with("lift", 0.03);
+    let motion = Motion::new(WorldPoint::new(0.05, 0.05, 0.005), WorldPoint::origin());
+    let motion = motion.with_manner(lift);
+    let acts_on = |names: &str| {
+        let script = format!("s/\"acts_on\":\\[[^]]*/\"acts_on\":[{names}/");
+        let mut world = started(&edited(&script)).unwrap();
+        world
+            .reset(&Start::flat(&support::small_task().cloth))
+            .unwrap();
+        let done = world.act(&motion, &Interrupt::default());
+        (world.refuses(&motion), done)
+    };
+    let (why, done) = acts_on("\"lift\",\"speed\"");
+    assert_eq!(why, None);
+    assert_eq!(done.unwrap().motion.manner, lift);
+    let (why, done) = acts_on("\"speed\"");
+    let why = why.unwrap();
+    assert_eq!(why, "the world `sim` does not act on `lift`");
+    assert!(done.unwrap_err().to_string().contains(&why));
 }
 
 fn run(folder: &Path, world: &str, out: &str) -> support::Captured {

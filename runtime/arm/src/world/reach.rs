@@ -325,7 +325,7 @@ mod tests {
             (
                 "lift",
                 0.9,
-                format!("`lift` of 900 mm is not possible: the tool would be at"),
+                "`lift` of 900 mm is not possible: the tool would be at".to_owned(),
             ),
             ("lift", 0.9, format!("to {top_m:.3} m")),
             (

@@ -191,7 +191,7 @@ fn lengths(listed: &[&str]) -> Option<Choices> {
         // `edge` has no size of its own; the cloth that answers are read for has an edge of 1 m.
         let size = if unit.size.is_nan() { 1.0 } else { unit.size };
         let m = value * size;
-        (m > 0.0 && m.is_finite()).then_some(LengthChoice { value, m })
+        (m >= 0.0 && m.is_finite()).then_some(LengthChoice { value, m })
     };
     let choices = listed.iter().map(read).collect::<Option<_>>()?;
     Some(Choices::Lengths {

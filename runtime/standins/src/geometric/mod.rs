@@ -50,8 +50,12 @@ impl Model for Geometric {
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let asked = all_words(&request.messages);
+        let carried = |text: String| {
+            let lines = [text].into_iter().chain(prompt::manner_lines(&asked));
+            Reply::text(lines.collect::<Vec<_>>().join("\n"))
+        };
         if smooth::is_asked(&asked) {
-            return Ok(Reply::text(smooth::answer(&request.messages)));
+            return Ok(carried(smooth::answer(&request.messages)));
         }
         if let Some(more) = prompt::asks_for_more(&asked) {
             return Err(ModelError::Unsupported {
@@ -65,7 +69,7 @@ impl Model for Geometric {
             Some(description) => description,
             None => choose(&request.messages),
         };
-        Ok(Reply::text(text))
+        Ok(carried(text))
     }
 }
 

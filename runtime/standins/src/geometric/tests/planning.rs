@@ -208,3 +208,17 @@ proptest! {
         prop_assert_ne!(pick, place);
     }
 }
+
+#[test]
+fn how_to_carry_is_answered_with_the_value_nearest_to_the_usual() {
+    let asked = "Pick Point = (x, y)\nPlace Point = (x, y)\nLift = 0 mm | 40 mm | 100 mm\n\
+                 Speed = 0.1 m/s | 0.4 m/s\n- Release height = 0 mm";
+    assert_eq!(
+        prompt::manner_lines(asked),
+        ["Lift = 40 mm", "Speed = 0.4 m/s", "- Release height = 0 mm"]
+    );
+    assert_eq!(prompt::asks_for_more(asked), None);
+    let grip = "Lift = 0 mm | 40 mm\nGrip = soft | firm";
+    assert_eq!(prompt::asks_for_more(grip).unwrap(), "for `Grip`");
+    assert!(prompt::manner_lines("Pick Point = (x, y)").is_empty());
+}
