@@ -11,6 +11,7 @@ use crate::layout::Layout;
 use crate::planes::Planes;
 #[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
+use std::f32::consts::PI;
 
 // Keeps coincident particles from dividing zero by zero.
 const TINY: f32 = 1e-20;
@@ -19,9 +20,7 @@ const BY_NORMAL: f32 = 0.2;
 // Share of the present bend by which a crease keeps its side where the normal is uncertain.
 const KEEPS_SIDE: f32 = 0.2;
 
-/// How far a bend may be from its rest, and how much of it then stays.
-///
-/// Bends are second differences of positions in spacings: twice the sine of half the angle between two edges.
+/// How far a bend may be from its rest, and how much of it then stays; bends are angles between edges, radians.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Friction {
     /// Bend up to which a flat cloth springs back wholly.
@@ -35,19 +34,21 @@ pub(crate) struct Friction {
 impl Friction {
     /// Converts a crease recovery angle; `None` for a cloth that recovers wholly.
     ///
+    /// A fold that is pressed flat bends the cloth at one row of particles by half a turn, or at two by a quarter
+    /// each. What stays is right for the mean of both.
+    ///
     /// - `spacing_m`: sets which curvature is gentle.
     pub fn new(recovery_deg: f32, spacing_m: f32) -> Option<Friction> {
         let kept = 1.0 - recovery_deg / 180.0;
         if kept <= 0.0 {
             return None;
         }
-        // Bends of a fold that is pressed flat: two right angles, as particles show it.
-        const PRESSED: f32 = std::f32::consts::SQRT_2;
-        let elastic = (GENTLE_PER_M * spacing_m).min(0.5 * PRESSED);
+        let elastic = (GENTLE_PER_M * spacing_m).min(0.5);
+        let stays = (kept * PI / (PI - 1.5 * elastic)).min(0.98);
         Some(Friction {
             elastic,
-            stays: (kept * PRESSED / (PRESSED - elastic)).min(0.98),
-            farthest: PRESSED - kept * PRESSED + elastic,
+            stays,
+            farthest: PI - stays * (PI - elastic),
         })
     }
 }
@@ -68,7 +69,7 @@ pub(crate) struct Bending {
     near: [Vec<f32>; 4],
     /// By slot: 1 where the cell to the right and in front is whole.
     cell: Vec<f32>,
-    /// Rest bends, in spacings, signed by the side of the cloth that they bend to.
+    /// Rest bends, radians, signed by the side of the cloth that they bend to.
     rest: [Vec<f32>; 3],
     /// Moments of the rest bends: those that the present bend is pulled towards.
     set: [Planes; 3],
@@ -85,12 +86,11 @@ impl Bending {
         let columns = layout.grid().dimx;
         let there = |slot: usize, ahead: isize| {
             let other = slot as isize + ahead;
-            let is_one = |slot: isize| {
-                slot >= 0 && (slot as usize) < n && layout.is_present(slot as usize)
-            };
+            let is_one =
+                |slot: isize| slot >= 0 && (slot as usize) < n && layout.is_present(slot as usize);
             // The end of a row is no neighbour of the next one's beginning.
-            let wraps = ahead.unsigned_abs() == 1
-                && slot / stride != (other.max(0) as usize) / stride;
+            let wraps =
+                ahead.unsigned_abs() == 1 && slot / stride != (other.max(0) as usize) / stride;
             is_one(slot as isize) && is_one(other) && !wraps
         };
         let row = stride as isize;
@@ -109,7 +109,9 @@ impl Bending {
             stiffness,
             friction,
             near,
-            cell: (0..n).map(|slot| if whole(slot) { 1.0 } else { 0.0 }).collect(),
+            cell: (0..n)
+                .map(|slot| if whole(slot) { 1.0 } else { 0.0 })
+                .collect(),
             rest: std::array::from_fn(|_| vec![0.0; n]),
             set: std::array::from_fn(|_| Planes::zeros(n)),
             points: Planes::zeros(n + 2 * pad),
@@ -133,7 +135,9 @@ impl Bending {
     }
 
     /// Lets creases follow the bends as they are.
-    pub fn crease(&mut self, positions: &Planes) {
+    ///
+    /// - `share`: how much of what they are too far behind they make up for.
+    pub fn crease(&mut self, positions: &Planes, share: f32) {
         let Some(friction) = self.friction else {
             return;
         };
@@ -145,15 +149,50 @@ impl Bending {
         let near = [left, right, back, front].map(Vec::as_slice);
         let [warp, weft, twist] = &mut self.rest;
         let [set_warp, set_weft, set_twist] = &mut self.set;
-        crease_slots([x, y, z], ways, near, Bend::Warp, &near_both(left, right), warp, set_warp, self.spacing_m, friction);
-        crease_slots([x, y, z], ways, near, Bend::Weft, &near_both(back, front), weft, set_weft, self.spacing_m, friction);
-        crease_slots([x, y, z], ways, near, Bend::Twist, &self.cell, twist, set_twist, self.spacing_m, friction);
+        crease_slots(
+            [x, y, z],
+            ways,
+            near,
+            Bend::Warp,
+            &near_both(left, right),
+            warp,
+            set_warp,
+            [self.spacing_m, share],
+            friction,
+        );
+        crease_slots(
+            [x, y, z],
+            ways,
+            near,
+            Bend::Weft,
+            &near_both(back, front),
+            weft,
+            set_weft,
+            [self.spacing_m, share],
+            friction,
+        );
+        crease_slots(
+            [x, y, z],
+            ways,
+            near,
+            Bend::Twist,
+            &self.cell,
+            twist,
+            set_twist,
+            [self.spacing_m, share],
+            friction,
+        );
     }
 
     /// Returns the acceleration by bending, by slot, m/s^2.
     ///
     /// - `lead_secs`: bends are taken where the velocities lead to in this time, which damps them.
-    pub fn accelerate(&mut self, positions: &Planes, velocities: &Planes, lead_secs: f32) -> &Planes {
+    pub fn accelerate(
+        &mut self,
+        positions: &Planes,
+        velocities: &Planes,
+        lead_secs: f32,
+    ) -> &Planes {
         self.write_points(positions, velocities, lead_secs);
         let ways = [self.pad(), self.stride];
         let per_2 = 1.0 / (self.spacing_m * self.spacing_m);
@@ -235,16 +274,40 @@ fn moments(
     let [fx, fy, fz] = [&set[1].x[..n], &set[1].y[..n], &set[1].z[..n]];
     let [tx, ty, tz] = [&set[2].x[..n], &set[2].y[..n], &set[2].z[..n]];
     let [warp, weft, twist] = moments;
-    let (mwx, mwy, mwz) = (&mut warp.x[pad..pad + n], &mut warp.y[pad..pad + n], &mut warp.z[pad..pad + n]);
-    let (mfx, mfy, mfz) = (&mut weft.x[pad..pad + n], &mut weft.y[pad..pad + n], &mut weft.z[pad..pad + n]);
-    let (mtx, mty, mtz) = (&mut twist.x[pad..pad + n], &mut twist.y[pad..pad + n], &mut twist.z[pad..pad + n]);
+    let (mwx, mwy, mwz) = (
+        &mut warp.x[pad..pad + n],
+        &mut warp.y[pad..pad + n],
+        &mut warp.z[pad..pad + n],
+    );
+    let (mfx, mfy, mfz) = (
+        &mut weft.x[pad..pad + n],
+        &mut weft.y[pad..pad + n],
+        &mut weft.z[pad..pad + n],
+    );
+    let (mtx, mty, mtz) = (
+        &mut twist.x[pad..pad + n],
+        &mut twist.y[pad..pad + n],
+        &mut twist.z[pad..pad + n],
+    );
     let [x, y, z] = points;
     let (cx, cy, cz) = (&x[pad..][..n], &y[pad..][..n], &z[pad..][..n]);
     let (lx, ly, lz) = (&x[pad - 1..][..n], &y[pad - 1..][..n], &z[pad - 1..][..n]);
     let (rx, ry, rz) = (&x[pad + 1..][..n], &y[pad + 1..][..n], &z[pad + 1..][..n]);
-    let (bx, by, bz) = (&x[pad - stride..][..n], &y[pad - stride..][..n], &z[pad - stride..][..n]);
-    let (ax, ay, az) = (&x[pad + stride..][..n], &y[pad + stride..][..n], &z[pad + stride..][..n]);
-    let (dx, dy, dz) = (&x[pad + stride + 1..][..n], &y[pad + stride + 1..][..n], &z[pad + stride + 1..][..n]);
+    let (bx, by, bz) = (
+        &x[pad - stride..][..n],
+        &y[pad - stride..][..n],
+        &z[pad - stride..][..n],
+    );
+    let (ax, ay, az) = (
+        &x[pad + stride..][..n],
+        &y[pad + stride..][..n],
+        &z[pad + stride..][..n],
+    );
+    let (dx, dy, dz) = (
+        &x[pad + stride + 1..][..n],
+        &y[pad + stride + 1..][..n],
+        &z[pad + stride + 1..][..n],
+    );
     for i in 0..n {
         let (ux, uy, uz) = (
             lx[i] - cx[i] + (rx[i] - cx[i]),
@@ -281,8 +344,16 @@ fn moments(
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn gather([warp, weft, twist]: [&[f32]; 3], [pad, stride]: [usize; 2], to: &mut [f32]) {
     let n = to.len();
-    let (w, wl, wr) = (&warp[pad..][..n], &warp[pad - 1..][..n], &warp[pad + 1..][..n]);
-    let (f, fb, fa) = (&weft[pad..][..n], &weft[pad - stride..][..n], &weft[pad + stride..][..n]);
+    let (w, wl, wr) = (
+        &warp[pad..][..n],
+        &warp[pad - 1..][..n],
+        &warp[pad + 1..][..n],
+    );
+    let (f, fb, fa) = (
+        &weft[pad..][..n],
+        &weft[pad - stride..][..n],
+        &weft[pad + stride..][..n],
+    );
     let (t, tl) = (&twist[pad..][..n], &twist[pad - 1..][..n]);
     let (tb, td) = (&twist[pad - stride..][..n], &twist[pad - stride - 1..][..n]);
     for i in 0..n {
@@ -291,6 +362,24 @@ fn gather([warp, weft, twist]: [&[f32]; 3], [pad, stride]: [usize; 2], to: &mut 
         let twisted = t[i] - tl[i] + (td[i] - tb[i]);
         to[i] = -(along + across + twisted);
     }
+}
+
+/// Returns the angle between two edges of length 1 from their difference, radians: twice the arc sine of its half
+/// (Abramowitz and Stegun 1964, 4.4.45).
+#[inline(always)]
+fn angle(difference: f32) -> f32 {
+    let x = 0.5 * difference;
+    let x = if x < 1.0 { x } else { 1.0 };
+    let series = 1.570_728_8 + x * (-0.212_114_4 + x * (0.074_261 - 0.018_729_3 * x));
+    2.0 * (0.5 * PI - (1.0 - x).sqrt() * series)
+}
+
+/// Returns the difference between two edges of length 1 from their angle, at most half a turn: twice the sine of its half.
+#[inline(always)]
+fn difference(angle: f32) -> f32 {
+    let x = 0.5 * angle;
+    let q = x * x;
+    2.0 * x * (1.0 - q * (1.0 / 6.0 - q * (1.0 / 120.0 - q * (1.0 / 5040.0))))
 }
 
 /// Lets the rest bends of one family follow, and writes their moments divided by the stiffness.
@@ -304,7 +393,7 @@ fn crease_slots(
     there: &[f32],
     rest: &mut [f32],
     set: &mut Planes,
-    spacing_m: f32,
+    [spacing_m, follows]: [f32; 2],
     friction: Friction,
 ) {
     let n = rest.len();
@@ -315,9 +404,21 @@ fn crease_slots(
     let (cx, cy, cz) = (&x[pad..][..n], &y[pad..][..n], &z[pad..][..n]);
     let (lx, ly, lz) = (&x[pad - 1..][..n], &y[pad - 1..][..n], &z[pad - 1..][..n]);
     let (rx, ry, rz) = (&x[pad + 1..][..n], &y[pad + 1..][..n], &z[pad + 1..][..n]);
-    let (bx, by, bz) = (&x[pad - stride..][..n], &y[pad - stride..][..n], &z[pad - stride..][..n]);
-    let (ax, ay, az) = (&x[pad + stride..][..n], &y[pad + stride..][..n], &z[pad + stride..][..n]);
-    let (dx, dy, dz) = (&x[pad + stride + 1..][..n], &y[pad + stride + 1..][..n], &z[pad + stride + 1..][..n]);
+    let (bx, by, bz) = (
+        &x[pad - stride..][..n],
+        &y[pad - stride..][..n],
+        &z[pad - stride..][..n],
+    );
+    let (ax, ay, az) = (
+        &x[pad + stride..][..n],
+        &y[pad + stride..][..n],
+        &z[pad + stride..][..n],
+    );
+    let (dx, dy, dz) = (
+        &x[pad + stride + 1..][..n],
+        &y[pad + stride + 1..][..n],
+        &z[pad + stride + 1..][..n],
+    );
     let steep = friction.farthest / friction.elastic;
     let (elastic, stays, farthest) = (friction.elastic, friction.stays, friction.farthest);
     // The least rest of a bend; the greatest is that of the bend to the other side.
@@ -348,8 +449,10 @@ fn crease_slots(
                 along[axis] = per * (r[axis] - a[axis]);
                 across[axis] = per * (d[axis] - c[axis]);
             } else {
-                along[axis] = per * (left[i] * (c[axis] - l[axis]) + right[i] * (r[axis] - c[axis]));
-                across[axis] = per * (back[i] * (c[axis] - b[axis]) + front[i] * (a[axis] - c[axis]));
+                along[axis] =
+                    per * (left[i] * (c[axis] - l[axis]) + right[i] * (r[axis] - c[axis]));
+                across[axis] =
+                    per * (back[i] * (c[axis] - b[axis]) + front[i] * (a[axis] - c[axis]));
             }
         }
         let normal = [
@@ -370,16 +473,17 @@ fn crease_slots(
             0.0
         };
         let side = if up + bias * size < 0.0 { -1.0 } else { 1.0 };
-        let now = side * size;
+        let now = side * angle(size);
         let low = least(now);
         let high = -least(-now);
         let kept = if before < low { low } else { before };
         let kept = if kept > high { high } else { kept };
-        let kept = kept * there[i];
+        let kept = (before + follows * (kept - before)) * there[i];
         rest[i] = kept;
+        let difference = difference(kept);
         let grown = match bend {
-            Bend::Twist => kept,
-            _ => kept * growth(kept * kept),
+            Bend::Twist => difference,
+            _ => difference * growth(difference * difference),
         };
         let mut way = [0.0; 3];
         for axis in 0..3 {

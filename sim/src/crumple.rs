@@ -120,7 +120,11 @@ impl Simulator {
             *steps += 1;
             cloth.step_held([0.0, 0.0, rise_m])
         };
-        let rise_m = if self.is_textile() { TEXTILE_RISE_M } else { RISE_M };
+        let rise_m = if self.is_textile() {
+            TEXTILE_RISE_M
+        } else {
+            RISE_M
+        };
         let rises = (lift_m / rise_m).ceil();
         for _ in 0..rises as u32 {
             step(self, lift_m / rises)?;

@@ -56,7 +56,9 @@ impl Faces {
             columns: layout.grid().dimx,
             gap_m,
             friction,
-            present: (0..layout.len()).map(|slot| layout.is_present(slot)).collect(),
+            present: (0..layout.len())
+                .map(|slot| layout.is_present(slot))
+                .collect(),
             // All but those that an edge joins: also a fold along one row of particles must not close altogether.
             neighbours: Neighbours::within(layout, reach_m, 2.0, MAX_PAIRS_PER_PARTICLE),
             contacts: Vec::new(),
@@ -99,7 +101,11 @@ impl Faces {
     pub fn resolve(&self, positions: &mut Planes, began: &Planes, inverse_mass: &[f32]) -> f32 {
         let mut deepest = 0.0;
         let n = positions.len();
-        let (x, y, z) = (&mut positions.x[..n], &mut positions.y[..n], &mut positions.z[..n]);
+        let (x, y, z) = (
+            &mut positions.x[..n],
+            &mut positions.y[..n],
+            &mut positions.z[..n],
+        );
         let (x0, y0, z0) = (&began.x[..n], &began.y[..n], &began.z[..n]);
         let w = &inverse_mass[..n];
         for contact in &self.contacts {
@@ -129,7 +135,8 @@ impl Faces {
             ];
             let off = slid[0] * nx + slid[1] * ny + slid[2] * nz;
             let along = [slid[0] - off * nx, slid[1] - off * ny, slid[2] - off * nz];
-            let length = (along[0] * along[0] + along[1] * along[1] + along[2] * along[2] + TINY).sqrt();
+            let length =
+                (along[0] * along[0] + along[1] * along[1] + along[2] * along[2] + TINY).sqrt();
             let share = self.friction * depth / length;
             let share = if share < 1.0 { share } else { 1.0 };
             let per = 1.0 / weight;
@@ -187,7 +194,8 @@ impl Search<'_> {
         }
         let u = (b1 * a22 - b2 * a12) / det;
         let v = (b2 * a11 - b1 * a12) / det;
-        let inside = |value: f32, rim: bool| value > if rim { -RIM } else { -0.05 } && value < REACH;
+        let inside =
+            |value: f32, rim: bool| value > if rim { -RIM } else { -0.05 } && value < REACH;
         if !(inside(u, rim_b) && inside(v, rim_c)) {
             return None;
         }
@@ -219,7 +227,11 @@ impl Search<'_> {
         match (before, after) {
             (Some(before), Some(after)) => {
                 let (e, f) = (edge(before), edge(after));
-                Some(if dot(p, minus(f, e)) < 0.0 { (before, e, false) } else { (after, f, false) })
+                Some(if dot(p, minus(f, e)) < 0.0 {
+                    (before, e, false)
+                } else {
+                    (after, f, false)
+                })
             }
             (Some(one), None) | (None, Some(one)) => Some((one, edge(one), true)),
             (None, None) => None,

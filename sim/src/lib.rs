@@ -83,7 +83,9 @@ pub use error::{MAX_START_DEPTH_M, MAX_START_STRETCH, SimError, StartError};
 pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use mask::{Mask, MaskError};
 pub use material::{Directions, MAX_GAP_M, MIN_GAP_M, Material, MaterialError, MaterialWarning};
-pub use params::{ALGORITHM_VERSION, DROP_LEG_STEPS, Params, ParamsError, ParamsFault, REACH_M, Route};
+pub use params::{
+    ALGORITHM_VERSION, DROP_LEG_STEPS, Params, ParamsError, ParamsFault, REACH_M, Route,
+};
 pub use scenario::diagonal_fold;
 pub use simulator::{Aim, PickAndPlace, RestShortcut, Simulator};
 pub use snapshot::{Snapshot, Texture};

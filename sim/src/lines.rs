@@ -41,7 +41,8 @@ impl Lines {
         let stride = layout.stride();
         let n = layout.rows() * stride;
         let there = |slot: usize| {
-            let is = slot + stride < n && layout.is_present(slot) && layout.is_present(slot + stride);
+            let is =
+                slot + stride < n && layout.is_present(slot) && layout.is_present(slot + stride);
             if is { 1.0 } else { 0.0 }
         };
         let mut marks = vec![0.0; stride];
@@ -84,7 +85,14 @@ impl Lines {
                 &w[from..to + s],
                 &self.there[from..to + s],
                 [old_x, old_y, old_z, old_pivot, old_pull],
-                [new_x, new_y, new_z, new_pivot, new_pull, &mut self.ratio[to..to + s]],
+                [
+                    new_x,
+                    new_y,
+                    new_z,
+                    new_pivot,
+                    new_pull,
+                    &mut self.ratio[to..to + s],
+                ],
                 [self.spacing_m, compliance],
             );
         }
@@ -142,7 +150,11 @@ fn eliminate(
         let excess = if excess > most { most } else { excess };
         let excess = if excess < -most { -most } else { excess };
         let weight = wa[i] + wb[i];
-        let own = if weight > 0.5 { weight + compliance } else { 1.0 };
+        let own = if weight > 0.5 {
+            weight + compliance
+        } else {
+            1.0
+        };
         let turn = dx * old_x[i] + dy * old_y[i] + dz * old_z[i];
         let coupling = -wa[i] * turn * before[i] * there[i];
         let share = coupling * old_pivot[i];

@@ -249,7 +249,9 @@ impl Material {
         let highest = (16.0 * (warp + weft + twist)).sqrt();
         let step = f64::from(step_secs);
         let needed = (step * highest / STABLE).ceil();
-        needed.max((step * MIN_SUBSTEPS_PER_S - 1e-6).ceil()).max(1.0) as u32
+        needed
+            .max((step * MIN_SUBSTEPS_PER_S - 1e-6).ceil())
+            .max(1.0) as u32
     }
 
     /// Returns the stiffnesses on a grid.

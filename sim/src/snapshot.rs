@@ -48,7 +48,10 @@ impl Snapshot {
         let count = mask.grid().particle_count();
         let texture = self.texture.iter();
         let texture = texture.flat_map(|texture| [&texture.rest, &texture.calm_at]);
-        for vectors in [&self.positions, &self.velocities].into_iter().chain(texture) {
+        for vectors in [&self.positions, &self.velocities]
+            .into_iter()
+            .chain(texture)
+        {
             if vectors.len() != count {
                 return Err(SimError::OtherCloth {
                     expected: count,

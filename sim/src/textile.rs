@@ -38,6 +38,8 @@ const HASTE_SHARE: f32 = 0.3;
 const MAX_PASSES: u32 = 3;
 const CONTACT_PASSES: u32 = 4;
 const DEEP: f32 = 0.2;
+/// Time in which a crease follows a bend, seconds: a fold sets while it is pressed, and not while it swings by.
+const CREASE_SECS: f32 = 0.1;
 const TINY_M2: f32 = 1e-20;
 
 /// What moves a cloth of a material.
@@ -62,16 +64,23 @@ pub(crate) struct Textile {
 }
 
 impl Textile {
-    /// Makes a cloth without creases.
+    /// Makes a cloth that has long lain at the given positions, and has the creases of that.
     ///
     /// - `material`: within the bounds of [`Material::check`]; with others the cloth has any number of substeps up
     ///   to the most.
-    pub fn new(layout: &Layout, material: &Material, params: &Params) -> Textile {
+    pub fn new(
+        layout: &Layout,
+        positions: &Planes,
+        material: &Material,
+        params: &Params,
+    ) -> Textile {
         let spacing_m = layout.grid().spacing_m;
         let substeps = material.substeps(spacing_m, params.step_secs);
         let substeps = substeps.min(crate::material::MAX_SUBSTEPS);
         let stiffness = material.stiffness(spacing_m);
         let friction = Friction::new(material.crease_recovery_deg, spacing_m);
+        let mut bending = Bending::new(layout, stiffness.bend, friction);
+        bending.crease(positions, 1.0);
         // One sweep over springs of this stiffness is as compliant as the diagonals are: of the compliance, what the
         // sweep itself adds (two particles of mass 1) is left out.
         let shear = |haste: u32| {
@@ -83,7 +92,7 @@ impl Textile {
             material: material.clone(),
             stiffness,
             substeps,
-            bending: Bending::new(layout, stiffness.bend, friction),
+            bending,
             columns: Lines::new(layout),
             rows: Lines::new(&layout.transposed()),
             shear: [shear(1), shear(2), shear(4)],
@@ -200,9 +209,12 @@ impl Textile {
     ) {
         let dt = params.step_secs / self.substeps() as f32;
         if number % CREASE_EVERY == 0 {
-            self.bending.crease(&sides.rows.positions);
+            let share = (CREASE_EVERY as f32 * dt / CREASE_SECS).min(1.0);
+            self.bending.crease(&sides.rows.positions, share);
         }
-        let acceleration = self.bending.accelerate(&sides.rows.positions, velocities, LEAD * dt);
+        let acceleration = self
+            .bending
+            .accelerate(&sides.rows.positions, velocities, LEAD * dt);
         let keep = 1.0 - params.damping_per_s * dt;
         let weight = &sides.rows.inverse_mass;
         let positions = &mut sides.rows.positions;
@@ -214,7 +226,14 @@ impl Textile {
         .into_iter()
         .enumerate()
         {
-            gain(velocity, acceleration, weight, params.gravity_m_s2[axis], keep, dt);
+            gain(
+                velocity,
+                acceleration,
+                weight,
+                params.gravity_m_s2[axis],
+                keep,
+                dt,
+            );
             fly(position, velocity, weight, dt, 1.0, 0.0);
         }
         self.predicted.clone_from(positions);
@@ -236,12 +255,20 @@ impl Textile {
                 && pass == 0
             {
                 let friction = self.material.table_friction;
-                touch_sphere(side, sphere, params, friction, params.max_acceleration_m_s2 * dt * dt);
+                touch_sphere(
+                    side,
+                    sphere,
+                    params,
+                    friction,
+                    params.max_acceleration_m_s2 * dt * dt,
+                );
             }
             self.faces.search(&side.positions, &side.began);
             let mut deepest = 0.0;
             for _ in 0..CONTACT_PASSES {
-                deepest = self.faces.resolve(&mut side.positions, &side.began, &side.inverse_mass);
+                deepest = self
+                    .faces
+                    .resolve(&mut side.positions, &side.began, &side.inverse_mass);
                 let Planes { x, y, z } = &mut side.positions;
                 touch_table(
                     x,
@@ -262,15 +289,40 @@ impl Textile {
         }
         let side = &mut sides.rows;
         let Planes { x, y, z } = &side.positions;
-        take_up(&mut velocities.x, x, &self.predicted.x, &side.inverse_mass, 1.0 / dt);
-        take_up(&mut velocities.y, y, &self.predicted.y, &side.inverse_mass, 1.0 / dt);
-        take_up(&mut velocities.z, z, &self.predicted.z, &side.inverse_mass, 1.0 / dt);
+        take_up(
+            &mut velocities.x,
+            x,
+            &self.predicted.x,
+            &side.inverse_mass,
+            1.0 / dt,
+        );
+        take_up(
+            &mut velocities.y,
+            y,
+            &self.predicted.y,
+            &side.inverse_mass,
+            1.0 / dt,
+        );
+        take_up(
+            &mut velocities.z,
+            z,
+            &self.predicted.z,
+            &side.inverse_mass,
+            1.0 / dt,
+        );
     }
 }
 
 /// Accelerates one coordinate of free particles.
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
-fn gain(velocity: &mut [f32], acceleration: &[f32], weight: &[f32], gravity: f32, keep: f32, dt: f32) {
+fn gain(
+    velocity: &mut [f32],
+    acceleration: &[f32],
+    weight: &[f32],
+    gravity: f32,
+    keep: f32,
+    dt: f32,
+) {
     let n = velocity.len();
     let (acceleration, weight) = (&acceleration[..n], &weight[..n]);
     for i in 0..n {
@@ -327,8 +379,13 @@ fn touch_sphere(side: &mut Side, sphere: Sphere, params: &Params, friction: f32,
         let p = side.positions.get(i);
         let push = sphere_push(p, side.began.get(i), sphere, reach, friction);
         let length = (push[0] * push[0] + push[1] * push[1] + push[2] * push[2]).sqrt();
-        let share = if length > most_m { most_m / length } else { 1.0 };
+        let share = if length > most_m {
+            most_m / length
+        } else {
+            1.0
+        };
         let share = share * side.inverse_mass[i];
-        side.positions.set(i, [0, 1, 2].map(|axis| p[axis] + share * push[axis]));
+        side.positions
+            .set(i, [0, 1, 2].map(|axis| p[axis] + share * push[axis]));
     }
 }
