@@ -57,9 +57,9 @@ impl Cut {
 
 /// Width of a strip, metres (ASTM D1388: 25 mm).
 const STRIP_M: f32 = 0.025;
-/// Width of a strip on the bias, metres. Twice as wide, since the cells at its zigzag rims are missing, and twist with
+/// Width of a strip on the bias, metres. Wider, since the cells at its zigzag rims are missing, and twist with
 /// them.
-const BIAS_STRIP_M: f32 = 0.05;
+const BIAS_STRIP_M: f32 = 0.04;
 /// Height at which strips are held, metres: above the table, whatever hangs from there.
 const HIGH_M: f32 = 1.0;
 
@@ -319,10 +319,17 @@ pub fn hanging_loop(
     Ok([2.0 * half, f64::from(HIGH_M - lowest)])
 }
 
-/// Measures the height of a free fold: a strip along the warp that lies folded over on the table, without internal friction, metres.
-///
-/// The height is that of the upper layer's middle above the lower one's.
-pub fn free_fold(material: &Material, spacing_m: f32) -> Result<f64, MeasureError> {
+/// A strip that lies folded over on the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fold {
+    /// Height of the upper layer's middle above the lower one's where the fold is highest, metres.
+    pub height_m: f64,
+    /// Distance between the layers where they lie flat, metres.
+    pub gap_m: f64,
+}
+
+/// Measures a free fold of a strip along the warp, without internal friction.
+pub fn free_fold(material: &Material, spacing_m: f32) -> Result<Fold, MeasureError> {
     let (p, c) = (
         f64::from(spacing_m),
         f64::from(material.bending_length_m.warp),
@@ -357,12 +364,16 @@ pub fn free_fold(material: &Material, spacing_m: f32) -> Result<f64, MeasureErro
     }
     let mut cloth = Simulator::from_positions(&strip.mask, &positions, &params)?;
     settle(&mut cloth, 3.0)?;
-    let highest = cloth
-        .positions()
-        .iter()
-        .map(|p| p[2])
-        .fold(0.0f32, f32::max);
-    Ok(f64::from(highest) - low)
+    let points = cloth.positions();
+    let highest = points.iter().map(|p| p[2]).fold(0.0f32, f32::max);
+    // Well behind the fold, and off the flap's rim.
+    let flat: Vec<f64> = (rows - (flap / p / 3.0) as usize..rows - 1)
+        .map(|row| strip.mean(&points, row)[2] - low)
+        .collect();
+    Ok(Fold {
+        height_m: f64::from(highest) - low,
+        gap_m: flat.iter().sum::<f64>() / flat.len() as f64,
+    })
 }
 
 /// Diameters of the disc and of the pedestal that it lies on, metres (Cusick 1968; ISO 9073-9).
@@ -588,12 +599,20 @@ pub fn textile_table(material: &Material, spacing_m: f32) -> Result<Vec<Reading>
         declared: Some(f64::from(material.table_friction)),
         measured: table_friction(material, spacing_m)?,
     });
+    let fold = free_fold(material, spacing_m)?;
+    readings.push(Reading {
+        what: "gap between layers",
+        method: "free fold",
+        unit: "mm",
+        declared: Some(1000.0 * f64::from(material.thickness_m)),
+        measured: 1000.0 * fold.gap_m,
+    });
     readings.push(Reading {
         what: "height of a free fold",
         method: "Plaut 2015",
         unit: "mm",
         declared: None,
-        measured: 1000.0 * free_fold(material, spacing_m)?,
+        measured: 1000.0 * fold.height_m,
     });
     readings.push(Reading {
         what: "drape coefficient",

@@ -37,7 +37,7 @@ fn cantilevers_show_it_in_all_directions_at_both_spacings() {
             let material = of_length(millimetres);
             for cut in Cut::ALL {
                 // Rounder than two diagonals on the bias.
-                let within = if cut == Cut::Bias && millimetres < 18.0 {
+                let within = if cut == Cut::Bias && millimetres < 18.0 && spacing_m > 0.005 {
                     0.1
                 } else {
                     0.05
@@ -108,7 +108,7 @@ fn a_free_fold_is_as_high_as_the_elastica() {
     for millimetres in [20.0, 30.0] {
         let material = of_length(millimetres);
         let c = 0.001 * f64::from(millimetres);
-        let height = measure::free_fold(&material, SPACING_M).unwrap();
+        let height = measure::free_fold(&material, SPACING_M).unwrap().height_m;
         let expected = c * elastica::fold_height(f64::from(material.gap_m()) / c);
         assert!(
             (height / expected - 1.0).abs() < 0.1,
@@ -130,7 +130,7 @@ fn readings_converge() {
                 .unwrap()
                 .bending_length_m,
             depth / elastica::loop_depth(0.0, length / 0.025),
-            measure::free_fold(&material, spacing_m).unwrap(),
+            measure::free_fold(&material, spacing_m).unwrap().height_m,
         ]
     };
     let (coarse, fine) = (at(0.00625), at(0.003125));

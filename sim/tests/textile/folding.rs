@@ -2,32 +2,15 @@
 
 use super::crossings::crossings;
 use super::*;
-use fab_sim::{Snapshot, diagonal_fold};
+use fab_sim::{Snapshot, diagonal_fold, measure};
 
-/// Where a cloth lies folded flat far from the fold, layers are the gap apart: the thickness within 1 to 3 mm.
+/// Where layers lie flat on each other they are the thickness apart, from 1 to 3 mm.
 #[test]
 fn layers_keep_the_declared_thickness() {
     for (name, material) in materials() {
-        let grid = Grid::new(30, 30, SPACING_M).unwrap();
-        let mut cloth = diagonal_fold(grid, &params(&material), &|| false).unwrap();
-        cloth.settle(300).unwrap();
-        let points = cloth.positions();
-        // Particles of the flap, well off the fold, over some of the lower layer.
-        let flap = (0..900).filter(|i| (i % 30) + (i / 30) < 20);
-        let mut gaps: Vec<f32> = flap
-            .filter_map(|i| {
-                let aside =
-                    |j: usize| (points[i][0] - points[j][0]).hypot(points[i][1] - points[j][1]);
-                let base = (0..900).filter(|j| (j % 30) + (j / 30) > 36 && aside(*j) < 0.0035);
-                base.map(|j| points[i][2] - points[j][2]).reduce(f32::min)
-            })
-            .collect();
-        assert!(gaps.len() > 20, "{name}: {} pairs", gaps.len());
-        gaps.sort_by(f32::total_cmp);
-        let low = gaps[gaps.len() / 10];
-        let gap = material.gap_m();
-        assert!(low > 0.85 * gap, "{name}: {low} m of {gap} m");
-        assert!(low < 1.5 * gap + 5e-4, "{name}: {low} m of {gap} m");
+        let got = measure::free_fold(&material, SPACING_M).unwrap().gap_m;
+        let gap = f64::from(material.gap_m());
+        assert!((got / gap - 1.0).abs() < 0.1, "{name}: {got} m of {gap} m");
     }
 }
 
@@ -63,7 +46,7 @@ fn hardly_a_thread_passes_through_another_in_a_crumple() {
                 "{name} {seed}: {count} crossings, stretch {:.3}",
                 stretch(grid, &points)
             );
-            assert!(count <= 25, "{name} {seed}: {count}");
+            assert!(count <= 5, "{name} {seed}: {count}");
         }
     }
 }
