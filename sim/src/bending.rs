@@ -11,6 +11,7 @@ use crate::layout::Layout;
 use crate::planes::Planes;
 #[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
+use std::f32::consts::PI;
 
 // Keeps coincident particles from dividing zero by zero.
 const TINY: f32 = 1e-20;
@@ -19,9 +20,7 @@ const BY_NORMAL: f32 = 0.2;
 // Share of the present bend by which a crease keeps its side where the normal is uncertain.
 const KEEPS_SIDE: f32 = 0.2;
 
-/// How far a bend may be from its rest, and how much of it then stays.
-///
-/// Bends are second differences of positions in spacings: twice the sine of half the angle between two edges.
+/// How far a bend may be from its rest, and how much of it then stays; bends are angles between edges, radians.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Friction {
     /// Bend up to which a flat cloth springs back wholly.
@@ -35,19 +34,21 @@ pub(crate) struct Friction {
 impl Friction {
     /// Converts a crease recovery angle; `None` for a cloth that recovers wholly.
     ///
+    /// A fold that is pressed flat bends the cloth at one row of particles by half a turn, or at two by a quarter
+    /// each. What stays is right for the mean of both.
+    ///
     /// - `spacing_m`: sets which curvature is gentle.
     pub fn new(recovery_deg: f32, spacing_m: f32) -> Option<Friction> {
         let kept = 1.0 - recovery_deg / 180.0;
         if kept <= 0.0 {
             return None;
         }
-        // Bends of a fold that is pressed flat: two right angles, as particles show it.
-        const PRESSED: f32 = std::f32::consts::SQRT_2;
-        let elastic = (GENTLE_PER_M * spacing_m).min(0.5 * PRESSED);
+        let elastic = (GENTLE_PER_M * spacing_m).min(0.5);
+        let stays = (kept * PI / (PI - 1.5 * elastic)).min(0.98);
         Some(Friction {
             elastic,
-            stays: (kept * PRESSED / (PRESSED - elastic)).min(0.98),
-            farthest: PRESSED - kept * PRESSED + elastic,
+            stays,
+            farthest: PI - stays * (PI - elastic),
         })
     }
 }
@@ -68,7 +69,7 @@ pub(crate) struct Bending {
     near: [Vec<f32>; 4],
     /// By slot: 1 where the cell to the right and in front is whole.
     cell: Vec<f32>,
-    /// Rest bends, in spacings, signed by the side of the cloth that they bend to.
+    /// Rest bends, radians, signed by the side of the cloth that they bend to.
     rest: [Vec<f32>; 3],
     /// Moments of the rest bends: those that the present bend is pulled towards.
     set: [Planes; 3],
@@ -134,7 +135,9 @@ impl Bending {
     }
 
     /// Lets creases follow the bends as they are.
-    pub fn crease(&mut self, positions: &Planes) {
+    ///
+    /// - `share`: how much of what they are too far behind they make up for.
+    pub fn crease(&mut self, positions: &Planes, share: f32) {
         let Some(friction) = self.friction else {
             return;
         };
@@ -154,7 +157,7 @@ impl Bending {
             &near_both(left, right),
             warp,
             set_warp,
-            self.spacing_m,
+            [self.spacing_m, share],
             friction,
         );
         crease_slots(
@@ -165,7 +168,7 @@ impl Bending {
             &near_both(back, front),
             weft,
             set_weft,
-            self.spacing_m,
+            [self.spacing_m, share],
             friction,
         );
         crease_slots(
@@ -176,7 +179,7 @@ impl Bending {
             &self.cell,
             twist,
             set_twist,
-            self.spacing_m,
+            [self.spacing_m, share],
             friction,
         );
     }
@@ -361,6 +364,24 @@ fn gather([warp, weft, twist]: [&[f32]; 3], [pad, stride]: [usize; 2], to: &mut 
     }
 }
 
+/// Returns the angle between two edges of length 1 from their difference, radians: twice the arc sine of its half
+/// (Abramowitz and Stegun 1964, 4.4.45).
+#[inline(always)]
+fn angle(difference: f32) -> f32 {
+    let x = 0.5 * difference;
+    let x = if x < 1.0 { x } else { 1.0 };
+    let series = 1.570_728_8 + x * (-0.212_114_4 + x * (0.074_261 - 0.018_729_3 * x));
+    2.0 * (0.5 * PI - (1.0 - x).sqrt() * series)
+}
+
+/// Returns the difference between two edges of length 1 from their angle, at most half a turn: twice the sine of its half.
+#[inline(always)]
+fn difference(angle: f32) -> f32 {
+    let x = 0.5 * angle;
+    let q = x * x;
+    2.0 * x * (1.0 - q * (1.0 / 6.0 - q * (1.0 / 120.0 - q * (1.0 / 5040.0))))
+}
+
 /// Lets the rest bends of one family follow, and writes their moments divided by the stiffness.
 #[allow(clippy::too_many_arguments)]
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
@@ -372,7 +393,7 @@ fn crease_slots(
     there: &[f32],
     rest: &mut [f32],
     set: &mut Planes,
-    spacing_m: f32,
+    [spacing_m, follows]: [f32; 2],
     friction: Friction,
 ) {
     let n = rest.len();
@@ -452,16 +473,17 @@ fn crease_slots(
             0.0
         };
         let side = if up + bias * size < 0.0 { -1.0 } else { 1.0 };
-        let now = side * size;
+        let now = side * angle(size);
         let low = least(now);
         let high = -least(-now);
         let kept = if before < low { low } else { before };
         let kept = if kept > high { high } else { kept };
-        let kept = kept * there[i];
+        let kept = (before + follows * (kept - before)) * there[i];
         rest[i] = kept;
+        let difference = difference(kept);
         let grown = match bend {
-            Bend::Twist => kept,
-            _ => kept * growth(kept * kept),
+            Bend::Twist => difference,
+            _ => difference * growth(difference * difference),
         };
         let mut way = [0.0; 3];
         for axis in 0..3 {

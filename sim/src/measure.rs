@@ -9,6 +9,7 @@ use crate::error::{SimError, StartError};
 use crate::grid::{Grid, GridError};
 use crate::mask::{Mask, MaskError};
 use crate::material::{Directions, Material};
+use crate::mesh;
 use crate::params::Params;
 use crate::simulator::{RestShortcut, Simulator};
 
@@ -56,6 +57,9 @@ impl Cut {
 
 /// Width of a strip, metres (ASTM D1388: 25 mm).
 const STRIP_M: f32 = 0.025;
+/// Width of a strip on the bias, metres. Wider, since the cells at its zigzag rims are missing, and twist with
+/// them.
+const BIAS_STRIP_M: f32 = 0.04;
 /// Height at which strips are held, metres: above the table, whatever hangs from there.
 const HIGH_M: f32 = 1.0;
 
@@ -86,7 +90,7 @@ impl Strip {
                 (Mask::full(grid), at.collect(), spacing_m)
             }
             Cut::Bias => {
-                let wide = (2.0 * STRIP_M / (spacing_m * half) / 2.0).round() as isize;
+                let wide = (BIAS_STRIP_M / (spacing_m * half) / 2.0).round() as isize;
                 let dim = (rows + 2 * wide as usize).div_ceil(2) + 1;
                 let grid = Grid::new(dim, dim, spacing_m)?;
                 // Whole cells only, so that the ends are zigzag lines; a cell begins at its corner nearest the back end.
@@ -178,6 +182,14 @@ pub struct Cantilever {
     pub bending_length_m: f64,
 }
 
+/// Returns the material without internal friction of bending.
+fn frictionless(material: &Material) -> Material {
+    Material {
+        crease_recovery_deg: 180.0,
+        ..material.clone()
+    }
+}
+
 /// Measures the bending length on a cantilever (Peirce 1930; ASTM D1388, option A), without internal friction.
 ///
 /// The strip overhangs by twice the declared bending length, or nearly, and its length follows from the angle of the line from
@@ -188,10 +200,6 @@ pub fn cantilever(
     cut: Cut,
     spacing_m: f32,
 ) -> Result<Cantilever, MeasureError> {
-    let frictionless = Material {
-        crease_recovery_deg: 180.0,
-        ..material.clone()
-    };
     let pitch = if cut == Cut::Bias {
         spacing_m * std::f32::consts::FRAC_1_SQRT_2
     } else {
@@ -203,7 +211,11 @@ pub fn cantilever(
         .saturating_sub(1)
         .max(2);
     let strip = Strip::cut(cut, free + 3, spacing_m)?;
-    let mut cloth = Simulator::from_positions(&strip.mask, &strip.positions, &calm(&frictionless))?;
+    let mut cloth = Simulator::from_positions(
+        &strip.mask,
+        &strip.positions,
+        &calm(&frictionless(material)),
+    )?;
     cloth.hold(&strip.rows(|row| row < 3))?;
     settle(&mut cloth, 4.0)?;
     let points = cloth.positions();
@@ -217,4 +229,397 @@ pub fn cantilever(
         angle_rad,
         bending_length_m: overhang_m * ((0.5 * angle_rad).cos() / (8.0 * angle_rad.tan())).cbrt(),
     })
+}
+
+/// How both ends of a strip are clamped together to a loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Loop {
+    /// Face to face and upwards, so that the loop hangs like a heart (Peirce 1930).
+    Heart,
+    /// End to end, so that the loop hangs like a ring.
+    Ring,
+}
+
+impl Loop {
+    /// Returns the angle of a clamped end to the horizontal, radians.
+    pub fn clamp_rad(self) -> f64 {
+        match self {
+            Loop::Heart => std::f64::consts::FRAC_PI_2,
+            Loop::Ring => 0.0,
+        }
+    }
+}
+
+/// Measures how far a loop of a strip along the warp hangs below its clamp, without internal friction, metres.
+///
+/// Returns the free length of the loop, which is `length_m` or nearly, and the depth.
+pub fn hanging_loop(
+    material: &Material,
+    shape: Loop,
+    length_m: f32,
+    spacing_m: f32,
+) -> Result<[f64; 2], MeasureError> {
+    let rows = (length_m / spacing_m).round() as usize + 2;
+    let strip = Strip::cut(Cut::Warp, rows, spacing_m)?;
+    let (p, gap) = (f64::from(spacing_m), 1.2 * f64::from(material.gap_m()));
+    let half = 0.5 * (rows - 2) as f64 * p;
+    let turn = shape.clamp_rad() + std::f64::consts::PI;
+    // A curve whose direction turns evenly, bent so that its end comes below the clamp.
+    let along = |s: f64| {
+        let angle = shape.clamp_rad() - turn * s / half;
+        let radius = half / turn;
+        let x = radius * (shape.clamp_rad().sin() - angle.sin());
+        [x, radius * (angle.cos() - shape.clamp_rad().cos())]
+    };
+    let end = along(half)[0];
+    let place = |row: usize| {
+        let s = (row as f64 - 0.5) * p;
+        let (s, side) = if s <= half {
+            (s, 1.0)
+        } else {
+            (2.0 * half - s, -1.0)
+        };
+        let share = 1.0 - s / half;
+        if s < 0.75 * p {
+            // Held: straight through the edge of the clamp.
+            let (x, z) = (s * shape.clamp_rad().cos(), s * shape.clamp_rad().sin());
+            let beside = if shape == Loop::Heart { 0.5 * gap } else { 0.0 };
+            let below = if shape == Loop::Ring && side < 0.0 {
+                gap
+            } else {
+                0.0
+            };
+            return [side * (x + beside), z - below];
+        }
+        let [x, z] = along(s);
+        let below = if shape == Loop::Ring && side < 0.0 {
+            gap * share
+        } else {
+            0.0
+        };
+        [
+            side * (x - end * s / half + 0.5 * gap * share * shape.clamp_rad().sin()),
+            z - below,
+        ]
+    };
+    let mut positions = strip.positions.clone();
+    for (point, &row) in positions.iter_mut().zip(&strip.row) {
+        let [x, z] = place(row);
+        *point = [x as f32, point[1], HIGH_M + z as f32];
+    }
+    let mut cloth =
+        Simulator::from_positions(&strip.mask, &positions, &calm(&frictionless(material)))?;
+    cloth.hold(&strip.rows(|row| row < 2 || row + 2 >= rows))?;
+    settle(&mut cloth, 4.0)?;
+    let lowest = cloth
+        .positions()
+        .iter()
+        .map(|p| p[2])
+        .fold(f32::INFINITY, f32::min);
+    Ok([2.0 * half, f64::from(HIGH_M - lowest)])
+}
+
+/// A strip that lies folded over on the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fold {
+    /// Height of the upper layer's middle above the lower one's where the fold is highest, metres.
+    pub height_m: f64,
+    /// Distance between the layers where they lie flat, metres.
+    pub gap_m: f64,
+}
+
+/// Measures a free fold of a strip along the warp, without internal friction.
+pub fn free_fold(material: &Material, spacing_m: f32) -> Result<Fold, MeasureError> {
+    let (p, c) = (
+        f64::from(spacing_m),
+        f64::from(material.bending_length_m.warp),
+    );
+    let gap = f64::from(material.gap_m());
+    let flap = 6.0 * c;
+    let radius = 0.5 * c;
+    let arc = std::f64::consts::PI * radius;
+    let rows = ((2.0 * flap + 2.0 * c + arc) / p).round() as usize;
+    let strip = Strip::cut(Cut::Warp, rows, spacing_m)?;
+    let params = calm(&frictionless(material));
+    let low = f64::from(params.rest_height_m());
+    let bottom = rows as f64 * p - arc - flap;
+    let place = |row: usize| {
+        let s = row as f64 * p;
+        if s < bottom {
+            [s, 0.0]
+        } else if s < bottom + arc {
+            let angle = (s - bottom) / radius;
+            [bottom + radius * angle.sin(), radius * (1.0 - angle.cos())]
+        } else {
+            // The flap comes down to the gap within three bending lengths.
+            let back = s - bottom - arc;
+            let share = (back / (3.0 * c)).min(1.0);
+            [bottom - back, 2.0 * radius + share * (gap - 2.0 * radius)]
+        }
+    };
+    let mut positions = strip.positions.clone();
+    for (point, &row) in positions.iter_mut().zip(&strip.row) {
+        let [x, z] = place(row);
+        *point = [x as f32, point[1], (low + z) as f32];
+    }
+    let mut cloth = Simulator::from_positions(&strip.mask, &positions, &params)?;
+    settle(&mut cloth, 3.0)?;
+    let points = cloth.positions();
+    let highest = points.iter().map(|p| p[2]).fold(0.0f32, f32::max);
+    // Well behind the fold, and off the flap's rim.
+    let flat: Vec<f64> = (rows - (flap / p / 3.0) as usize..rows - 1)
+        .map(|row| strip.mean(&points, row)[2] - low)
+        .collect();
+    Ok(Fold {
+        height_m: f64::from(highest) - low,
+        gap_m: flat.iter().sum::<f64>() / flat.len() as f64,
+    })
+}
+
+/// Diameters of the disc and of the pedestal that it lies on, metres (Cusick 1968; ISO 9073-9).
+const DISC_M: f32 = 0.3;
+const PEDESTAL_M: f32 = 0.18;
+/// Distance between the points at which the shadow of a disc is sampled, metres.
+const SHADOW_M: f32 = 0.001;
+
+/// Measures the drape coefficient: how much of the ring around the pedestal a disc of cloth covers, seen from above
+/// (Cusick 1968), from 0 to 1.
+pub fn drape_coefficient(material: &Material, spacing_m: f32) -> Result<f64, MeasureError> {
+    let dim = (DISC_M / spacing_m).round() as usize + 1;
+    let grid = Grid::new(dim, dim, spacing_m)?;
+    let middle = (dim - 1) as f32 / 2.0;
+    let aside = |x: f32, y: f32| ((x - middle).powi(2) + (y - middle).powi(2)).sqrt() * spacing_m;
+    let cell = |ix: isize, iy: isize| {
+        let inside = ix >= 0 && iy >= 0 && (ix as usize) < dim - 1 && (iy as usize) < dim - 1;
+        inside && aside(ix as f32 + 0.5, iy as f32 + 0.5) < 0.5 * DISC_M
+    };
+    let mask = Mask::from_fn(grid, |ix, iy| {
+        let (ix, iy) = (ix as isize, iy as isize);
+        [(0, 0), (1, 0), (0, 1), (1, 1)]
+            .iter()
+            .any(|(x, y)| cell(ix - x, iy - y))
+    })?;
+    let params = calm(material);
+    let mut positions = grid.flat_positions(&params);
+    for (i, point) in positions.iter_mut().enumerate() {
+        // Uneven by hundredths of a millimetre, or the disc would not know where to fold.
+        point[2] = HIGH_M + 1e-5 * ((i * 7919) % 101) as f32;
+    }
+    let held: Vec<usize> = (0..dim * dim)
+        .filter(|&i| mask.has(i) && aside((i % dim) as f32, (i / dim) as f32) <= 0.5 * PEDESTAL_M)
+        .collect();
+    let mut cloth = Simulator::from_positions(&mask, &positions, &params)?;
+    cloth.hold(&held)?;
+    settle(&mut cloth, 3.0)?;
+    let area = |points: &[[f32; 3]]| shadow_m2(&mask, points);
+    let pedestal = std::f64::consts::PI * f64::from(0.5 * PEDESTAL_M).powi(2);
+    Ok((area(&cloth.positions()) - pedestal) / (area(&positions) - pedestal))
+}
+
+/// Returns the area of the shadow of a cloth under light from straight above, square metres.
+fn shadow_m2(mask: &Mask, points: &[[f32; 3]]) -> f64 {
+    let reach = (DISC_M / SHADOW_M) as isize;
+    let side = 2 * reach as usize + 1;
+    let mut dark = vec![false; side * side];
+    for corners in mesh::triangles(mask) {
+        let [a, b, c] = corners.map(|i| [points[i][0] / SHADOW_M, points[i][1] / SHADOW_M]);
+        let turn = |p: [f32; 2], q: [f32; 2], r: [f32; 2]| {
+            (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+        };
+        let range = |axis: usize| {
+            let low = a[axis].min(b[axis]).min(c[axis]).ceil() as isize;
+            let high = a[axis].max(b[axis]).max(c[axis]).floor() as isize;
+            low.max(-reach)..=high.min(reach)
+        };
+        for y in range(1) {
+            for x in range(0) {
+                let p = [x as f32, y as f32];
+                let turns = [turn(a, b, p), turn(b, c, p), turn(c, a, p)];
+                let inside = turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0);
+                if inside {
+                    dark[(y + reach) as usize * side + (x + reach) as usize] = true;
+                }
+            }
+        }
+    }
+    dark.iter().filter(|&&dark| dark).count() as f64 * f64::from(SHADOW_M).powi(2)
+}
+
+/// Where a fold is pressed flat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Crease {
+    /// At one row of particles.
+    Row,
+    /// Between two rows.
+    Between,
+}
+
+/// Measures the crease recovery angle (ISO 2313): a strip is pressed flat in a fold, one limb is let go, and the
+/// angle between the limbs is read, degrees: 180 is flat.
+///
+/// As on the instrument, the free limb is not bent by its weight: there is no gravity.
+pub fn crease_recovery_deg(
+    material: &Material,
+    cut: Cut,
+    crease: Crease,
+    spacing_m: f32,
+) -> Result<f64, MeasureError> {
+    let limb = ((0.02 / spacing_m).round() as usize).max(3);
+    let rows = match crease {
+        Crease::Row => 2 * limb + 1,
+        Crease::Between => 2 * limb + 2,
+    };
+    let strip = Strip::cut(cut, rows, spacing_m)?;
+    let gap = match crease {
+        Crease::Row => material.gap_m(),
+        Crease::Between => spacing_m.max(material.gap_m()),
+    };
+    let mut positions = strip.positions.clone();
+    let last = limb as f32 * strip.pitch_m;
+    for (point, &row) in positions.iter_mut().zip(&strip.row) {
+        if row > limb {
+            let beyond =
+                (row - limb - usize::from(crease == Crease::Between)) as f32 * strip.pitch_m;
+            *point = [last - beyond, point[1], HIGH_M + gap];
+        }
+    }
+    let params = Params {
+        gravity_m_s2: [0.0; 3],
+        // It opens slowly: thrown open, the limb would bend elsewhere too.
+        damping_per_s: 100.0,
+        ..calm(material)
+    };
+    let mut cloth = Simulator::from_positions(&strip.mask, &positions, &params)?;
+    cloth.hold(&strip.rows(|_| true))?;
+    for _ in 0..5 {
+        cloth.step()?;
+    }
+    cloth.hold(&strip.rows(|row| row < limb))?;
+    settle(&mut cloth, 3.0)?;
+    let points = cloth.positions();
+    let [near, far] = [rows - limb, rows - 1].map(|row| strip.mean(&points, row));
+    // The lower limb points along -X from the crease.
+    let angle = (far[2] - near[2]).atan2(-(far[0] - near[0])).to_degrees();
+    Ok(if angle < -90.0 { angle + 360.0 } else { angle })
+}
+
+/// Measures the friction on the table: a patch on a slope slides with `g (sin - friction cos)`.
+pub fn table_friction(material: &Material, spacing_m: f32) -> Result<f64, MeasureError> {
+    let grid = Grid::new(6, 6, spacing_m)?;
+    let params = on_slope(material, material.table_friction);
+    let mut cloth = Simulator::flat(grid, &params);
+    slide(&mut cloth, &params, 0..36)
+}
+
+/// Returns parameters under which the table slopes towards +X, by more than a friction holds.
+fn on_slope(material: &Material, friction: f32) -> Params {
+    let slope = friction + 0.4;
+    let per = 1.0 / (1.0 + slope * slope).sqrt();
+    Params {
+        gravity_m_s2: [9.8 * slope * per, 0.0, -9.8 * per],
+        damping_per_s: 0.0,
+        material: Some(material.clone()),
+        ..Params::default()
+    }
+}
+
+/// Lets a patch slide down and returns the friction that its acceleration shows.
+fn slide(
+    cloth: &mut Simulator,
+    params: &Params,
+    patch: std::ops::Range<usize>,
+) -> Result<f64, MeasureError> {
+    let speed = |cloth: &Simulator| {
+        let velocities = cloth.velocities();
+        let sum: f64 = patch.clone().map(|i| f64::from(velocities[i][0])).sum();
+        sum / patch.len() as f64
+    };
+    for _ in 0..10 {
+        cloth.step()?;
+    }
+    let before = speed(cloth);
+    const STEPS: u32 = 15;
+    for _ in 0..STEPS {
+        cloth.step()?;
+    }
+    let secs = f64::from(params.step_secs) * f64::from(STEPS);
+    let acceleration = (speed(cloth) - before) / secs;
+    let [along, _, down] = params.gravity_m_s2.map(f64::from);
+    Ok((along - acceleration) / -down)
+}
+
+/// One line of the textile table.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Reading {
+    /// What was measured.
+    pub what: &'static str,
+    /// How, by whose method.
+    pub method: &'static str,
+    /// Unit of both values; nothing for a plain number.
+    pub unit: &'static str,
+    /// What the material declares; `None` for what it says nothing of.
+    pub declared: Option<f64>,
+    /// What the simulated cloth shows.
+    pub measured: f64,
+}
+
+/// Measures all that a material declares and that a specimen shows, and its drape.
+///
+/// Takes some seconds of computing. Fails on a material that cannot be simulated at this spacing.
+pub fn textile_table(material: &Material, spacing_m: f32) -> Result<Vec<Reading>, MeasureError> {
+    let mut readings = Vec::new();
+    let names = [
+        "bending length, warp",
+        "bending length, weft",
+        "bending length, bias",
+    ];
+    for (what, cut) in names.into_iter().zip(Cut::ALL) {
+        readings.push(Reading {
+            what,
+            method: "cantilever, ASTM D1388 A",
+            unit: "mm",
+            declared: Some(1000.0 * f64::from(cut.of(material.bending_length_m))),
+            measured: 1000.0 * cantilever(material, cut, spacing_m)?.bending_length_m,
+        });
+    }
+    let names = ["crease recovery, warp", "crease recovery, weft"];
+    for (what, cut) in names.into_iter().zip([Cut::Warp, Cut::Weft]) {
+        readings.push(Reading {
+            what,
+            method: "ISO 2313",
+            unit: "deg",
+            declared: Some(f64::from(material.crease_recovery_deg)),
+            measured: crease_recovery_deg(material, cut, Crease::Row, spacing_m)?,
+        });
+    }
+    readings.push(Reading {
+        what: "friction on the table",
+        method: "slope",
+        unit: "",
+        declared: Some(f64::from(material.table_friction)),
+        measured: table_friction(material, spacing_m)?,
+    });
+    let fold = free_fold(material, spacing_m)?;
+    readings.push(Reading {
+        what: "gap between layers",
+        method: "free fold",
+        unit: "mm",
+        declared: Some(1000.0 * f64::from(material.thickness_m)),
+        measured: 1000.0 * fold.gap_m,
+    });
+    readings.push(Reading {
+        what: "height of a free fold",
+        method: "Plaut 2015",
+        unit: "mm",
+        declared: None,
+        measured: 1000.0 * fold.height_m,
+    });
+    readings.push(Reading {
+        what: "drape coefficient",
+        method: "Cusick, 30 cm on 18 cm",
+        unit: "",
+        declared: None,
+        measured: drape_coefficient(material, spacing_m)?,
+    });
+    Ok(readings)
 }

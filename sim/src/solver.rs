@@ -77,7 +77,7 @@ impl Solver {
         let before = positions.clone();
         let sides = Sides::new(&layout, positions);
         let textile = params.material.as_ref();
-        let textile = textile.map(|material| Textile::new(&layout, material, params));
+        let textile = textile.map(|material| Textile::new(&layout, &before, material, params));
         Solver {
             velocities: Planes::zeros(n),
             held: Vec::new(),

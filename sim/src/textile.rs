@@ -38,6 +38,8 @@ const HASTE_SHARE: f32 = 0.3;
 const MAX_PASSES: u32 = 3;
 const CONTACT_PASSES: u32 = 4;
 const DEEP: f32 = 0.2;
+/// Time in which a crease follows a bend, seconds: a fold sets while it is pressed, and not while it swings by.
+const CREASE_SECS: f32 = 0.1;
 const TINY_M2: f32 = 1e-20;
 
 /// What moves a cloth of a material.
@@ -62,16 +64,23 @@ pub(crate) struct Textile {
 }
 
 impl Textile {
-    /// Makes a cloth without creases.
+    /// Makes a cloth that has long lain at the given positions, and has the creases of that.
     ///
     /// - `material`: within the bounds of [`Material::check`]; with others the cloth has any number of substeps up
     ///   to the most.
-    pub fn new(layout: &Layout, material: &Material, params: &Params) -> Textile {
+    pub fn new(
+        layout: &Layout,
+        positions: &Planes,
+        material: &Material,
+        params: &Params,
+    ) -> Textile {
         let spacing_m = layout.grid().spacing_m;
         let substeps = material.substeps(spacing_m, params.step_secs);
         let substeps = substeps.min(crate::material::MAX_SUBSTEPS);
         let stiffness = material.stiffness(spacing_m);
         let friction = Friction::new(material.crease_recovery_deg, spacing_m);
+        let mut bending = Bending::new(layout, stiffness.bend, friction);
+        bending.crease(positions, 1.0);
         // One sweep over springs of this stiffness is as compliant as the diagonals are: of the compliance, what the
         // sweep itself adds (two particles of mass 1) is left out.
         let shear = |haste: u32| {
@@ -83,7 +92,7 @@ impl Textile {
             material: material.clone(),
             stiffness,
             substeps,
-            bending: Bending::new(layout, stiffness.bend, friction),
+            bending,
             columns: Lines::new(layout),
             rows: Lines::new(&layout.transposed()),
             shear: [shear(1), shear(2), shear(4)],
@@ -200,7 +209,8 @@ impl Textile {
     ) {
         let dt = params.step_secs / self.substeps() as f32;
         if number % CREASE_EVERY == 0 {
-            self.bending.crease(&sides.rows.positions);
+            let share = (CREASE_EVERY as f32 * dt / CREASE_SECS).min(1.0);
+            self.bending.crease(&sides.rows.positions, share);
         }
         let acceleration = self
             .bending

@@ -1,0 +1,262 @@
+//! Bending, creases and drape.
+
+use super::*;
+use fab_sim::measure::{self, Crease, Cut, Loop};
+
+/// Tells whether a cantilever's bending length is within a share of the declared one.
+fn meets(material: &Material, cut: Cut, spacing_m: f32, within: f64) {
+    let got = measure::cantilever(material, cut, spacing_m).unwrap();
+    let share = got.bending_length_m / f64::from(cut.of(material.bending_length_m));
+    assert!(
+        (share - 1.0).abs() <= within,
+        "{cut:?} at {spacing_m} m: {share} of {:?}",
+        material.bending_length_m
+    );
+}
+
+/// `c = overhang (cos(angle / 2) / (8 tan(angle)))^(1/3)` (Peirce 1930; ASTM D1388, option A).
+///
+/// Measured at 6.25 mm: 1.065 of 10 mm, 1.041 of 15, 1.026 of 20, 1.027 of 30, 1.023 of 40.
+#[test]
+fn a_cantilever_shows_the_declared_bending_length() {
+    meets(&of_length(10.0), Cut::Warp, 0.00625, 0.1);
+    for millimetres in [15.0, 25.0, 40.0] {
+        meets(&of_length(millimetres), Cut::Warp, 0.00625, 0.05);
+    }
+    meets(&of_length(20.0), Cut::Weft, 0.00625, 0.05);
+    meets(&of_length(25.0), Cut::Bias, 0.00625, 0.05);
+}
+
+/// Measured on the bias at 4 mm: 1.03 of 14 mm, 1.016 of 27; on the warp 1.037 of 10, 1.02 of 40. A bias of 10 mm
+/// is 15 to 25 % too stiff at 6.25 mm, where a cloth of it is warned of ([`Material::check`]).
+#[test]
+#[ignore = "long"]
+fn cantilevers_show_it_in_all_directions_at_both_spacings() {
+    for spacing_m in [0.00625, 0.004] {
+        for millimetres in [15.0, 20.0, 30.0, 40.0] {
+            let material = of_length(millimetres);
+            for cut in Cut::ALL {
+                // Rounder than two diagonals on the bias.
+                let within = if cut == Cut::Bias && millimetres < 18.0 && spacing_m > 0.005 {
+                    0.1
+                } else {
+                    0.05
+                };
+                meets(&material, cut, spacing_m, within);
+            }
+        }
+        meets(&of_length(10.0), Cut::Warp, spacing_m, 0.1);
+        meets(&of_length(10.0), Cut::Weft, spacing_m, 0.1);
+    }
+    meets(&of_length(10.6), Cut::Bias, 0.004, 0.1);
+}
+
+#[test]
+fn every_material_shows_its_bending_lengths() {
+    for (name, material) in materials() {
+        let share = |cut: Cut| {
+            let got = measure::cantilever(&material, cut, SPACING_M).unwrap();
+            got.bending_length_m / f64::from(cut.of(material.bending_length_m))
+        };
+        for cut in [Cut::Warp, Cut::Weft] {
+            // Silk is below 15 mm.
+            let within = if name == "silk" { 0.1 } else { 0.05 };
+            assert!(
+                (share(cut) - 1.0).abs() <= within,
+                "{name} {cut:?}: {}",
+                share(cut)
+            );
+        }
+    }
+}
+
+/// Peirce's formula is 1.9 % above the elastica at an overhang of two bending lengths.
+#[test]
+fn the_elastica_agrees_with_peirce() {
+    let angle = elastica::cantilever_rad(2.0);
+    let peirce = 2.0 * ((0.5 * angle).cos() / (8.0 * angle.tan())).cbrt();
+    assert!((peirce - 1.019).abs() < 0.002, "{peirce}");
+    // A weak overhang droops like a straight beam: by an eighth of the fourth power of its length.
+    let small = elastica::cantilever_rad(0.3).tan();
+    assert!(
+        (small / (0.3f64.powi(3) / 8.0) - 1.0).abs() < 0.01,
+        "{small}"
+    );
+}
+
+/// Depth of a loop whose ends are clamped together, in bending lengths, by the elastica of the same length.
+///
+/// Measured: heart 1.364 of 1.339, ring 2.177 of 2.163 bending lengths of 20 mm at 6.25 mm.
+#[test]
+fn hanging_loops_are_as_deep_as_the_elastica() {
+    let material = of_length(20.0);
+    for shape in [Loop::Heart, Loop::Ring] {
+        let [length, depth] = measure::hanging_loop(&material, shape, 0.12, SPACING_M).unwrap();
+        let expected = 0.02 * elastica::loop_depth(shape.clamp_rad(), length / 0.02);
+        assert!(
+            (depth / expected - 1.0).abs() < 0.1,
+            "{shape:?}: {depth} m of {expected} m"
+        );
+    }
+}
+
+/// Height of a fold whose both layers are flat at its ends, by the elastica: 0.91 bending lengths (Plaut 2015).
+///
+/// Measured: 0.895 at 20 mm and 0.922 at 30 mm.
+#[test]
+fn a_free_fold_is_as_high_as_the_elastica() {
+    for millimetres in [20.0, 30.0] {
+        let material = of_length(millimetres);
+        let c = 0.001 * f64::from(millimetres);
+        let height = measure::free_fold(&material, SPACING_M).unwrap().height_m;
+        let expected = c * elastica::fold_height(f64::from(material.gap_m()) / c);
+        assert!(
+            (height / expected - 1.0).abs() < 0.1,
+            "{height} m of {expected} m"
+        );
+    }
+}
+
+/// Halving the spacing changes no reading by more than its tolerance, and halving the step and so the substep neither.
+#[test]
+#[ignore = "long"]
+fn readings_converge() {
+    let material = of_length(25.0);
+    let at = |spacing_m: f32| {
+        let [length, depth] =
+            measure::hanging_loop(&material, Loop::Ring, 0.15, spacing_m).unwrap();
+        [
+            measure::cantilever(&material, Cut::Warp, spacing_m)
+                .unwrap()
+                .bending_length_m,
+            depth / elastica::loop_depth(0.0, length / 0.025),
+            measure::free_fold(&material, spacing_m).unwrap().height_m,
+        ]
+    };
+    let (coarse, fine) = (at(0.00625), at(0.003125));
+    for (coarse, fine) in coarse.into_iter().zip(fine) {
+        assert!((coarse / fine - 1.0).abs() < 0.05, "{coarse} and {fine}");
+    }
+}
+
+/// The ring of cloth around the pedestal that is covered (Cusick 1968). Measured fabrics: silk 0.2 to 0.4, cotton
+/// shirtings 0.4 to 0.6, denim 0.7 to 0.9.
+#[test]
+#[ignore = "long"]
+fn silk_drapes_more_than_cotton_and_cotton_more_than_denim() {
+    let [silk, cotton, _, denim] =
+        materials().map(|(_, material)| measure::drape_coefficient(&material, SPACING_M).unwrap());
+    println!("silk {silk:.3}, cotton {cotton:.3}, denim {denim:.3}");
+    assert!(silk < cotton && cotton < denim, "{silk} {cotton} {denim}");
+    assert!((0.1..0.5).contains(&silk), "{silk}");
+    assert!((0.6..0.95).contains(&denim), "{denim}");
+}
+
+/// A fold that was pressed flat opens to the declared angle (ISO 2313), pressed at one row of particles or between two.
+#[test]
+fn a_pressed_fold_opens_to_the_declared_angle() {
+    for (name, material) in materials() {
+        for crease in [Crease::Row, Crease::Between] {
+            let angle =
+                measure::crease_recovery_deg(&material, Cut::Warp, crease, SPACING_M).unwrap();
+            let declared = f64::from(material.crease_recovery_deg);
+            assert!(
+                (angle - declared).abs() < 15.0,
+                "{name} {crease:?}: {angle} of {declared}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_cloth_without_internal_friction_opens_wholly() {
+    let [_, (_, cotton), ..] = materials();
+    let springy = Material {
+        crease_recovery_deg: 180.0,
+        ..cotton
+    };
+    let angle = measure::crease_recovery_deg(&springy, Cut::Weft, Crease::Row, SPACING_M).unwrap();
+    assert!((angle - 180.0).abs() < 2.0, "{angle}");
+}
+
+#[test]
+fn materials_beyond_a_solver_are_refused_with_the_bound() {
+    let stiff = Material {
+        bending_length_m: Directions {
+            warp: 0.12,
+            weft: 0.12,
+            bias: 0.11,
+        },
+        ..of_length(20.0)
+    };
+    let error = stiff.check(SPACING_M).unwrap_err().to_string();
+    assert!(
+        error.contains("substeps at a spacing of `0.00625` m"),
+        "{error}"
+    );
+    let grid = Grid::new(5, 5, SPACING_M).unwrap();
+    let refused = Simulator::flat(grid, &params(&stiff))
+        .step()
+        .unwrap_err()
+        .to_string();
+    assert_eq!(refused, error);
+    // The spacing that it names is enough.
+    let fab_sim::MaterialError::TooStiff {
+        least_spacing_m, ..
+    } = stiff.check(SPACING_M).unwrap_err()
+    else {
+        panic!("{error}");
+    };
+    assert!(stiff.check(least_spacing_m * 1.01).is_ok());
+    let bias = Material {
+        bending_length_m: Directions {
+            warp: 0.02,
+            weft: 0.02,
+            bias: 0.03,
+        },
+        ..of_length(20.0)
+    };
+    let error = bias.check(SPACING_M).unwrap_err().to_string();
+    assert!(error.contains("below `0.0251"), "{error}");
+    let heavy = Material {
+        weight_kg_m2: 150.0,
+        ..of_length(20.0)
+    };
+    let error = heavy.check(SPACING_M).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "the material's `weight_kg_m2` is `150`, outside `0.005` to `5` kg/m^2"
+    );
+    let no_number = Material {
+        self_friction: f32::NAN,
+        ..of_length(20.0)
+    };
+    assert!(no_number.check(SPACING_M).is_err());
+}
+
+#[test]
+fn what_a_cloth_cannot_show_is_warned_of() {
+    let told = |material: &Material, spacing_m: f32| {
+        let warnings = material.check(spacing_m).unwrap();
+        warnings
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>()
+            .join("; ")
+    };
+    let [(_, silk), _, (_, towel), _] = materials();
+    assert!(
+        told(&silk, SPACING_M)
+            .contains("layers keep `0.001` m apart and not the thickness of `0.0001` m")
+    );
+    assert_eq!(told(&towel, SPACING_M), "");
+    let soft = Material {
+        thickness_m: 0.002,
+        ..of_length(8.0)
+    };
+    assert!(
+        told(&soft, SPACING_M).contains("within 10 % only at a spacing of up to `0.0048` m"),
+        "{}",
+        told(&soft, SPACING_M)
+    );
+}

@@ -1,0 +1,162 @@
+//! The inextensible elastica under its own weight, integrated apart from the simulator.
+//!
+//! A strip of bending length `c` is a rod whose direction `angle(s)` obeys `angle'' = (H sin(angle) - V(s) cos(angle)) / c^3`,
+//! where `H` and `V` are the force across a section divided by the weight per length, and `V' = 1` (Plaut, Textile
+//! Research Journal 2015; Peirce 1930). Lengths here are in bending lengths, so that `c = 1`. What is unknown at one
+//! end is found by Newton's method from many starts.
+
+/// The end of a rod.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    x: f64,
+    y: f64,
+    angle: f64,
+    curvature: f64,
+    highest: f64,
+    lowest: f64,
+}
+
+/// Integrates a rod from a point by Runge and Kutta's fourth-order method.
+fn rod(angle: f64, curvature: f64, [h, v]: [f64; 2], length: f64) -> End {
+    const STEPS: usize = 120;
+    let step = length / STEPS as f64;
+    let slope =
+        |s: f64, [_, _, a, k]: [f64; 4]| [a.cos(), a.sin(), k, h * a.sin() - (v + s) * a.cos()];
+    let add = |y: [f64; 4], d: [f64; 4], by: f64| [0, 1, 2, 3].map(|i| y[i] + by * d[i]);
+    let mut y = [0.0, 0.0, angle, curvature];
+    let (mut highest, mut lowest) = (0.0f64, 0.0f64);
+    for i in 0..STEPS {
+        let s = i as f64 * step;
+        let k1 = slope(s, y);
+        let k2 = slope(s + 0.5 * step, add(y, k1, 0.5 * step));
+        let k3 = slope(s + 0.5 * step, add(y, k2, 0.5 * step));
+        let k4 = slope(s + step, add(y, k3, step));
+        y = [0, 1, 2, 3].map(|i| y[i] + step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+        highest = highest.max(y[1]);
+        lowest = lowest.min(y[1]);
+    }
+    End {
+        x: y[0],
+        y: y[1],
+        angle: y[2],
+        curvature: y[3],
+        highest,
+        lowest,
+    }
+}
+
+/// Finds where a function of `N` unknowns is nothing, from a start; `None` if Newton's method does not get there.
+fn root<const N: usize>(f: impl Fn([f64; N]) -> [f64; N], start: [f64; N]) -> Option<[f64; N]> {
+    let mut at = start;
+    for _ in 0..40 {
+        let value = f(at);
+        if value.iter().all(|v| v.abs() < 1e-9) {
+            return Some(at);
+        }
+        // The matrix of derivatives with the value beside it, solved by Gauss.
+        let mut rows = [[0.0; 8]; N];
+        for column in 0..N {
+            let mut moved = at;
+            moved[column] += 1e-6;
+            let there = f(moved);
+            for row in 0..N {
+                rows[row][column] = (there[row] - value[row]) / 1e-6;
+            }
+        }
+        for row in 0..N {
+            rows[row][N] = -value[row];
+        }
+        for pivot in 0..N {
+            let best = (pivot..N)
+                .max_by(|&a, &b| rows[a][pivot].abs().total_cmp(&rows[b][pivot].abs()))?;
+            rows.swap(pivot, best);
+            if rows[pivot][pivot].abs() < 1e-14 {
+                return None;
+            }
+            for row in 0..N {
+                if row != pivot {
+                    let share = rows[row][pivot] / rows[pivot][pivot];
+                    for column in 0..=N {
+                        rows[row][column] -= share * rows[pivot][column];
+                    }
+                }
+            }
+        }
+        let step: [f64; N] = std::array::from_fn(|i| rows[i][N] / rows[i][i]);
+        let size = step.iter().map(|s| s.abs()).fold(0.0, f64::max);
+        let share = (0.5 / size).min(1.0);
+        for i in 0..N {
+            at[i] += share * step[i];
+        }
+        if !at.iter().all(|v| v.is_finite() && v.abs() < 100.0) {
+            return None;
+        }
+    }
+    None
+}
+
+/// Returns the tip's angle below the horizontal, seen from the clamp, of a rod that juts out by `length`, radians.
+pub fn cantilever_rad(length: f64) -> f64 {
+    // The section at `s` carries what is beyond it.
+    let bent = |k: f64| rod(0.0, k, [0.0, -length], length);
+    // The curvature at the clamp is between nothing and that of a rod that stays straight; it ends without any.
+    let (mut low, mut high) = (-0.5 * length * length, 0.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if bent(middle).curvature > 0.0 {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    let end = bent(low);
+    (-end.y).atan2(end.x)
+}
+
+/// Returns how far a loop of length `length` hangs below its clamp, whose ends point up at `clamp_rad`.
+pub fn loop_depth(clamp_rad: f64, length: f64) -> f64 {
+    let half = 0.5 * length;
+    let shape = |[k, h]: [f64; 2]| rod(clamp_rad, k, [h, -half], half);
+    let closes = |unknown: [f64; 2]| {
+        let end = shape(unknown);
+        [end.x, end.angle + std::f64::consts::PI]
+    };
+    let starts =
+        (0..4).flat_map(|k| (0..5).map(move |h| [0.5 - f64::from(k), -2.0 + f64::from(h)]));
+    // Of all shapes in balance the one that hangs deepest: the others are upside down.
+    let depths = starts
+        .filter_map(|start| root(closes, start))
+        .map(|found| -shape(found).lowest);
+    depths
+        .filter(|depth| *depth < half)
+        .fold(f64::NAN, f64::max)
+}
+
+/// Returns the height of a fold whose upper layer comes to rest `gap` above the lower one: both ends of the free part
+/// are without curvature, as flat cloth is.
+pub fn fold_height(gap: f64) -> f64 {
+    let shape = |[v, h, s]: [f64; 3]| rod(0.0, 0.0, [h, v], s);
+    let lands = |unknown: [f64; 3]| {
+        let end = shape(unknown);
+        [end.angle - std::f64::consts::PI, end.y - gap, end.curvature]
+    };
+    let mut heights = Vec::new();
+    for v in 0..3 {
+        for h in 0..4 {
+            for s in 0..2 {
+                let start = [-3.0 + f64::from(v), -2.0 + f64::from(h), 3.0 + f64::from(s)];
+                if let Some(found) = root(lands, start)
+                    && (0.5..8.0).contains(&found[2])
+                {
+                    let end = shape(found);
+                    // Not through the table, and without further turns.
+                    if end.lowest > -1e-3 {
+                        heights.push(end.highest);
+                    }
+                }
+            }
+        }
+    }
+    heights.sort_by(f64::total_cmp);
+    *heights.first().unwrap_or(&f64::NAN)
+}
