@@ -40,7 +40,7 @@ fn value(kind: &Kind) -> ArgValue {
         Kind::Point => ArgValue::Point(point()),
         Kind::Spot => ArgValue::Spot(Spot::One { point: point() }),
         Kind::Heading => ArgValue::Heading(Heading::Constant { vector: [1.0, 0.0] }),
-        Kind::Material => ArgValue::Nothing,
+        Kind::Material => ArgValue::Name("towel".to_owned()),
         Kind::Face => ArgValue::Colours([[0.0, 60.0], [0.5, 1.0], [0.5, 1.0]]),
         Kind::ColourName => ArgValue::Name("orange".to_owned()),
         Kind::ClothPoint => ArgValue::ClothPoint(ClothPoint::Center),

@@ -10,7 +10,6 @@ use crate::data::annotate::Spot;
 use crate::data::camera::PixelPoint;
 use crate::data::files::FileRef;
 use crate::data::folds::ClothPoint;
-use crate::data::material::Material;
 use crate::data::points::{Heading, Point};
 use crate::data::shape::KeypointShape;
 use crate::units::{self, Dimension};
@@ -337,8 +336,6 @@ pub enum ArgValue {
     ClothPoint(ClothPoint),
     /// A file.
     File(FileRef),
-    /// A material.
-    Material(Box<Material>),
     /// The hue, saturation and value of a colour in a picture, in degrees and fractions.
     Colours([[f64; 2]; 3]),
     /// It is not given and has no default value.

@@ -1,7 +1,8 @@
 //! `cloth grid(55, 44, material: towel)`: how large the cloth is, how it lies, and what it is made of.
 
 use super::context::Context;
-use super::expressions::{Scope, call, wrong_form};
+use super::expressions::{Scope, call, material_name, wrong_form};
+use super::material;
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::calls::{CLOTHS, SPACING_M, particle_limits};
 use fab_grammar::ast::{Expr, Statement};
@@ -32,7 +33,10 @@ pub(crate) fn check<'a>(
             return Err(context.error(diagnostic.help("write a length such as `250mm`")));
         }
     }
-    let cloth = (CLOTHS[row].make)(&args);
+    let mut cloth = (CLOTHS[row].make)(&args);
+    if let Some((_, expr)) = bound.iter().find(|(arg, _)| arg.name == "material") {
+        cloth.material = material::named(material_name(*expr, context)?, context)?;
+    }
     if let Some(grid) = context.grid {
         return replaced(cloth, grid, statement, context);
     }

@@ -10,7 +10,8 @@ use super::quantity::{
     measured, no_conversion, no_unit, not_whole, out_of_range, quantity_of, read, read_whole,
     units_of,
 };
-use super::{files, material, missing_action};
+use super::short_text::colour_name;
+use super::{files, missing_action};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::calls::CLOTH_POINTS;
 use crate::loader::Wanted;
@@ -146,12 +147,10 @@ fn argument<'a>(
         Kind::Heading => ArgValue::Heading(heading(expr, context)?),
         Kind::DirectionField => ArgValue::Name(direction_field(expr, context)?),
         Kind::ClothPoint => ArgValue::ClothPoint(cloth_point(expr, context)?),
-        Kind::Material => match material::named(expr, context)? {
-            Some(material) => ArgValue::Material(Box::new(material)),
-            None => ArgValue::Nothing,
-        },
+        // Whoever reads the call finds the material itself.
+        Kind::Material => ArgValue::Name(material_name(expr, context)?.text().to_owned()),
         Kind::Face => ArgValue::Colours(face(expr, context)?.in_picture()),
-        Kind::ColourName => ArgValue::Name(material::colour_name(expr, context)?),
+        Kind::ColourName => ArgValue::Name(colour_name(expr, context)?),
         Kind::WordOrFile { words, ending } => word_or_file(expr, words, ending, context)?,
         Kind::WordOrCount {
             noun,
@@ -160,6 +159,20 @@ fn argument<'a>(
             unit,
         } => word_or_count(expr, (noun, words), (&range, unit), context)?,
     })
+}
+
+/// Reads the name of a material, declared or not.
+pub(super) fn material_name<'a>(
+    expr: Expr<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Name<'a>, Reported> {
+    match expr {
+        Expr::Name(name) => Ok(name),
+        _ => {
+            let diagnostic = context.unexpected(Code::WrongForm, expr, "the name of a material");
+            Err(context.error(diagnostic))
+        }
+    }
 }
 
 /// Reads a face of the cloth as its colour; in a base without a cloth, as that of the recorded one.

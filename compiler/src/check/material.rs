@@ -4,6 +4,7 @@ use super::arguments::{Bound, bind, form};
 use super::context::Context;
 use super::expressions::{Scope, values};
 use super::quantity::out_of_range;
+use super::short_text::line;
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::material::{self, PROPERTIES};
 use crate::load::Loaded;
@@ -16,9 +17,6 @@ use std::collections::BTreeMap;
 
 /// The most characters of a source: about five lines.
 const MAX_SOURCE_CHARS: usize = 500;
-
-/// The most characters of a colour's name.
-const MAX_COLOUR_CHARS: usize = 40;
 
 /// Reads a declared material.
 pub(crate) fn check<'a>(
@@ -197,54 +195,11 @@ fn rgb(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<[u8; 3], Reporte
     Ok([red, green, blue])
 }
 
-/// Reads a short text without placeholders.
-fn line(
-    text: Text<'_>,
-    what: &str,
-    most: usize,
-    context: &mut Context<'_, '_>,
-) -> Result<String, Reported> {
-    let Some(plain) = text.plain() else {
-        let message = format!("{what} cannot have a placeholder");
-        let diagnostic = Diagnostic::new(Code::WrongForm, text.span(), message);
-        return Err(context.error(diagnostic.help("write plain text")));
-    };
-    let n_chars = plain.chars().count();
-    if plain.trim().is_empty() {
-        return Err(context.fault(Code::EmptyText, text.span(), "the text is empty"));
-    }
-    if n_chars > most {
-        let message = format!("{what} has {n_chars} characters, at most {most} are accepted");
-        return Err(context.fault(Code::TextTooLong, text.span(), message));
-    }
-    // Line breaks of the source mean nothing.
-    Ok(plain.split_whitespace().collect::<Vec<_>>().join(" "))
-}
-
-/// Reads the name of a colour: a word, or words in quotes.
-pub(super) fn colour_name(
-    expr: Expr<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<String, Reported> {
-    match expr {
-        Expr::Name(name) => Ok(name.text().to_owned()),
-        Expr::Text(text) => line(text, "a colour's name", MAX_COLOUR_CHARS, context),
-        _ => {
-            let diagnostic = context.unexpected(Code::WrongForm, expr, "the name of a colour");
-            Err(context.error(diagnostic.help("write a word such as `orange`, or `\"dark blue\"`")))
-        }
-    }
-}
-
-/// Reads the name of a material where a cloth states it; `None` is the recorded cloth.
+/// Reads the material of which a cloth states the name; `None` is the recorded cloth.
 pub(super) fn named<'a>(
-    expr: Expr<'a>,
+    name: Name<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<Option<Material>, Reported> {
-    let Expr::Name(name) = expr else {
-        let diagnostic = context.unexpected(Code::WrongForm, expr, "the name of a material");
-        return Err(context.error(diagnostic));
-    };
     if name.text() == RECORDED {
         return Ok(None);
     }

@@ -115,10 +115,7 @@ fn cloth([dimx, dimy]: [u32; 2], args: &Args) -> Cloth {
         dimy,
         spacing_m: SPACING_M,
         start,
-        material: match args.get("material") {
-            Some(ArgValue::Material(material)) => Some((**material).clone()),
-            _ => None,
-        },
+        material: None,
     }
 }
 
