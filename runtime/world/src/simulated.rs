@@ -278,6 +278,7 @@ pub fn stopped(error: SimError) -> WorldError {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::conformance;
     use fab_program::{Cloth, ClothStart, Colour, Face, Picker};
