@@ -282,7 +282,7 @@ impl Shipped {
     /// Returns every shipped file.
     fn all() -> Vec<Shipped> {
         let mut files = BTreeMap::new();
-        for folder in ["", "lib/", "real/"] {
+        for folder in ["", "lib/", "real/", "textiles/"] {
             for entry in fs::read_dir(workspace().join(SHIPPED).join(folder)).unwrap() {
                 let path = entry.unwrap().path();
                 if path.extension().is_some_and(|it| it == "fab") {

@@ -9,7 +9,7 @@ use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::material::{self, PROPERTIES};
 use crate::load::Loaded;
 use crate::merge::repeated;
-use fab_grammar::ast::{self, Expr, Name, Text};
+use fab_grammar::ast::{self, Name, Text};
 use fab_program::data::material::{Directions, RECORDED, Source};
 use fab_program::vocabulary::ArgValue;
 use fab_program::{Colour, Face, Material};
