@@ -6,6 +6,7 @@
 use crate::data::actions::Proposal;
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::data::camera::PixelPoint;
+use crate::data::manner::{MANNERS, Manner};
 use crate::data::program::Program;
 use crate::exact::written;
 use crate::scene::SceneView;
@@ -68,6 +69,26 @@ pub fn declared(field: &ActionField) -> Vec<Value> {
             .collect(),
         Choices::Words { choices } => choices.iter().cloned().map(Value::Word).collect(),
     }
+}
+
+/// Returns the manner of one action: what its fields say, and for the others what the task states.
+///
+/// Returns `None` if a field has a value that is not offered, which the verifier refuses.
+pub fn manner(program: &Program, proposal: &Proposal) -> Option<Manner> {
+    let mut manner = program.manner;
+    for arg in MANNERS {
+        let Some(field) = program.field(arg.name) else {
+            continue;
+        };
+        let (Choices::Lengths { choices, .. }, Value::Length { length }) =
+            (&field.choices, proposal.get(arg.name)?)
+        else {
+            return None;
+        };
+        let chosen = choices.iter().find(|choice| choice.value == *length)?;
+        manner = manner.with(arg.name, chosen.m);
+    }
+    Some(manner)
 }
 
 /// Writes a value as prompts list it and answers state it. Points are in pixels;

@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use fab_picture::camera::center_of;
 use fab_picture::observation::Observation;
 use fab_program::{Choices, PixelPoint, Program, Value};
-use fab_program::{Manner, Proposal};
+use fab_program::{Proposal, space};
 use fab_world::{Motion, WorldPoint};
 use serde::{Deserialize, Serialize};
 
@@ -51,7 +51,7 @@ impl Action {
             pick_px,
             pick_on_cloth_px,
             place_px,
-            motion: Motion::new(pick, place).with_manner(Manner::of(program, proposal)?),
+            motion: Motion::new(pick, place).with_manner(space::manner(program, proposal)?),
         })
     }
 }

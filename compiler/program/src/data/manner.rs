@@ -3,8 +3,6 @@
 //! A task states these values for every action, in `picker put_down(lift: 100mm)`, or offers them to the model as fields
 //! of the action, `lift: one of 0mm, 30mm`. Either way they act on the simulator and on an arm.
 
-use crate::data::actions::{Choices, Proposal, Value};
-use crate::data::program::Program;
 use crate::vocabulary::{Arg, Args, Default as Without, Kind, Range};
 use serde::{Deserialize, Serialize};
 
@@ -74,26 +72,6 @@ impl Manner {
             manner.set(arg.name, args.number(arg.name));
         }
         manner
-    }
-
-    /// Returns the manner of one action: what its fields say, and for the others what the task states.
-    ///
-    /// Returns `None` if a field has a value that is not offered, which the verifier refuses.
-    pub fn of(program: &Program, proposal: &Proposal) -> Option<Manner> {
-        let mut manner = program.manner;
-        for arg in MANNERS {
-            let Some(field) = program.field(arg.name) else {
-                continue;
-            };
-            let (Choices::Lengths { choices, .. }, Value::Length { length }) =
-                (&field.choices, proposal.get(arg.name)?)
-            else {
-                return None;
-            };
-            let chosen = choices.iter().find(|choice| choice.value == *length)?;
-            manner.set(arg.name, chosen.m);
-        }
-        Some(manner)
     }
 
     /// Returns the fields that are stated, with their values in metres and seconds.
