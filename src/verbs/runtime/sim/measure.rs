@@ -53,7 +53,7 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
             "warnings": warnings,
         }));
     } else {
-        io.data(&table(&readings));
+        io.data(&(table(&readings) + "\n"));
         for warning in warnings {
             io.talk(&warning);
         }
@@ -86,11 +86,16 @@ fn replace(values: &mut Value, change: &str) -> Result<(), Failure> {
             .ok_or_else(|| wrong(format!("`{name}` is no part of the material")))?;
         let there: Vec<String> = object.keys().cloned().collect();
         place = object.get_mut(part).ok_or_else(|| {
-            wrong(format!("there is no `{part}`; there are {}", there.join(", ")))
+            wrong(format!(
+                "there is no `{part}`; there are {}",
+                there.join(", ")
+            ))
         })?;
     }
     if !place.is_number() {
-        return Err(wrong(format!("`{name}` has parts; name one, such as `{name}.warp`")));
+        return Err(wrong(format!(
+            "`{name}` has parts; name one, such as `{name}.warp`"
+        )));
     }
     *place = json!(value);
     Ok(())
