@@ -45,7 +45,8 @@
 //! particles are also compiled for AVX2 and chosen at run time; they give the same bits at any width.
 //!
 //! To read the code, start with [`Simulator`], then `picker` (the route), `solver` (the order of all passes),
-//! `layout` and `sides` (how particles are stored), `springs`, `cells`, `neighbours`, `contacts`, and `crumple`.
+//! `layout` and `sides` (how particles are stored), `springs`, `cells`, `neighbours`, `contacts`, and `crumple`. A cloth
+//! of a material goes through `textile`: `bending`, `lines`, `faces`; [`measure`] reads it as a laboratory would.
 //! Every number is in [`Params`].
 
 mod bending;

@@ -88,8 +88,8 @@ pub struct Params {
     /// How the picker goes about it.
     #[serde(skip_serializing_if = "Route::is_default")]
     pub picker_route: Route,
-    /// A measured textile. It replaces the springs, contact distances and frictions above; `None` is the recorded
-    /// scene's cloth.
+    /// A measured textile. It replaces substeps, sweeps, springs, contact distances, frictions and sleeping speeds above;
+    /// `None` is the recorded scene's cloth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<Material>,
 }

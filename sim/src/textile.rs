@@ -31,7 +31,7 @@ const CALM_SECS: f32 = 0.2;
 // within some substeps, and leaves the cloth's motion alone.
 const LEAD: f32 = 0.25;
 // Substeps after which creases follow the bends again.
-const CREASE_EVERY: u32 = 4;
+const CREASE_EVERY: u32 = 10;
 // Share of the gap between layers by which a particle may pass another layer in a substep before a step has more of them.
 const HASTE_SHARE: f32 = 0.3;
 // Most passes over all contacts in a substep, and the share of the gap by which layers may be too close in the last.
@@ -196,7 +196,13 @@ impl Textile {
         let fastest = self
             .faces
             .fastest(positions, velocities, params.step_secs, soon_m);
-        let exceeds = |speed: f32| fastest > speed || shift_m > 2.0 * speed * params.step_secs;
+        let still = Planes::zeros(velocities.len());
+        // What flies fast may soon be beside another layer, unseen as yet.
+        let exceeds = |speed: f32| {
+            fastest > 0.6 * speed
+                || shift_m > 2.0 * speed * params.step_secs
+                || velocities.differs_beyond(&still, 2.0 * speed)
+        };
         self.haste = match () {
             () if exceeds(2.0 * slow) => 4,
             () if exceeds(slow) => 2,

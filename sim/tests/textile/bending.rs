@@ -27,8 +27,8 @@ fn a_cantilever_shows_the_declared_bending_length() {
     meets(&of_length(25.0), Cut::Bias, 0.00625, 0.05);
 }
 
-/// Measured on the bias at 4 mm: 1.03 of 14 mm, 1.016 of 27; on the warp 1.037 of 10, 1.02 of 40. A bias of 10 mm
-/// is 15 to 25 % too stiff at 6.25 mm, where a cloth of it is warned of ([`Material::check`]).
+/// Measured on the bias at 4 mm: 1.03 of 14 mm, 1.016 of 27; on the warp 1.037 of 10, 1.02 of 40. A bias below
+/// 14 mm is more than 10 % too stiff at 6.25 mm, which [`Material::check`] warns of.
 #[test]
 #[ignore = "long"]
 fn cantilevers_show_it_in_all_directions_at_both_spacings() {
@@ -36,8 +36,8 @@ fn cantilevers_show_it_in_all_directions_at_both_spacings() {
         for millimetres in [15.0, 20.0, 30.0, 40.0] {
             let material = of_length(millimetres);
             for cut in Cut::ALL {
-                // Rounder than two diagonals on the bias.
-                let within = if cut == Cut::Bias && millimetres < 18.0 && spacing_m > 0.005 {
+                // Below three and a half spacings the bias is met within 10 %.
+                let within = if cut == Cut::Bias && millimetres < 21.0 && spacing_m > 0.005 {
                     0.1
                 } else {
                     0.05
@@ -255,7 +255,7 @@ fn what_a_cloth_cannot_show_is_warned_of() {
         ..of_length(8.0)
     };
     assert!(
-        told(&soft, SPACING_M).contains("within 10 % only at a spacing of up to `0.0048` m"),
+        told(&soft, SPACING_M).contains("within 10 % only at a spacing of up to `0.0034` m"),
         "{}",
         told(&soft, SPACING_M)
     );

@@ -53,7 +53,7 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
             "warnings": warnings,
         }));
     } else {
-        io.data(&table(&readings));
+        io.data(&(table(&readings) + "\n"));
         for warning in warnings {
             io.talk(&warning);
         }
