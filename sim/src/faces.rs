@@ -97,6 +97,30 @@ impl Faces {
         }
     }
 
+    /// Returns the fastest that a particle moves past a layer that it may touch, m/s.
+    ///
+    /// - `soon_m`: particles below this height count with all their speed: the table may stop the layer below
+    ///   before it stops them.
+    pub fn fastest(
+        &self,
+        positions: &Planes,
+        velocities: &Planes,
+        fall_secs: f32,
+        soon_m: f32,
+    ) -> f32 {
+        let mut fastest_2 = 0.0f32;
+        for contact in &self.contacts {
+            let [i, a, b, c] = contact.slots.map(|slot| velocities.get(slot as usize));
+            let [sa, sb, sc] = contact.shares;
+            let apart = [0, 1, 2].map(|k| i[k] - (sa * a[k] + sb * b[k] + sc * c[k]));
+            let slot = contact.slots[0] as usize;
+            let lands = positions.z[slot] + fall_secs * i[2] < soon_m;
+            let past = dot(apart, apart).max(if lands { dot(i, i) } else { 0.0 });
+            fastest_2 = fastest_2.max(past);
+        }
+        fastest_2.sqrt()
+    }
+
     /// Pushes every touching particle and layer apart once, with friction; returns the deepest that one was, metres.
     pub fn resolve(&self, positions: &mut Planes, began: &Planes, inverse_mass: &[f32]) -> f32 {
         let mut deepest = 0.0;

@@ -219,7 +219,12 @@ impl Solver {
                 return Ok(Outcome::Still);
             }
             let shift_m = (shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]).sqrt();
-            textile.begin_step(&self.velocities, shift_m, &self.params);
+            textile.begin_step(
+                &self.sides.rows.positions,
+                &self.velocities,
+                shift_m,
+                &self.params,
+            );
         }
         self.before.clone_from(&self.sides.rows.positions);
         self.velocities_before.clone_from(&self.velocities);

@@ -32,7 +32,7 @@ const CALM_SECS: f32 = 0.2;
 const LEAD: f32 = 0.25;
 // Substeps after which creases follow the bends again.
 const CREASE_EVERY: u32 = 4;
-// Share of the gap between layers that a particle may fly in a substep before a step has more of them.
+// Share of the gap between layers by which a particle may pass another layer in a substep before a step has more of them.
 const HASTE_SHARE: f32 = 0.3;
 // Most passes over all contacts in a substep, and the share of the gap by which layers may be too close in the last.
 const MAX_PASSES: u32 = 3;
@@ -181,14 +181,22 @@ impl Textile {
     /// Begins a step; all that follows in it depends on positions, velocities and creases alone.
     ///
     /// - `shift_m`: how far held particles go in it.
-    pub fn begin_step(&mut self, velocities: &Planes, shift_m: f32, params: &Params) {
+    pub fn begin_step(
+        &mut self,
+        positions: &Planes,
+        velocities: &Planes,
+        shift_m: f32,
+        params: &Params,
+    ) {
         self.faces.forget();
+        self.faces.search(positions, positions);
         let dt = params.step_secs / self.substeps as f32;
         let slow = HASTE_SHARE * self.material.gap_m() / dt;
-        let still = Planes::zeros(velocities.len());
-        let exceeds = |speed: f32| {
-            shift_m > speed * params.step_secs || velocities.differs_beyond(&still, speed)
-        };
+        let soon_m = params.rest_height_m() + 2.0 * self.material.gap_m();
+        let fastest = self
+            .faces
+            .fastest(positions, velocities, params.step_secs, soon_m);
+        let exceeds = |speed: f32| fastest > speed || shift_m > 2.0 * speed * params.step_secs;
         self.haste = match () {
             () if exceeds(2.0 * slow) => 4,
             () if exceeds(slow) => 2,

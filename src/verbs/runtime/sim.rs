@@ -5,6 +5,7 @@
 
 mod crumple;
 mod export;
+mod measure;
 mod render;
 mod replay;
 mod time;
@@ -17,6 +18,7 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::verbs::runtime::sim::crumple::CrumpleArguments;
 use crate::verbs::runtime::sim::export::ExportArguments;
+use crate::verbs::runtime::sim::measure::MeasureArguments;
 use crate::verbs::runtime::sim::render::DrawArguments;
 use crate::verbs::runtime::sim::replay::ReplayArguments;
 use crate::verbs::runtime::sim::time::TimeArguments;
@@ -43,6 +45,8 @@ pub enum SimVerb {
     Time(TimeArguments),
     /// Crumples cloths by their seeds and says how much of the table each covers.
     Crumple(CrumpleArguments),
+    /// Measures a material on simulated specimens, as a textile laboratory measures cloth.
+    Measure(MeasureArguments),
     /// Draws particle positions as the camera over the table sees them.
     Render(DrawArguments),
     /// Writes particle positions in the world frame, or the cloth as a mesh.
@@ -58,6 +62,7 @@ pub fn run(arguments: &SimArguments, io: &Io) -> Result<Exit, Failure> {
         SimVerb::Replay(arguments) => replay::run(arguments, io),
         SimVerb::Time(arguments) => time::run(arguments, io),
         SimVerb::Crumple(arguments) => crumple::run(arguments, io),
+        SimVerb::Measure(arguments) => measure::run(arguments, io),
         SimVerb::Render(arguments) => render::run(arguments, io),
         SimVerb::Export(arguments) => export::run(arguments, io),
     }
