@@ -2,6 +2,7 @@
 
 pub mod arm;
 pub mod catalogue;
+pub mod materials;
 pub mod model_arguments;
 pub mod models;
 pub mod policies;

@@ -4,18 +4,20 @@ use super::SPACING_M;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::sources;
+use crate::verbs::runtime::setting::materials;
 use clap::Args;
 use clap::ValueHint;
 use fab_sim::Material;
 use fab_sim::measure::{Reading, textile_table};
+use fab_world::simulated;
 use serde_json::{Value, json};
 use std::path::Path;
 
 /// Arguments of `sim measure`.
 #[derive(Args)]
 pub struct MeasureArguments {
-    /// The material: a file with one JSON object.
-    #[arg(value_name = "MATERIAL.json", value_hint = ValueHint::FilePath)]
+    /// The material: the name of a shipped one, `FILE.fab:NAME` for one of a file, or a `.json` file with one object.
+    #[arg(value_name = "MATERIAL", value_hint = ValueHint::FilePath)]
     pub material: String,
     /// Replace a value of the material, such as `bending_length_m.warp=0.02`.
     #[arg(long = "set", value_name = "NAME=VALUE")]
@@ -30,7 +32,7 @@ pub struct MeasureArguments {
 
 /// Measures the material and reports.
 pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
-    let mut values = named(&arguments.material)?;
+    let mut values = named(&arguments.material, io)?;
     for change in &arguments.set {
         replace(&mut values, change)?;
     }
@@ -62,7 +64,11 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
 }
 
 /// Returns the values of the material that the command line names.
-fn named(name: &str) -> Result<Value, Failure> {
+fn named(name: &str, io: &Io) -> Result<Value, Failure> {
+    if !name.ends_with(".json") {
+        let declared = materials::find(name, io)?;
+        return serde_json::to_value(simulated::material(&declared)).map_err(Failure::environment);
+    }
     let wrong = |why: String| Failure::environment(format!("`{name}`: {why}"));
     let bytes = sources::read_bounded(Path::new(name)).map_err(wrong)?;
     serde_json::from_slice(&bytes).map_err(|error| {
