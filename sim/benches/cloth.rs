@@ -7,7 +7,9 @@
 //! with two threads, divided by those with one, show how well two rollouts run at the same time.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
-use fab_sim::{Grid, Look, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold};
+use fab_sim::{
+    Directions, Grid, Look, Material, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold,
+};
 
 fn main() {
     divan::main();
@@ -49,6 +51,67 @@ fn fold_every_step(bencher: Bencher) {
 fn fold_square(dim: usize) -> Simulator {
     let grid = Grid::new(dim, dim, 0.00625).expect("at most 200 particles along a side");
     diagonal_fold(grid, &Params::default(), &|| false).expect("a fold within reach")
+}
+
+/// A shirting, as in `tasks/lib/materials.fab`.
+fn cotton() -> Params {
+    let material = Material {
+        weight_kg_m2: 0.167,
+        thickness_m: 0.000_35,
+        bending_length_m: Directions {
+            warp: 0.018,
+            weft: 0.016,
+            bias: 0.016,
+        },
+        crease_recovery_deg: 75.0,
+        stretch: Directions {
+            warp: 0.015,
+            weft: 0.025,
+            bias: 0.06,
+        },
+        table_friction: 0.27,
+        self_friction: 0.6,
+    };
+    Params {
+        material: Some(material),
+        ..Params::default()
+    }
+}
+
+/// The same fold of a measured material; compare with `diagonal_fold_by_size`.
+#[divan::bench(args = [25, 50, 100, 200], sample_count = 1, sample_size = 1)]
+fn cotton_fold_by_size(bencher: Bencher, dim: usize) {
+    bencher.counter(particle_steps(dim)).bench(|| {
+        let grid =
+            Grid::new(black_box(dim), dim, 0.00625).expect("at most 200 particles along a side");
+        diagonal_fold(grid, &cotton(), &|| false).expect("a fold within reach")
+    });
+}
+
+#[divan::bench(threads = [1, 2], sample_count = 2, sample_size = 1)]
+fn cotton_fold_side_by_side(bencher: Bencher) {
+    let grid = Grid::new(50, 50, 0.00625).expect("50 particles are within bounds");
+    bencher
+        .counter(particle_steps(50))
+        .bench(|| diagonal_fold(grid, &cotton(), &|| false).expect("a fold within reach"));
+}
+
+/// A whole crumple, in which everything moves: about 900 steps of the recorded scene's cloth, and of cotton.
+#[divan::bench(args = ["pyflex", "cotton"], sample_count = 1, sample_size = 1)]
+fn crumple_50(bencher: Bencher, cloth: &str) {
+    let grid = Grid::new(50, 50, 0.00625).expect("50 particles are within bounds");
+    let params = if cloth == "cotton" {
+        cotton()
+    } else {
+        Params::default()
+    };
+    bencher.bench(|| {
+        let mut cloth = Simulator::flat(grid, &params);
+        cloth
+            .crumple(3, &|| false)
+            .expect("a cloth stays finite")
+            .steps
+    });
 }
 
 /// Counts the particles of all steps of a fold.

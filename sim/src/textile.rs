@@ -222,7 +222,7 @@ impl Textile {
         params: &Params,
     ) {
         let dt = params.step_secs / self.substeps() as f32;
-        if number % CREASE_EVERY == 0 {
+        if number.is_multiple_of(CREASE_EVERY) {
             let share = (CREASE_EVERY as f32 * dt / CREASE_SECS).min(1.0);
             self.bending.crease(&sides.rows.positions, share);
         }

@@ -76,8 +76,9 @@ fn root<const N: usize>(f: impl Fn([f64; N]) -> [f64; N], start: [f64; N]) -> Op
             for row in 0..N {
                 if row != pivot {
                     let share = rows[row][pivot] / rows[pivot][pivot];
-                    for column in 0..=N {
-                        rows[row][column] -= share * rows[pivot][column];
+                    let pivot_row = rows[pivot];
+                    for (value, other) in rows[row].iter_mut().zip(pivot_row) {
+                        *value -= share * other;
                     }
                 }
             }
