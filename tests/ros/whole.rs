@@ -9,6 +9,7 @@ use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_compiler::{LoadError, Loader};
 use fab_program::Program;
+use fab_world::expert::Sequences;
 use fab_world::start::Start;
 use fab_world::{SimulatedWorld, World, WorldError};
 use fab_world::{expert, metrics};
@@ -29,12 +30,13 @@ impl Loader for Files {
 
 /// Returns the distance of a cloth from the nearest expert's, metres, as a simulated run's report computes it.
 fn distance_m(program: &Program, particles: &[[f32; 3]]) -> f64 {
-    let make_world = || -> Result<Box<dyn World>, WorldError> {
-        let world = SimulatedWorld::new(&program.camera, program.picker)?;
-        Ok(Box::new(world))
-    };
+    let make_world =
+        || -> Result<Box<dyn World>, WorldError> { Ok(Box::new(SimulatedWorld::of(program)?)) };
     let ends = expert::ends(
-        &program.experts,
+        Sequences {
+            folds: &program.experts,
+            manner: program.manner,
+        },
         &Start::flat(&program.cloth),
         &make_world,
         &Cache::at(cache_folder().join("experts")),

@@ -2,7 +2,7 @@
 //!
 //! In: a cloth, and a fold of it that went back. Out: how far the same point must be carried in the same direction for
 //! the fold to stay. Longer ways are tried until one stays, and the boundary is then halved down to
-//! [`RESOLUTION_MM`]. This takes for granted that what stays also stays when it is carried a little farther.
+//! 2 mm. This takes for granted that what stays also stays when it is carried a little farther.
 
 use crate::metrics::cloth_moved;
 use crate::start::Start;
