@@ -81,6 +81,15 @@ fn a_snapshot_of_a_material_goes_on_with_the_same_bits() {
     );
 }
 
+/// Equal on every machine and for every instruction set (`--features narrow` runs the baseline's); pin anew when results are meant to change.
+#[test]
+fn a_fold_of_cotton_has_the_pinned_bits() {
+    let [_, (_, cotton), ..] = materials();
+    let grid = Grid::new(14, 13, SPACING_M).unwrap();
+    let cloth = diagonal_fold(grid, &params(&cotton), &|| false).unwrap();
+    assert_eq!(&cloth.digest()[..16], "3ccbd5171cebe14a");
+}
+
 /// What becomes of a corner of a 55 x 55 cloth that is carried 40 mm along the diagonal: `docs/decisions/0077` has the table.
 #[test]
 #[ignore = "long"]
