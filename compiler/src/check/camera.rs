@@ -86,6 +86,11 @@ pub(crate) fn masks_see_cloth(
         let Some(declared) = merged.keypoints.get(&keypoint.name) else {
             continue;
         };
+        // What replaces an inherited mask may be in text that could not be read.
+        let hidden = context.names.hidden(&keypoint.name, context.loaded);
+        if hidden.is_some() {
+            continue;
+        }
         let message = format!(
             "`{}` takes only depths below {}mm, and a flat cloth lies {}mm from the camera",
             keypoint.name,
