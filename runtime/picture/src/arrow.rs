@@ -100,7 +100,8 @@ struct Pen {
 #[derive(Clone, Copy)]
 struct Ring {
     center: Point,
-    quality: f64,
+    /// Directions in which it is closed, of [`N_DIRECTIONS`].
+    closed: i32,
 }
 
 /// Directions in which a ring is probed.
@@ -141,12 +142,11 @@ impl Pen {
                 rings.extend(self.ring_around(hole, ink));
             }
         }
-        // A long arrow's head can pass for a ring where its strokes meet; the real ring scores better.
+        // A long arrow's head can pass for a ring where its strokes meet, but it is open on one side.
         let is_head = |ring: &Ring| {
             rings.iter().any(|other| {
                 let is_tip = |tip| hull::distance(tip, ring.center) <= 3.0 * self.ring_radius;
-                other.quality > ring.quality
-                    && self.tip(other.center, patch, ink).is_some_and(is_tip)
+                other.closed > ring.closed && self.tip(other.center, patch, ink).is_some_and(is_tip)
             })
         };
         rings
@@ -179,21 +179,8 @@ impl Pen {
         }
         let n_equals = equals.len() as f64;
         let center = [0, 1].map(|axis| equals.iter().map(|at| at[axis]).sum::<f64>() / n_equals);
-        let quality = f64::from(most) + self.n_bare_inside(center, ink);
-        (!equals.is_empty()).then_some(Ring { center, quality })
-    }
-
-    /// Counts the pixels without ink inside a ring, in pixels of a 224 px picture.
-    fn n_bare_inside(&self, center: Point, ink: &Grid) -> f64 {
-        let reach = self.ring_radius as i32;
-        let offsets =
-            (-reach..=reach).flat_map(|down| (-reach..=reach).map(move |right| [right, down]));
-        let is_bare = |offset: &[i32; 2]| {
-            let at = [0, 1].map(|axis| center[axis] + f64::from(offset[axis]));
-            let is_inside = hull::distance(at, center) < self.ring_radius;
-            is_inside && !ink.contains(at[0].max(0.0) as u32, at[1].max(0.0) as u32)
-        };
-        offsets.filter(is_bare).count() as f64 / self.scale.powi(2)
+        let closed = inked_directions(ink, center, self.ring_radius);
+        (!equals.is_empty()).then_some(Ring { center, closed })
     }
 
     /// Follows the stroke from a ring to its farthest pixel; `None` if no straight line leads there.

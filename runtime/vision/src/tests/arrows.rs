@@ -36,6 +36,17 @@ proptest! {
 }
 
 #[test]
+fn a_head_at_the_edge_of_the_picture_is_no_ring() {
+    for (tail, tip) in [([90.3, 29.2], [19.3, 1.1]), ([16.3, 31.6], [90.0, 1.1])] {
+        let mut picture = RgbImage::from_pixel(128, 128, Rgb([230; 3]));
+        draw_arrow(&mut picture, tail, tip).unwrap();
+        let [seen_tail, seen_tip] = found(&picture, 1.0).unwrap();
+        assert!(distance(seen_tail, tail) <= 1.5, "{seen_tail:?}");
+        assert!(distance(seen_tip, tip) <= 2.5, "{seen_tip:?}");
+    }
+}
+
+#[test]
 fn a_ring_alone_and_a_dark_cloth_are_no_arrows() {
     let mut ring = RgbImage::from_pixel(224, 224, Rgb([230; 3]));
     draw_arrow(&mut ring, [100.0, 100.0], [102.0, 100.0]).unwrap();
