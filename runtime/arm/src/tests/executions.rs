@@ -95,13 +95,17 @@ fn a_pick_and_place_ends_where_it_says() {
 
 #[test]
 fn a_stated_manner_is_how_the_arm_goes_about_it() {
-    let mut usual = Bench::driven(By::Trajectories, &[]);
-    let usual_s = usual
-        .run(&mut Unattended, &mut NoWatchdog)
-        .unwrap()
-        .duration_s;
-    for (lift_m, release_m) in [(0.0, 0.0), (0.06, 0.03), (0.02, 0.08)] {
-        let mut bench = Bench::driven(By::Trajectories, &[]);
+    let cases = [
+        (By::Trajectories, 0.0, 0.0),
+        (By::Trajectories, 0.06, 0.03),
+        (By::Trajectories, 0.02, 0.08),
+        (By::Either, 0.02, 0.08),
+    ];
+    for (by, lift_m, release_m) in cases {
+        let mut usual = Bench::driven(by, &[]);
+        let usual = usual.run(&mut Unattended, &mut NoWatchdog);
+        let usual_s = usual.unwrap().duration_s;
+        let mut bench = Bench::driven(by, &[]);
         bench.manner = Manner {
             lift_m: Some(lift_m),
             speed_m_s: Some(0.03),
@@ -135,6 +139,30 @@ fn a_stated_manner_is_how_the_arm_goes_about_it() {
             done.duration_s
         );
     }
+}
+
+#[test]
+fn a_trajectory_beside_poses_can_be_stopped() {
+    let mut bench = Bench::driven(By::Either, &[]);
+    bench.manner.speed_m_s = Some(0.03);
+    let segments = bench.route().segments;
+    let over = segments.iter().position(|it| it.name == SegmentName::Over);
+    let interrupt = bench.interrupt.clone();
+    let mut raiser = At::new(1 + over.unwrap(), 5, || {
+        interrupt.raise();
+        true
+    });
+    let broken = bench.run(&mut raiser, &mut NoWatchdog).unwrap_err();
+    assert_eq!(broken.why, ArmError::Interrupted);
+    assert_eq!(broken.stopped, Some(Ok(())));
+    assert_eq!(broken.in_segment, Some(SegmentName::Over));
+    bench.stays_stopped();
+    // What was under way is replaced before the arm is enabled, so that nothing resumes.
+    let at = bench.port().tool();
+    bench.driver().enable().unwrap();
+    bench.port().wait(1.0);
+    let moved_m = (bench.port().tool().translation.vector - at.translation.vector).norm();
+    assert!(moved_m < 0.001, "{moved_m}");
 }
 
 #[test]
