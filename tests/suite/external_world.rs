@@ -152,6 +152,28 @@ fn a_world_is_asked_only_for_the_manners_that_it_announces() {
     assert!(done.unwrap_err().to_string().contains(&why));
 }
 
+#[test]
+fn a_world_that_knows_no_materials_refuses_one_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = project("tasks/textiles/hem.fab");
+    let asked = |answer: &str| {
+        let script = folder.path().join("world.sh");
+        let text =
+            format!("'{FABC}' world serve | sed -u 's/\"materials\":true/\"materials\":{answer}/'");
+        std::fs::write(&script, text).unwrap();
+        let world = format!("exec:sh '{}'", script.display());
+        // The model answers nothing, so that the run ends after the world was asked for.
+        let call = ["run", &task, "--world", &world, "--model", "nobody"];
+        finish(fabc(folder.path()).args(call))
+    };
+    let said = asked("false");
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    let why =
+        "its `hello` does not say `\"materials\": true`, and the task's cloth is made of `cotton`";
+    assert!(said.stderr.contains(why), "{}", said.stderr);
+    assert!(!asked("true").stderr.contains("materials"));
+}
+
 fn run(folder: &Path, world: &str, out: &str) -> support::Captured {
     let task = project("tasks/double_triangle.fab");
     finish(fabc(folder).args(["run", &task, "--world", world, "--out", out]))

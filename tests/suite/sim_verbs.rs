@@ -268,7 +268,9 @@ fn every_verb_of_the_simulator_is_in_its_guide_and_in_the_readme() {
     let help = said(folder.path(), &["--help"]).stdout;
     let guide = fs::read_to_string(project("docs/simulator.md")).unwrap();
     let readme = fs::read_to_string(project("README.md")).unwrap();
-    for verb in ["replay", "time", "crumple", "render", "record", "export"] {
+    for verb in [
+        "replay", "time", "crumple", "measure", "render", "record", "export",
+    ] {
         assert!(
             help.contains(&format!("\n  {verb} ")),
             "no `{verb}` in\n{help}"

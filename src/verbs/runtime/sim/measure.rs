@@ -7,8 +7,8 @@ use crate::sources;
 use crate::verbs::runtime::setting::materials;
 use clap::Args;
 use clap::ValueHint;
-use fab_sim::Material;
 use fab_sim::measure::{Reading, textile_table};
+use fab_sim::{Material, Params};
 use fab_world::simulated;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -48,7 +48,12 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
     let readings = readings.map_err(Failure::environment)?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     if arguments.json {
+        let params = Params {
+            material: Some(material.clone()),
+            ..Params::default()
+        };
         io.json(&json!({
+            "params": params.hash(),
             "material": material,
             "spacing_mm": arguments.spacing,
             "readings": readings,
