@@ -1,6 +1,6 @@
 //! `fabc run --video` and `fabc sim record` through the command itself, decoded again.
 
-use super::sim_verbs::told;
+use super::sim_verbs::{MATERIAL, told};
 use super::support::{Captured, bring_library, bring_robot, fabc, finish};
 use image::{Rgb, RgbImage};
 use serde_json::Value;
@@ -259,16 +259,7 @@ fn a_film_shows_the_cloth_in_the_colours_of_its_material() {
         let is_near = |pixel: &&Rgb<u8>| (0..3).all(|it| pixel.0[it].abs_diff(colour[it]) < 12);
         picture.pixels().filter(is_near).count()
     };
-    let own = "material mine {
-        weight    35g/m2                               from \"scales\"
-        thickness 0.1mm                                from \"a gauge\"
-        bending   warp: 13mm, weft: 12mm, bias: 11mm   from \"a cantilever\"
-        recovery  125deg                               from \"a protractor\"
-        stretch   warp: 0.01, weft: 0.02, bias: 0.08   from \"a weight\"
-        friction  table: 0.2, itself: 0.3              from \"a slope\"
-        upper     green \"#20c040\"
-    }";
-    fs::write(here.join("own.fab"), own).unwrap();
+    fs::write(here.join("own.fab"), MATERIAL).unwrap();
     let orange = fab_sim::Look::default().top;
     for (call, colour) in [
         ("plain.gif", orange),

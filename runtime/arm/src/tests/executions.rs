@@ -142,30 +142,6 @@ fn a_stated_manner_is_how_the_arm_goes_about_it() {
 }
 
 #[test]
-fn a_trajectory_beside_poses_can_be_stopped() {
-    let mut bench = Bench::driven(By::Either, &[]);
-    bench.manner.speed_m_s = Some(0.03);
-    let segments = bench.route().segments;
-    let over = segments.iter().position(|it| it.name == SegmentName::Over);
-    let interrupt = bench.interrupt.clone();
-    let mut raiser = At::new(1 + over.unwrap(), 5, || {
-        interrupt.raise();
-        true
-    });
-    let broken = bench.run(&mut raiser, &mut NoWatchdog).unwrap_err();
-    assert_eq!(broken.why, ArmError::Interrupted);
-    assert_eq!(broken.stopped, Some(Ok(())));
-    assert_eq!(broken.in_segment, Some(SegmentName::Over));
-    bench.stays_stopped();
-    // What was under way is replaced before the arm is enabled, so that nothing resumes.
-    let at = bench.port().tool();
-    bench.driver().enable().unwrap();
-    bench.port().wait(1.0);
-    let moved_m = (bench.port().tool().translation.vector - at.translation.vector).norm();
-    assert!(moved_m < 0.001, "{moved_m}");
-}
-
-#[test]
 fn every_motion_is_written_down_before_it_begins() {
     struct Counter(usize);
     impl Supervisor for Counter {
