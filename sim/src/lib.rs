@@ -72,6 +72,7 @@ mod planes;
 mod raster;
 mod scenario;
 mod scene;
+mod shear;
 mod sides;
 mod simulator;
 mod slanted;
