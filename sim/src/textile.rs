@@ -239,6 +239,7 @@ impl Textile {
         self.predicted.clone_from(positions);
         let per_2 = 1.0 / (dt * dt);
         let [warp, weft] = self.stiffness.stretch.map(|compliance| compliance * per_2);
+        self.faces.begin_substep();
         // Layers that land on each other at speed need more than one pass, or one is pushed through the next.
         for pass in 0..MAX_PASSES {
             // Always in this order: where a crumpled cloth cannot have all lengths, taking turns would toss its
@@ -265,9 +266,7 @@ impl Textile {
             self.faces.search(&side.positions, &side.began);
             let mut deepest = 0.0;
             for _ in 0..CONTACT_PASSES {
-                deepest = self
-                    .faces
-                    .resolve(&mut side.positions, &side.began, &side.inverse_mass);
+                deepest = self.faces.resolve(&mut side.positions, &side.inverse_mass);
                 let Planes { x, y, z } = &mut side.positions;
                 touch_table(
                     x,

@@ -161,3 +161,25 @@ pub fn fold_height(gap: f64) -> f64 {
     heights.sort_by(f64::total_cmp);
     *heights.first().unwrap_or(&f64::NAN)
 }
+
+/// Returns how far the end of a strip has to be carried so that the fold stays, where nothing but the end touches the layer
+/// below, `gap` under it, and friction holds it from sliding into the fold.
+pub fn least_carry(gap: f64, friction: f64) -> f64 {
+    // From the fold whose end just lies flat, which needs no friction, to the one whose end is at the limit of the cone.
+    let mut at = [-3.73, 4.7];
+    let mut carry = f64::NAN;
+    for step in 0..=20 {
+        let share = friction * f64::from(step) / 20.0;
+        let shape = |[v, s]: [f64; 2]| rod(0.0, 0.0, [-share * (v + s), v], s);
+        let rests = |unknown: [f64; 2]| {
+            let end = shape(unknown);
+            [end.curvature, end.y - gap]
+        };
+        let Some(found) = root(rests, at) else {
+            return f64::NAN;
+        };
+        at = found;
+        carry = found[1] - shape(found).x;
+    }
+    carry
+}
