@@ -75,6 +75,7 @@ impl Textile {
     ) -> Textile {
         let spacing_m = layout.grid().spacing_m;
         let substeps = material.substeps(spacing_m, params.step_secs);
+        let substeps = substeps.max(params.substeps);
         let substeps = substeps.min(crate::material::MAX_SUBSTEPS);
         let stiffness = material.stiffness(spacing_m);
         let friction = Friction::new(material.crease_recovery_deg, spacing_m);
