@@ -1,8 +1,8 @@
 //! Moves a cloth of a measured material through one step: the order of all passes.
 //!
 //! In and out: what the solver keeps, positions, velocities, who is held. A step is many small substeps (Macklin and
-//! others 2019). In each, gravity and bending accelerate (`bending`), threads keep their length (`lines`), cells resist
-//! shear (`springs`), and contacts push apart (`faces`, the table, the sphere).
+//! others 2019). In each, gravity, bending (`bending`) and shear (`shear`) accelerate, threads keep their length (`lines`),
+//! and contacts push apart (`faces`, the table, the sphere).
 //!
 //! A cloth that nothing holds or touches, and of which no particle has moved by more than [`CALM_M`] for
 //! [`CALM_SECS`], is at rest: what still drives it is weaker than a thousandth of gravity. Nothing else stops a
