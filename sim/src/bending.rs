@@ -184,7 +184,7 @@ impl Bending {
         );
     }
 
-    /// Returns the acceleration by bending, by slot, m/s^2.
+    /// Returns where the velocities lead to, padded, and the acceleration by bending there, by slot, m/s^2.
     ///
     /// - `lead_secs`: bends are taken where the velocities lead to in this time, which damps them.
     pub fn accelerate(
@@ -192,7 +192,7 @@ impl Bending {
         positions: &Planes,
         velocities: &Planes,
         lead_secs: f32,
-    ) -> &Planes {
+    ) -> (&Planes, &mut Planes) {
         self.write_points(positions, velocities, lead_secs);
         let ways = [self.pad(), self.stride];
         let per_2 = 1.0 / (self.spacing_m * self.spacing_m);
@@ -215,7 +215,7 @@ impl Bending {
         gather([&warp.x, &weft.x, &twist.x], ways, x);
         gather([&warp.y, &weft.y, &twist.y], ways, y);
         gather([&warp.z, &weft.z, &twist.z], ways, z);
-        &self.acceleration
+        (&self.points, &mut self.acceleration)
     }
 
     fn write_points(&mut self, positions: &Planes, velocities: &Planes, lead_secs: f32) {

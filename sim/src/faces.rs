@@ -29,6 +29,11 @@ struct Contact {
     shares: [f32; 3],
     /// From the layer to the particle.
     normal: [f32; 3],
+    /// From the touched point to the particle where the two stick to each other.
+    sticks_at: [f32; 3],
+    /// Depths, and shifts by friction, that were corrected in this substep.
+    pressed: f32,
+    rubbed: [f32; 3],
 }
 
 /// Contacts of one cloth.
@@ -121,8 +126,19 @@ impl Faces {
         fastest_2.sqrt()
     }
 
+    /// Forgets what a substep has corrected.
+    pub fn begin_substep(&mut self) {
+        for contact in &mut self.contacts {
+            contact.pressed = 0.0;
+            contact.rubbed = [0.0; 3];
+        }
+    }
+
     /// Pushes every touching particle and layer apart once, with friction; returns the deepest that one was, metres.
-    pub fn resolve(&self, positions: &mut Planes, began: &Planes, inverse_mass: &[f32]) -> f32 {
+    ///
+    /// A contact within the cone of friction goes back to where it stuck at the last search: measured from where the
+    /// substep began, what one contact leaves over of another's correction would add up to creep.
+    pub fn resolve(&mut self, positions: &mut Planes, inverse_mass: &[f32]) -> f32 {
         let mut deepest = 0.0;
         let n = positions.len();
         let (x, y, z) = (
@@ -130,9 +146,8 @@ impl Faces {
             &mut positions.y[..n],
             &mut positions.z[..n],
         );
-        let (x0, y0, z0) = (&began.x[..n], &began.y[..n], &began.z[..n]);
         let w = &inverse_mass[..n];
-        for contact in &self.contacts {
+        for contact in &mut self.contacts {
             let [i, a, b, c] = contact.slots.map(|slot| slot as usize);
             let [sa, sb, sc] = contact.shares;
             let [nx, ny, nz] = contact.normal;
@@ -142,32 +157,39 @@ impl Faces {
                 z[i] - (sa * z[a] + sb * z[b] + sc * z[c]),
             ];
             let depth = self.gap_m - (apart[0] * nx + apart[1] * ny + apart[2] * nz);
-            if depth <= 0.0 {
+            if depth <= 0.0 && contact.pressed <= 0.0 {
+                contact.sticks_at = apart;
                 continue;
             }
+            let depth = depth.max(0.0);
             if depth > deepest {
                 deepest = depth;
             }
+            contact.pressed += depth;
             // A hand that lowers what it holds onto a layer gives way upwards; else it would push its particle through.
             let free = |slot: usize| if w[slot] > 0.0 { w[slot] } else { HAND };
             let (wi, wa, wb, wc) = (free(i), free(a), free(b), free(c));
             let weight = wi + sa * sa * wa + sb * sb * wb + sc * sc * wc;
-            let slid = [
-                apart[0] - (x0[i] - (sa * x0[a] + sb * x0[b] + sc * x0[c])),
-                apart[1] - (y0[i] - (sa * y0[a] + sb * y0[b] + sc * y0[c])),
-                apart[2] - (z0[i] - (sa * z0[a] + sb * z0[b] + sc * z0[c])),
-            ];
-            let off = slid[0] * nx + slid[1] * ny + slid[2] * nz;
-            let along = [slid[0] - off * nx, slid[1] - off * ny, slid[2] - off * nz];
-            let length =
-                (along[0] * along[0] + along[1] * along[1] + along[2] * along[2] + TINY).sqrt();
-            let share = self.friction * depth / length;
+            let off = minus(apart, contact.sticks_at);
+            let off_normal = dot(off, contact.normal);
+            // Positive against the slip.
+            let asked =
+                [0, 1, 2].map(|k| contact.rubbed[k] + off[k] - off_normal * contact.normal[k]);
+            let length = (dot(asked, asked) + TINY).sqrt();
+            let share = self.friction * contact.pressed / length;
             let share = if share < 1.0 { share } else { 1.0 };
+            let mut along = [0.0; 3];
+            for k in 0..3 {
+                let rubbed = share * asked[k];
+                along[k] = rubbed - contact.rubbed[k];
+                contact.rubbed[k] = rubbed;
+                contact.sticks_at[k] += asked[k] - rubbed;
+            }
             let per = 1.0 / weight;
             let push = [
-                per * (depth * nx - share * along[0]),
-                per * (depth * ny - share * along[1]),
-                per * (depth * nz - share * along[2]),
+                per * (depth * nx - along[0]),
+                per * (depth * ny - along[1]),
+                per * (depth * nz - along[2]),
             ];
             for (slot, share) in [(i, 1.0), (a, -sa), (b, -sb), (c, -sc)] {
                 if w[slot] <= 0.0 {
@@ -235,6 +257,12 @@ impl Search<'_> {
             slots: [i as u32, j as u32, b as u32, c as u32],
             shares: [1.0 - u - v, u, v],
             normal: normal.map(|n| n * per),
+            sticks_at: [0, 1, 2].map(|k| {
+                let [b, c] = [b, c].map(|slot| self.positions.get(slot)[k]);
+                point[k] - ((1.0 - u - v) * corner[k] + u * b + v * c)
+            }),
+            pressed: 0.0,
+            rubbed: [0.0; 3],
         })
     }
 

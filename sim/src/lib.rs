@@ -46,7 +46,7 @@
 //!
 //! To read the code, start with [`Simulator`], then `picker` (the route), `solver` (the order of all passes),
 //! `layout` and `sides` (how particles are stored), `springs`, `cells`, `neighbours`, `contacts`, and `crumple`. A cloth
-//! of a material goes through `textile`: `bending`, `lines`, `faces`; [`measure`] reads it as a laboratory would.
+//! of a material goes through `textile`: `bending`, `shear`, `lines`, `faces`; [`measure`] reads it as a laboratory would.
 //! Every number is in [`Params`].
 
 mod bending;
@@ -72,6 +72,7 @@ mod planes;
 mod raster;
 mod scenario;
 mod scene;
+mod shear;
 mod sides;
 mod simulator;
 mod slanted;

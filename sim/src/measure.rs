@@ -55,6 +55,25 @@ impl Cut {
     }
 }
 
+/// How finely a specimen is simulated. A number alone is the distance between particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fineness {
+    /// Distance between particles, metres.
+    pub spacing_m: f32,
+    /// Fewest substeps of a step, as in [`Params::substeps`].
+    pub substeps: u32,
+}
+
+impl From<f32> for Fineness {
+    fn from(spacing_m: f32) -> Fineness {
+        let Params { substeps, .. } = Params::default();
+        Fineness {
+            spacing_m,
+            substeps,
+        }
+    }
+}
+
 /// Width of a strip, metres (ASTM D1388: 25 mm).
 const STRIP_M: f32 = 0.025;
 /// Width of a strip on the bias, metres. Wider, since the cells at its zigzag rims are missing, and twist with
@@ -146,9 +165,10 @@ impl Strip {
 }
 
 /// Returns the parameters under which a specimen of a material comes to rest soon.
-fn calm(material: &Material) -> Params {
+fn calm(material: &Material, at: Fineness) -> Params {
     Params {
         damping_per_s: 12.0,
+        substeps: at.substeps,
         material: Some(material.clone()),
         ..Params::default()
     }
@@ -198,8 +218,10 @@ fn frictionless(material: &Material) -> Material {
 pub fn cantilever(
     material: &Material,
     cut: Cut,
-    spacing_m: f32,
+    at: impl Into<Fineness>,
 ) -> Result<Cantilever, MeasureError> {
+    let at = at.into();
+    let spacing_m = at.spacing_m;
     let pitch = if cut == Cut::Bias {
         spacing_m * std::f32::consts::FRAC_1_SQRT_2
     } else {
@@ -214,7 +236,7 @@ pub fn cantilever(
     let mut cloth = Simulator::from_positions(
         &strip.mask,
         &strip.positions,
-        &calm(&frictionless(material)),
+        &calm(&frictionless(material), at),
     )?;
     cloth.hold(&strip.rows(|row| row < 3))?;
     settle(&mut cloth, 4.0)?;
@@ -257,8 +279,10 @@ pub fn hanging_loop(
     material: &Material,
     shape: Loop,
     length_m: f32,
-    spacing_m: f32,
+    at: impl Into<Fineness>,
 ) -> Result<[f64; 2], MeasureError> {
+    let at = at.into();
+    let spacing_m = at.spacing_m;
     let rows = (length_m / spacing_m).round() as usize + 2;
     let strip = Strip::cut(Cut::Warp, rows, spacing_m)?;
     let (p, gap) = (f64::from(spacing_m), 1.2 * f64::from(material.gap_m()));
@@ -308,7 +332,7 @@ pub fn hanging_loop(
         *point = [x as f32, point[1], HIGH_M + z as f32];
     }
     let mut cloth =
-        Simulator::from_positions(&strip.mask, &positions, &calm(&frictionless(material)))?;
+        Simulator::from_positions(&strip.mask, &positions, &calm(&frictionless(material), at))?;
     cloth.hold(&strip.rows(|row| row < 2 || row + 2 >= rows))?;
     settle(&mut cloth, 4.0)?;
     let lowest = cloth
@@ -329,7 +353,9 @@ pub struct Fold {
 }
 
 /// Measures a free fold of a strip along the warp, without internal friction.
-pub fn free_fold(material: &Material, spacing_m: f32) -> Result<Fold, MeasureError> {
+pub fn free_fold(material: &Material, at: impl Into<Fineness>) -> Result<Fold, MeasureError> {
+    let at = at.into();
+    let spacing_m = at.spacing_m;
     let (p, c) = (
         f64::from(spacing_m),
         f64::from(material.bending_length_m.warp),
@@ -340,7 +366,7 @@ pub fn free_fold(material: &Material, spacing_m: f32) -> Result<Fold, MeasureErr
     let arc = std::f64::consts::PI * radius;
     let rows = ((2.0 * flap + 2.0 * c + arc) / p).round() as usize;
     let strip = Strip::cut(Cut::Warp, rows, spacing_m)?;
-    let params = calm(&frictionless(material));
+    let params = calm(&frictionless(material), at);
     let low = f64::from(params.rest_height_m());
     let bottom = rows as f64 * p - arc - flap;
     let place = |row: usize| {
@@ -384,7 +410,12 @@ const SHADOW_M: f32 = 0.001;
 
 /// Measures the drape coefficient: how much of the ring around the pedestal a disc of cloth covers, seen from above
 /// (Cusick 1968), from 0 to 1.
-pub fn drape_coefficient(material: &Material, spacing_m: f32) -> Result<f64, MeasureError> {
+pub fn drape_coefficient(
+    material: &Material,
+    at: impl Into<Fineness>,
+) -> Result<f64, MeasureError> {
+    let at = at.into();
+    let spacing_m = at.spacing_m;
     let dim = (DISC_M / spacing_m).round() as usize + 1;
     let grid = Grid::new(dim, dim, spacing_m)?;
     let middle = (dim - 1) as f32 / 2.0;
@@ -399,7 +430,7 @@ pub fn drape_coefficient(material: &Material, spacing_m: f32) -> Result<f64, Mea
             .iter()
             .any(|(x, y)| cell(ix - x, iy - y))
     })?;
-    let params = calm(material);
+    let params = calm(material, at);
     let mut positions = grid.flat_positions(&params);
     for (i, point) in positions.iter_mut().enumerate() {
         // Uneven by hundredths of a millimetre, or the disc would not know where to fold.
@@ -462,8 +493,10 @@ pub fn crease_recovery_deg(
     material: &Material,
     cut: Cut,
     crease: Crease,
-    spacing_m: f32,
+    at: impl Into<Fineness>,
 ) -> Result<f64, MeasureError> {
+    let at = at.into();
+    let spacing_m = at.spacing_m;
     let limb = ((0.02 / spacing_m).round() as usize).max(3);
     let rows = match crease {
         Crease::Row => 2 * limb + 1,
@@ -487,7 +520,7 @@ pub fn crease_recovery_deg(
         gravity_m_s2: [0.0; 3],
         // It opens slowly: thrown open, the limb would bend elsewhere too.
         damping_per_s: 100.0,
-        ..calm(material)
+        ..calm(material, at)
     };
     let mut cloth = Simulator::from_positions(&strip.mask, &positions, &params)?;
     cloth.hold(&strip.rows(|_| true))?;
@@ -504,9 +537,14 @@ pub fn crease_recovery_deg(
 }
 
 /// Measures the friction on the table: a patch on a slope slides with `g (sin - friction cos)`.
-pub fn table_friction(material: &Material, spacing_m: f32) -> Result<f64, MeasureError> {
+pub fn table_friction(material: &Material, at: impl Into<Fineness>) -> Result<f64, MeasureError> {
+    let at = at.into();
+    let spacing_m = at.spacing_m;
     let grid = Grid::new(6, 6, spacing_m)?;
-    let params = on_slope(material, material.table_friction);
+    let params = Params {
+        substeps: at.substeps,
+        ..on_slope(material, material.table_friction)
+    };
     let mut cloth = Simulator::flat(grid, &params);
     slide(&mut cloth, &params, 0..36)
 }
@@ -566,7 +604,11 @@ pub struct Reading {
 /// Measures all that a material declares and that a specimen shows, and its drape.
 ///
 /// Takes some seconds of computing. Fails on a material that cannot be simulated at this spacing.
-pub fn textile_table(material: &Material, spacing_m: f32) -> Result<Vec<Reading>, MeasureError> {
+pub fn textile_table(
+    material: &Material,
+    at: impl Into<Fineness>,
+) -> Result<Vec<Reading>, MeasureError> {
+    let at = at.into();
     let mut readings = Vec::new();
     let names = [
         "bending length, warp",
@@ -579,7 +621,7 @@ pub fn textile_table(material: &Material, spacing_m: f32) -> Result<Vec<Reading>
             method: "cantilever, ASTM D1388 A",
             unit: "mm",
             declared: Some(1000.0 * f64::from(cut.of(material.bending_length_m))),
-            measured: 1000.0 * cantilever(material, cut, spacing_m)?.bending_length_m,
+            measured: 1000.0 * cantilever(material, cut, at)?.bending_length_m,
         });
     }
     let names = ["crease recovery, warp", "crease recovery, weft"];
@@ -589,7 +631,7 @@ pub fn textile_table(material: &Material, spacing_m: f32) -> Result<Vec<Reading>
             method: "ISO 2313",
             unit: "deg",
             declared: Some(f64::from(material.crease_recovery_deg)),
-            measured: crease_recovery_deg(material, cut, Crease::Row, spacing_m)?,
+            measured: crease_recovery_deg(material, cut, Crease::Row, at)?,
         });
     }
     readings.push(Reading {
@@ -597,9 +639,9 @@ pub fn textile_table(material: &Material, spacing_m: f32) -> Result<Vec<Reading>
         method: "slope",
         unit: "",
         declared: Some(f64::from(material.table_friction)),
-        measured: table_friction(material, spacing_m)?,
+        measured: table_friction(material, at)?,
     });
-    let fold = free_fold(material, spacing_m)?;
+    let fold = free_fold(material, at)?;
     readings.push(Reading {
         what: "gap between layers",
         method: "free fold",
@@ -619,7 +661,7 @@ pub fn textile_table(material: &Material, spacing_m: f32) -> Result<Vec<Reading>
         method: "Cusick, 30 cm on 18 cm",
         unit: "",
         declared: None,
-        measured: drape_coefficient(material, spacing_m)?,
+        measured: drape_coefficient(material, at)?,
     });
     Ok(readings)
 }

@@ -28,7 +28,8 @@ const MAX_COUNT: u32 = 100;
 pub struct Params {
     /// Length of one step, seconds. PyFleX: 0.01.
     pub step_secs: f32,
-    /// Substeps per step, 1 to 100; more make contacts and the sleeping rule sharper. PyFleX: 4.
+    /// Substeps per step, 1 to 100; more make contacts and the sleeping rule sharper. A cloth of a material has more where
+    /// its stiffness needs them. PyFleX: 4.
     pub substeps: u32,
     /// Gauss-Seidel sweeps over all springs per substep, 1 to 100. Fewer leave the cloth slack, more make it too
     /// stiff to drape; PyFleX runs 30 slower-converging Jacobi passes. Trial: 6, of 5 to 9.
@@ -88,7 +89,7 @@ pub struct Params {
     /// How the picker goes about it.
     #[serde(skip_serializing_if = "Route::is_default")]
     pub picker_route: Route,
-    /// A measured textile. It replaces substeps, sweeps, springs, contact distances, frictions and sleeping speeds above;
+    /// A measured textile. It replaces sweeps, springs, contact distances, frictions and sleeping speeds above;
     /// `None` is the recorded scene's cloth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<Material>,

@@ -194,7 +194,6 @@ impl Solver {
         }
         self.springs.note_fixed(&self.sides);
         if let Some(textile) = &mut self.textile {
-            textile.note_fixed(&self.sides);
             textile.disturb();
         }
     }

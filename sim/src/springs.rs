@@ -133,44 +133,6 @@ impl Springs {
     }
 }
 
-/// The diagonals of all cells, without other springs.
-#[derive(Clone, Debug)]
-pub(crate) struct Diagonals([Family; 2]);
-
-impl Diagonals {
-    /// Lists the diagonals of a cloth that is laid out by rows.
-    ///
-    /// - `stiffness`: share of an error that a pull removes.
-    pub fn new(layout: &Layout, stiffness: f32) -> Diagonals {
-        let rest_m = std::f32::consts::SQRT_2 * layout.grid().spacing_m;
-        let diagonal = |columns| Family::new(layout, 1, columns, rest_m, stiffness);
-        Diagonals([diagonal([0, 1]), diagonal([1, 0])])
-    }
-
-    /// Returns their number.
-    pub fn count(&self) -> usize {
-        self.0.iter().map(|family| family.count).sum()
-    }
-
-    /// Notes which particles are fixed, before any pull that follows.
-    pub fn note_fixed(&mut self, sides: &Sides) {
-        for family in &mut self.0 {
-            family.note_fixed(&sides.rows);
-        }
-    }
-
-    /// Pulls every diagonal towards its rest length once.
-    pub fn pull(&self, side: &mut Side, direction: Direction) {
-        for index in 0..2 {
-            let index = match direction {
-                Direction::Forward => index,
-                Direction::Backward => 1 - index,
-            };
-            self.0[index].pull(side, direction);
-        }
-    }
-}
-
 impl Family {
     fn new(
         layout: &Layout,

@@ -1,8 +1,8 @@
 //! Moves a cloth of a measured material through one step: the order of all passes.
 //!
 //! In and out: what the solver keeps, positions, velocities, who is held. A step is many small substeps (Macklin and
-//! others 2019). In each, gravity and bending accelerate (`bending`), threads keep their length (`lines`), cells resist
-//! shear (`springs`), and contacts push apart (`faces`, the table, the sphere).
+//! others 2019). In each, gravity, bending (`bending`) and shear (`shear`) accelerate, threads keep their length (`lines`),
+//! and contacts push apart (`faces`, the table, the sphere).
 //!
 //! A cloth that nothing holds or touches, and of which no particle has moved by more than [`CALM_M`] for
 //! [`CALM_SECS`], is at rest: what still drives it is weaker than a thousandth of gravity. Nothing else stops a
@@ -17,9 +17,9 @@ use crate::material::{Material, Stiffness};
 use crate::motion::fly;
 use crate::params::Params;
 use crate::planes::Planes;
+use crate::shear::Shear;
 use crate::sides::{Side, Sides};
 use crate::snapshot::Texture;
-use crate::springs::{Diagonals, Direction};
 #[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
 
@@ -53,8 +53,7 @@ pub(crate) struct Textile {
     bending: Bending,
     columns: Lines,
     rows: Lines,
-    /// By the logarithm of the haste.
-    shear: [Diagonals; 3],
+    shear: Shear,
     faces: Faces,
     predicted: Planes,
     /// Where the cloth was when it began to be calm, and the steps since then.
@@ -76,18 +75,12 @@ impl Textile {
     ) -> Textile {
         let spacing_m = layout.grid().spacing_m;
         let substeps = material.substeps(spacing_m, params.step_secs);
+        let substeps = substeps.max(params.substeps);
         let substeps = substeps.min(crate::material::MAX_SUBSTEPS);
         let stiffness = material.stiffness(spacing_m);
         let friction = Friction::new(material.crease_recovery_deg, spacing_m);
         let mut bending = Bending::new(layout, stiffness.bend, friction);
         bending.crease(positions, 1.0);
-        // One sweep over springs of this stiffness is as compliant as the diagonals are: of the compliance, what the
-        // sweep itself adds (two particles of mass 1) is left out.
-        let shear = |haste: u32| {
-            let dt = params.step_secs / (substeps * haste) as f32;
-            let slack = (stiffness.shear / (dt * dt) - 2.0).max(0.0);
-            Diagonals::new(layout, 2.0 / (2.0 + slack))
-        };
         Textile {
             material: material.clone(),
             stiffness,
@@ -95,7 +88,7 @@ impl Textile {
             bending,
             columns: Lines::new(layout),
             rows: Lines::new(&layout.transposed()),
-            shear: [shear(1), shear(2), shear(4)],
+            shear: Shear::new(layout, stiffness.shear),
             haste: 1,
             faces: Faces::new(layout, material.gap_m(), material.self_friction),
             predicted: Planes::zeros(layout.len()),
@@ -107,7 +100,7 @@ impl Textile {
 
     /// Returns the number of edges, diagonals and bends.
     pub fn constraint_count(&self) -> usize {
-        self.columns.count() + self.rows.count() + self.shear[0].count()
+        self.columns.count() + self.rows.count() + self.shear.count()
     }
 
     /// Returns the number of substeps of a step.
@@ -118,13 +111,6 @@ impl Textile {
     /// Notes that something outside has changed the cloth.
     pub fn disturb(&mut self) {
         self.calm_steps = 0;
-    }
-
-    /// Notes which particles are held.
-    pub fn note_fixed(&mut self, sides: &Sides) {
-        for shear in &mut self.shear {
-            shear.note_fixed(sides);
-        }
     }
 
     /// Tells whether the cloth is at rest until something disturbs it.
@@ -226,9 +212,10 @@ impl Textile {
             let share = (CREASE_EVERY as f32 * dt / CREASE_SECS).min(1.0);
             self.bending.crease(&sides.rows.positions, share);
         }
-        let acceleration = self
-            .bending
-            .accelerate(&sides.rows.positions, velocities, LEAD * dt);
+        let (points, acceleration) =
+            self.bending
+                .accelerate(&sides.rows.positions, velocities, LEAD * dt);
+        self.shear.accelerate(points, dt, acceleration);
         let keep = 1.0 - params.damping_per_s * dt;
         let weight = &sides.rows.inverse_mass;
         let positions = &mut sides.rows.positions;
@@ -253,11 +240,11 @@ impl Textile {
         self.predicted.clone_from(positions);
         let per_2 = 1.0 / (dt * dt);
         let [warp, weft] = self.stiffness.stretch.map(|compliance| compliance * per_2);
+        self.faces.begin_substep();
         // Layers that land on each other at speed need more than one pass, or one is pushed through the next.
         for pass in 0..MAX_PASSES {
             // Always in this order: where a crumpled cloth cannot have all lengths, taking turns would toss its
             // particles between two places for ever.
-            self.shear[self.haste.ilog2() as usize].pull(&mut sides.rows, Direction::Forward);
             self.columns.solve(&mut sides.rows, weft);
             sides.turn_to_columns();
             self.rows.solve(&mut sides.columns, warp);
@@ -280,9 +267,7 @@ impl Textile {
             self.faces.search(&side.positions, &side.began);
             let mut deepest = 0.0;
             for _ in 0..CONTACT_PASSES {
-                deepest = self
-                    .faces
-                    .resolve(&mut side.positions, &side.began, &side.inverse_mass);
+                deepest = self.faces.resolve(&mut side.positions, &side.inverse_mass);
                 let Planes { x, y, z } = &mut side.positions;
                 touch_table(
                     x,

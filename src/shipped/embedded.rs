@@ -56,6 +56,7 @@ pub const FILES: &[(&str, &[u8])] = embed![
     "lib/experts.fab",
     "lib/folding.fab",
     "lib/materials.fab",
+    "lib/napkins.fab",
     "lib/real.fab",
     "lib/smoothing.fab",
     "open_envelope.fab",

@@ -66,6 +66,18 @@ fn numbers_that_no_cloth_or_machine_has() {
         ),
         ("crumple --count 0", &["0", "1..=10000"]),
         (
+            "measure coton",
+            &["no material `coton`", "did you mean `cotton`", "fabc ships"],
+        ),
+        (
+            "measure silk --set weigth_kg_m2=1",
+            &["no `weigth_kg_m2`", "weight_kg_m2"],
+        ),
+        (
+            "measure silk --set bending_length_m=0.01",
+            &["has parts", "`bending_length_m.warp`"],
+        ),
+        (
             "crumple --seed 18446744073709551615 --count 2",
             &["largest seed"],
         ),

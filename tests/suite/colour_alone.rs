@@ -188,3 +188,17 @@ fn the_simulators_cloth_is_folded_in_half_twice_by_colour_alone() {
     let covered = report.coverage_true.unwrap();
     assert!((0.24..0.32).contains(&covered), "{covered}");
 }
+
+/// The result of a step is compared with a subgoal picture, in which the cloth is found by its colour.
+#[test]
+fn faces_of_shipped_materials_are_not_taken_for_the_table() {
+    let compiled = fab_compiler::compile("tasks/lib/materials.fab", &ProjectFiles).unwrap();
+    let table = fab_sim::Look::default();
+    let table = table.tiles.map(|colour| colour.map(f64::from));
+    for material in &compiled.materials {
+        for face in [&material.upper, &material.under] {
+            let is_table = fab_picture::regions::is_table(face.rgb, &table);
+            assert!(!is_table, "{} of {}", face.name, material.name);
+        }
+    }
+}

@@ -152,6 +152,35 @@ fn a_world_is_asked_only_for_the_manners_that_it_announces() {
     assert!(done.unwrap_err().to_string().contains(&why));
 }
 
+#[test]
+fn a_world_that_knows_no_materials_refuses_one_by_name() {
+    let task = project("tasks/textiles/hem.fab");
+    let program = support::task("textiles/hem");
+    let material = program.cloth.material.as_ref();
+    let why =
+        "its `hello` does not say `\"materials\": true`, and the task's cloth is made of `cotton`";
+    for (answer, refusal) in [("false", Some(why)), ("true", None)] {
+        let script = format!("s/\"materials\":true/\"materials\":{answer}/");
+        let made = started(&edited(&script)).unwrap().with_material(material);
+        let told = made.err().map(|error| error.to_string());
+        assert_eq!(told.is_some(), refusal.is_some(), "{told:?}");
+        assert!(
+            told.unwrap_or_default()
+                .contains(refusal.unwrap_or_default())
+        );
+        let any = started(&edited(&script)).unwrap().with_material(None);
+        assert!(any.is_ok());
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("world.sh");
+    let text = format!("'{FABC}' world serve | sed -u 's/\"materials\":true/\"materials\":false/'");
+    std::fs::write(&script, text).unwrap();
+    let world = format!("exec:sh '{}'", script.display());
+    let said = finish(fabc(folder.path()).args(["run", &task, "--world", &world]));
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    assert!(said.stderr.contains(why), "{}", said.stderr);
+}
+
 fn run(folder: &Path, world: &str, out: &str) -> support::Captured {
     let task = project("tasks/double_triangle.fab");
     finish(fabc(folder).args(["run", &task, "--world", world, "--out", out]))

@@ -1,6 +1,6 @@
 //! Tasks that are named without a path: where they are searched, and what is not written beside them.
 
-use super::support::{Captured, Fabc, fabc, finish, root};
+use super::support::{Captured, Fabc, fabc, finish, root, task};
 use fab_agent::record::RECORD_FILE;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,6 +17,9 @@ const NAMES: [&str; 9] = [
     "sash",
     "smoothing",
 ];
+
+/// Folds of small flaps of a material.
+const NAPKINS: [&str; 3] = ["hem", "pocket_envelope", "paper_plane"];
 
 /// A user with an empty working folder and an empty cache.
 struct User(TempDir);
@@ -91,6 +94,48 @@ fn every_shipped_task_can_be_named_in_an_empty_folder() {
     }
     let found = user.run("test double_straight");
     assert_eq!(found.code, 0, "{}", found.stderr);
+}
+
+#[test]
+fn small_flaps_of_napkins_compile_without_a_warning() {
+    for name in NAPKINS {
+        let program = task(&format!("textiles/{name}"));
+        assert_eq!(program.cloth.material.unwrap().name, "cotton", "{name}");
+        assert_eq!(program.manner.speed_m_s, Some(0.2), "{name}");
+    }
+}
+
+/// Each fold is a goal that the expert reaches, and that a cloth that nobody touched does not.
+#[test]
+#[ignore = "long"]
+fn small_flaps_of_napkins_stay_where_an_expert_folds_them() {
+    let user = User::new();
+    for name in NAPKINS {
+        let file = root().join(format!("tasks/textiles/{name}.fab"));
+        let call = format!("run {} --policy expert --out {name} --json", file.display());
+        let said = user.run(&call);
+        assert_eq!(said.code, 0, "{name}: {}", said.stderr);
+        let report: serde_json::Value = serde_json::from_str(&said.stdout).unwrap();
+        assert_eq!(report["goal_reached"], true, "{name}: {report}");
+        let positions = |path: &str| {
+            let bytes = fs::read(user.path(&format!("work/{name}/{path}"))).unwrap();
+            let (_, numbers) = fab_base::npy::decode_floats(&bytes).unwrap();
+            let points = numbers.chunks_exact(3);
+            points
+                .map(|it| [it[0] as f32, it[1] as f32, it[2] as f32])
+                .collect::<Vec<_>>()
+        };
+        let goal_mm = match name {
+            "paper_plane" => 20.0,
+            _ => 10.0,
+        };
+        let (start, end) = (positions("start.npy"), positions("experts/1.npy"));
+        let untouched_m = fab_world::metrics::mean_particle_distance_m(&start, &end).unwrap();
+        assert!(
+            untouched_m * 1000.0 > 1.5 * goal_mm,
+            "{name}: {untouched_m}"
+        );
+    }
 }
 
 #[test]

@@ -9,6 +9,18 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 
+/// A material `mine` with a green face, as light as the shipped silk.
+pub(super) const MATERIAL: &str = "material mine {
+    weight    35g/m2                               from \"scales\"
+    thickness 0.1mm                                from \"a gauge\"
+    bending   warp: 15mm, weft: 12mm, bias: 11mm   from \"a cantilever\"
+    recovery  125deg                               from \"a protractor\"
+    stretch   warp: 0.01, weft: 0.02, bias: 0.08   from \"a weight\"
+    friction  table: 0.25, itself: 0.3             from \"a slope\"
+    upper     green \"#20c040\"
+}
+";
+
 /// Runs a verb of `sim` to its end.
 fn said(folder: &Path, arguments: &[&str]) -> Captured {
     finish(fabc(folder).arg("sim").args(arguments))
@@ -263,12 +275,55 @@ fn an_outline_cuts_the_cloth_in_pictures_and_meshes() {
 }
 
 #[test]
+fn a_material_is_measured_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("own.fab"), MATERIAL).unwrap();
+    for (name, bending_mm, friction) in [("silk", 13.0, 0.2), ("own.fab:mine", 15.0, 0.25)] {
+        // Far between, so that the specimens have few particles.
+        let said = said(
+            folder.path(),
+            &["measure", name, "--spacing", "20", "--json"],
+        );
+        assert_eq!(said.code, 0, "{}", said.stderr);
+        let value: Value = serde_json::from_str(&said.stdout).unwrap();
+        let readings = value["readings"].as_array().unwrap();
+        let of = |what: &str| {
+            let found = readings.iter().find(|it| it["what"] == what);
+            let found = found.unwrap_or_else(|| panic!("no `{what}` in {value}"));
+            ["declared", "measured"].map(|field| found[field].as_f64().unwrap())
+        };
+        let [declared, measured] = of("bending length, warp");
+        assert!((declared - bending_mm).abs() < 1e-4, "{name}: {declared}");
+        // A bend of 15 mm has hardly a particle at this spacing.
+        assert!(measured > bending_mm, "{name}: {measured}");
+        let [declared, measured] = of("friction on the table");
+        assert!((declared - friction).abs() < 1e-6, "{name}: {declared}");
+        assert!((measured - friction).abs() < 0.02, "{name}: {measured}");
+        assert_ne!(value["params"], fab_sim::Params::default().hash());
+        // What so few particles cannot show is null, and said.
+        let without = readings.iter().filter(|it| it["measured"].is_null());
+        let names: Vec<&str> = without.map(|it| it["what"].as_str().unwrap()).collect();
+        assert!(names.contains(&"gap between layers"), "{names:?}");
+        for name in names {
+            let words = format!("{name} has no reading at this spacing");
+            assert!(said.stderr.contains(&words), "{}", said.stderr);
+        }
+    }
+    let said = said(folder.path(), &["measure", "own.fab:min"]);
+    assert_eq!(said.code, 64);
+    let why = "there is no material `min`; did you mean `mine`; `own.fab` declares `mine`";
+    assert!(said.stderr.contains(why), "{}", said.stderr);
+}
+
+#[test]
 fn every_verb_of_the_simulator_is_in_its_guide_and_in_the_readme() {
     let folder = tempfile::tempdir().unwrap();
     let help = said(folder.path(), &["--help"]).stdout;
     let guide = fs::read_to_string(project("docs/simulator.md")).unwrap();
     let readme = fs::read_to_string(project("README.md")).unwrap();
-    for verb in ["replay", "time", "crumple", "render", "record", "export"] {
+    for verb in [
+        "replay", "time", "crumple", "measure", "render", "record", "export",
+    ] {
         assert!(
             help.contains(&format!("\n  {verb} ")),
             "no `{verb}` in\n{help}"

@@ -1,6 +1,6 @@
 //! `fabc run --video` and `fabc sim record` through the command itself, decoded again.
 
-use super::sim_verbs::told;
+use super::sim_verbs::{MATERIAL, told};
 use super::support::{Captured, bring_library, bring_robot, fabc, finish};
 use image::{Rgb, RgbImage};
 use serde_json::Value;
@@ -187,6 +187,11 @@ fn videos_that_cannot_be_are_refused_before_anything_happens() {
             "`--out a.png` is no GIF file",
         ),
         (
+            "sim record --material coton --move 0,0:0,0 -o a.gif".to_owned(),
+            64,
+            "there is no material `coton`; did you mean `cotton`",
+        ),
+        (
             "sim record --id 3 -o a.gif".to_owned(),
             64,
             "choose a recorded demonstration",
@@ -234,4 +239,41 @@ fn given_picks_are_filmed_without_a_model() {
         said.stdout
     );
     assert_eq!(decoded(&path).last.dimensions(), (224, 224));
+}
+
+#[test]
+fn a_film_shows_the_cloth_in_the_colours_of_its_material() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let film = |call: &str| {
+        let call =
+            format!("sim record --size 8 --move 0.2,0.2:0.2,0.25 --view table --json -o {call}");
+        let said = said(here, &call);
+        assert_eq!(said.code, 0, "{}", said.stderr);
+        let value: Value = serde_json::from_str(&said.stdout).unwrap();
+        let file = value["video"]["file"].as_str().unwrap().to_owned();
+        (value["params"].clone(), decoded(&here.join(file)).last)
+    };
+    // How much of the picture is nearer than this to a colour, in each channel.
+    let near = |picture: &RgbImage, colour: [u8; 3]| {
+        let is_near = |pixel: &&Rgb<u8>| (0..3).all(|it| pixel.0[it].abs_diff(colour[it]) < 12);
+        picture.pixels().filter(is_near).count()
+    };
+    fs::write(here.join("own.fab"), MATERIAL).unwrap();
+    let orange = fab_sim::Look::default().top;
+    for (call, colour) in [
+        ("plain.gif", orange),
+        ("silk.gif --material silk", [0xb3, 0x20, 0x2c]),
+        ("own.gif --material own.fab:mine", [0x20, 0xc0, 0x40]),
+    ] {
+        let (params, last) = film(call);
+        assert!(near(&last, colour) > 100, "{call}");
+        let is_plain = colour == orange;
+        assert_eq!(near(&last, orange) > 100, is_plain, "{call}");
+        assert_eq!(
+            params == fab_sim::Params::default().hash(),
+            is_plain,
+            "{call}"
+        );
+    }
 }

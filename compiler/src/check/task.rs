@@ -104,7 +104,7 @@ pub(super) fn check<'a>(
         .map(|(_, field)| field)
         .collect::<Result<_, _>>()?;
     picker::stated_once(&manner, &actions, merged, context)?;
-    let program = Program {
+    let mut program = Program {
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
         task: merged.task.name().text().to_owned(),
@@ -130,6 +130,7 @@ pub(super) fn check<'a>(
         horizon,
         goal: goal?,
     };
+    program.format = program.oldest_format();
     contradictions(&program, merged, context.report)?;
     certainty::check(&program, merged, context);
     effect::check(&program, merged, context);

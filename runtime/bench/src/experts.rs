@@ -4,7 +4,7 @@
 //! them. For a fold fraction below 1, each fold of the sequence is shortened accordingly.
 
 use super::lay_starts::LaidStarts;
-use super::play::{Phase, Spent, at, place, program_of};
+use super::play::{ExpertDistance, Phase, Spent, at, place, program_of};
 use super::record::Rollout;
 use super::{Bench, BenchError, Entry};
 use fab_agent::rollout::Job;
@@ -109,12 +109,15 @@ pub(super) fn simulate(
     Ok(done.iter().all(Option::is_some))
 }
 
+/// A distance between two states, metres.
+type Measure = fn(&[[f32; 3]], &[[f32; 3]]) -> Option<f64>;
+
 /// Scores the last state of a rollout, however it ended; the start itself if nothing was executed.
-pub(super) fn distances_m(
+pub(super) fn distances(
     bench: &Bench<'_>,
     job: &Job<'_>,
     rollout: &Rollout,
-) -> Result<Vec<(f64, f64)>, WorldError> {
+) -> Result<Vec<ExpertDistance>, WorldError> {
     let last = rollout.last.as_ref().unwrap_or(&job.start.positions);
     let make_world: &MakeWorld<'_> = job.make_expert_world;
     let mut distances = Vec::new();
@@ -130,14 +133,18 @@ pub(super) fn distances_m(
             job.interrupt,
             &mut |_| {},
         )?;
-        let all = ends
-            .ends
-            .iter()
-            .filter_map(|end| metrics::mean_particle_distance_m(last, &end.positions));
-        distances.extend(
+        let nearest = |measure: Measure| {
+            let ends = ends.ends.iter();
+            let all = ends.filter_map(|end| measure(last, &end.positions));
             all.min_by(f64::total_cmp)
-                .map(|nearest| (fraction, nearest)),
-        );
+        };
+        let mean_m = nearest(metrics::mean_particle_distance_m);
+        let shape_m = nearest(metrics::shape_distance_m);
+        distances.extend(mean_m.zip(shape_m).map(|(mean_m, shape_m)| ExpertDistance {
+            fold_fraction: fraction,
+            mean_m,
+            shape_m,
+        }));
     }
     Ok(distances)
 }

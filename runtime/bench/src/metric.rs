@@ -8,7 +8,7 @@
 //! A row holds everything about a metric. Suites refer to it, tables and CSV read it, and the table of `docs/bench.md`
 //! is generated from it.
 
-use super::play::Played;
+use super::play::{ExpertDistance, Played};
 use super::record::Step;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::Finding;
@@ -117,7 +117,7 @@ pub const METRICS: &[Row] = &[
         better: Better::Lower,
         digits: 1,
         fold_fraction: Some(1.0),
-        read: distance_mm,
+        read: |row, reading| distance_mm(row, reading, |found| found.mean_m),
         about: "mean distance of particles from the nearest expert result with complete folds",
         ..PLAIN
     },
@@ -128,8 +128,19 @@ pub const METRICS: &[Row] = &[
         better: Better::Lower,
         digits: 1,
         fold_fraction: Some(0.9),
-        read: distance_mm,
+        read: |row, reading| distance_mm(row, reading, |found| found.mean_m),
         about: "the same, with every fold of the experts ending at 0.9 of its way, as the recorded demonstrations do",
+        ..PLAIN
+    },
+    Row {
+        name: "shape_distance_mm",
+        heading: "shape, mm",
+        unit: Unit::Millimetres,
+        better: Better::Lower,
+        digits: 1,
+        fold_fraction: Some(1.0),
+        read: |row, reading| distance_mm(row, reading, |found| found.shape_m),
+        about: "the mean distance once the cloth is shifted and turned over the table to where it fits best: how differently it is folded, however far it slid",
         ..PLAIN
     },
     Row {
@@ -280,10 +291,10 @@ fn covers(_: &Row, reading: &Reading<'_>) -> Option<f64> {
     Some(share(covered.is_some_and(|covered| covered >= COVERED)))
 }
 
-fn distance_mm(row: &Row, reading: &Reading<'_>) -> Option<f64> {
-    let mut distances = reading.played.distances_m.iter();
-    let found = distances.find(|(fraction, _)| Some(*fraction) == row.fold_fraction);
-    found.map(|(_, distance_m)| distance_m * 1000.0)
+fn distance_mm(row: &Row, reading: &Reading<'_>, of: fn(&ExpertDistance) -> f64) -> Option<f64> {
+    let mut distances = reading.played.distances.iter();
+    let found = distances.find(|found| Some(found.fold_fraction) == row.fold_fraction);
+    found.map(|found| of(found) * 1000.0)
 }
 
 /// A metric: one row of [`METRICS`].

@@ -30,8 +30,19 @@ pub struct Played {
     pub start: usize,
     /// The contents of its folder.
     pub rollout: Rollout,
-    /// Distance of its last state to the nearest expert end, metres, for each fraction of the experts' folds.
-    pub distances_m: Vec<(f64, f64)>,
+    /// Distances of its last state to the nearest expert end, for each fraction of the experts' folds.
+    pub distances: Vec<ExpertDistance>,
+}
+
+/// How far a rollout's last state is from the nearest expert results.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExpertDistance {
+    /// The fraction of its length at which each expert fold ends.
+    pub fold_fraction: f64,
+    /// Mean distance of particles, metres.
+    pub mean_m: f64,
+    /// The same after the best shift and turn, metres.
+    pub shape_m: f64,
 }
 
 /// The results of a suite.
@@ -318,8 +329,8 @@ pub(super) fn one(
             }
         }
     };
-    let distances_m = match experts::distances_m(bench, &job, &rollout) {
-        Ok(distances_m) => distances_m,
+    let distances = match experts::distances(bench, &job, &rollout) {
+        Ok(distances) => distances,
         Err(WorldError::Interrupted) => return Ok(JobEnd::Stopped(StopReason::Interrupted)),
         Err(error) => return Err(at(&place(bench, entry, start), error)),
     };
@@ -327,7 +338,7 @@ pub(super) fn one(
         entry: number,
         start,
         rollout,
-        distances_m,
+        distances,
     };
     Ok(JobEnd::Played(Box::new(played), was_found))
 }

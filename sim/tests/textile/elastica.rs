@@ -12,18 +12,40 @@ struct End {
     y: f64,
     angle: f64,
     curvature: f64,
+    /// Upright part of the force, in weights of a bending length of strip.
+    upright: f64,
     highest: f64,
     lowest: f64,
 }
 
 /// Integrates a rod from a point by Runge and Kutta's fourth-order method.
-fn rod(angle: f64, curvature: f64, [h, v]: [f64; 2], length: f64) -> End {
+fn rod(angle: f64, curvature: f64, force: [f64; 2], length: f64) -> End {
+    rod_of_width(angle, curvature, force, length, |_| 1.0)
+}
+
+/// Integrates a strip whose width changes along it, in widths of the one that the force is per.
+fn rod_of_width(
+    angle: f64,
+    curvature: f64,
+    [h, v]: [f64; 2],
+    length: f64,
+    width: impl Fn(f64) -> f64,
+) -> End {
     const STEPS: usize = 120;
     let step = length / STEPS as f64;
-    let slope =
-        |s: f64, [_, _, a, k]: [f64; 4]| [a.cos(), a.sin(), k, h * a.sin() - (v + s) * a.cos()];
-    let add = |y: [f64; 4], d: [f64; 4], by: f64| [0, 1, 2, 3].map(|i| y[i] + by * d[i]);
-    let mut y = [0.0, 0.0, angle, curvature];
+    // Place, angle, moment, and the upright part of the force.
+    let slope = |s: f64, [_, _, a, m, v]: [f64; 5]| {
+        let width = width(s);
+        [
+            a.cos(),
+            a.sin(),
+            m / width,
+            h * a.sin() - v * a.cos(),
+            width,
+        ]
+    };
+    let add = |y: [f64; 5], d: [f64; 5], by: f64| [0, 1, 2, 3, 4].map(|i| y[i] + by * d[i]);
+    let mut y = [0.0, 0.0, angle, curvature * width(0.0), v];
     let (mut highest, mut lowest) = (0.0f64, 0.0f64);
     for i in 0..STEPS {
         let s = i as f64 * step;
@@ -31,7 +53,7 @@ fn rod(angle: f64, curvature: f64, [h, v]: [f64; 2], length: f64) -> End {
         let k2 = slope(s + 0.5 * step, add(y, k1, 0.5 * step));
         let k3 = slope(s + 0.5 * step, add(y, k2, 0.5 * step));
         let k4 = slope(s + step, add(y, k3, step));
-        y = [0, 1, 2, 3].map(|i| y[i] + step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+        y = [0, 1, 2, 3, 4].map(|i| y[i] + step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
         highest = highest.max(y[1]);
         lowest = lowest.min(y[1]);
     }
@@ -39,7 +61,8 @@ fn rod(angle: f64, curvature: f64, [h, v]: [f64; 2], length: f64) -> End {
         x: y[0],
         y: y[1],
         angle: y[2],
-        curvature: y[3],
+        curvature: y[3] / width(length),
+        upright: y[4],
         highest,
         lowest,
     }
@@ -160,4 +183,61 @@ pub fn fold_height(gap: f64) -> f64 {
     }
     heights.sort_by(f64::total_cmp);
     *heights.first().unwrap_or(&f64::NAN)
+}
+
+/// Returns how far the end of a strip has to be carried so that the fold stays, where nothing but the end touches the layer
+/// below, `gap` under it, and friction holds it from sliding into the fold.
+pub fn least_carry(gap: f64, friction: f64) -> f64 {
+    // From the fold whose end just lies flat, which needs no friction, to the one whose end is at the limit of the cone.
+    let mut at = [-3.73, 4.7];
+    let mut carry = f64::NAN;
+    for step in 0..=20 {
+        let share = friction * f64::from(step) / 20.0;
+        let shape = |[v, s]: [f64; 2]| rod(0.0, 0.0, [-share * (v + s), v], s);
+        let rests = |unknown: [f64; 2]| {
+            let end = shape(unknown);
+            [end.curvature, end.y - gap]
+        };
+        let Some(found) = root(rests, at) else {
+            return f64::NAN;
+        };
+        at = found;
+        carry = found[1] - shape(found).x;
+    }
+    carry
+}
+
+/// Returns how far a corner has to be carried along the diagonal so that the fold stays, where the flap lies flat from where it
+/// touches, `gap` above the layer below, and friction under that part holds it.
+///
+/// The corner bends as a cylinder across the diagonal, so it is a strip whose width is twice the distance from its point.
+pub fn least_corner_carry(gap: f64, friction: f64) -> f64 {
+    // Where the strip is as wide as the force is per: about at the fold.
+    const FOLD: f64 = 2.4;
+    let mut at = [-3.73, -0.03, 4.65];
+    let mut carry = f64::NAN;
+    // From an even strip to a corner in 4 steps, then by the distance from where the layer below lifts off to the point,
+    // from far to near.
+    for step in 0..200 {
+        let taper = (0.25 * f64::from(step)).min(1.0);
+        let whole = 14.0 - 0.05 * f64::from((step - 4).max(0));
+        let width = |s: f64| 1.0 + taper * ((whole - s).max(1e-9) / (whole - FOLD) - 1.0);
+        let shape = |[v, h, s]: [f64; 3]| rod_of_width(0.0, 0.0, [h, v], s, width);
+        let lands = |unknown: [f64; 3]| {
+            let end = shape(unknown);
+            [end.angle - std::f64::consts::PI, end.y - gap, end.curvature]
+        };
+        let Some(found) = root(lands, at) else {
+            return f64::NAN;
+        };
+        at = found;
+        let end = shape(found);
+        let flat = whole - found[2];
+        let weight = 0.5 * flat * flat / (whole - FOLD);
+        if found[1].abs() > friction * (end.upright + weight) {
+            return carry;
+        }
+        carry = whole - end.x + flat;
+    }
+    f64::NAN
 }

@@ -10,6 +10,7 @@ mod elastica;
 mod folding;
 mod motion;
 mod rest;
+mod symmetry;
 
 use fab_sim::{Directions, Grid, Material, Params, Simulator};
 

@@ -38,6 +38,8 @@ pub struct PortArm<P: Port> {
     guard: Guard,
     fingers: FingerSettings,
     tolerance: Tolerance,
+    /// The speed of tool poses, m/s, if the arm follows trajectories at every other speed.
+    pose_speed_m_s: Option<f64>,
     /// Whether this driver stopped the arm, or found it stopped, and it was not enabled since.
     is_stopped: bool,
     /// The last trajectory that was sent to the controller.
@@ -61,8 +63,24 @@ impl<P: Port> PortArm<P> {
             guard,
             fingers,
             tolerance,
+            pose_speed_m_s: None,
             is_stopped: false,
             trajectory: None,
+        }
+    }
+
+    /// Drives an arm that takes both: tool poses at its own speed, which poses cannot change, and joint trajectories at
+    /// every other speed.
+    pub fn by_poses_at(
+        pose_speed_m_s: f64,
+        port: P,
+        guard: Guard,
+        fingers: FingerSettings,
+        tolerance: Tolerance,
+    ) -> PortArm<P> {
+        PortArm {
+            pose_speed_m_s: Some(pose_speed_m_s),
+            ..PortArm::by_poses(port, guard, fingers, tolerance)
         }
     }
 
@@ -87,9 +105,17 @@ impl<P: Port> PortArm<P> {
         &mut self.port
     }
 
+    /// Returns which kind of goal commands a motion of this speed.
+    fn mode_at(&self, speed_m_s: f64) -> CommandMode {
+        match self.pose_speed_m_s {
+            Some(pose_speed_m_s) if speed_m_s != pose_speed_m_s => CommandMode::Trajectories,
+            _ => self.mode,
+        }
+    }
+
     /// Returns the arm's state, with joint angles if the command mode needs them.
-    fn current_state(&mut self) -> Result<ArmState, ArmError> {
-        match self.mode {
+    fn current_state(&mut self, mode: CommandMode) -> Result<ArmState, ArmError> {
+        match mode {
             CommandMode::Poses => state(&mut self.port, &self.tolerance),
             CommandMode::Trajectories => state_with_joints(&mut self.port, &self.tolerance),
         }
@@ -150,8 +176,12 @@ impl<P: Port> PortArm<P> {
     }
 
     /// Returns the arm's state if the watch callback allows motion.
-    fn check_motion_allowed(&mut self, watch: &mut Watch<'_>) -> Result<ArmState, ArmError> {
-        let here = self.current_state()?;
+    fn check_motion_allowed(
+        &mut self,
+        mode: CommandMode,
+        watch: &mut Watch<'_>,
+    ) -> Result<ArmState, ArmError> {
+        let here = self.current_state(mode)?;
         match watch(&here) {
             Ok(()) => Ok(here),
             Err(Halt::Pause) => Err(ArmError::Paused),
@@ -258,11 +288,12 @@ impl<P: Port> Arm for PortArm<P> {
         speed_m_s: f64,
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
+        let mode = self.mode_at(speed_m_s);
         self.check_enabled(watch)?;
-        let from = self.check_motion_allowed(watch)?;
+        let from = self.check_motion_allowed(mode, watch)?;
         let motion = self.guard.motion(&from, to, speed_m_s);
         let motion = motion.map_err(ArmError::Refused)?;
-        let goal = self.mode.goal(&from, &motion)?;
+        let goal = mode.goal(&from, &motion)?;
         let takes_s = motion.get().takes_s(&from.tool);
         let limit_s = 2.0 * takes_s + self.tolerance.settle_s;
         let begun_s = self.port.now_s();
@@ -294,7 +325,7 @@ impl<P: Port> Arm for PortArm<P> {
             }
             Outcome::TimedOut => {
                 // A stop does not end a trajectory. A pose goal in progress would be preempted by the probe.
-                if let CommandMode::Trajectories = self.mode {
+                if let CommandMode::Trajectories = mode {
                     self.check_enabled(watch)?;
                 }
                 Err(ArmError::TimedOut { after_s: limit_s })
@@ -336,7 +367,7 @@ impl<P: Port> Arm for PortArm<P> {
 
     fn enable(&mut self) -> Result<(), ArmError> {
         let unwatched = &mut |_: &ArmState| Ok(());
-        if let CommandMode::Trajectories = self.mode {
+        if self.mode == CommandMode::Trajectories || self.trajectory.is_some() {
             // Replace whatever trajectory the controller still has, whoever sent it.
             let here = state_with_joints(&mut self.port, &self.tolerance)?;
             let outcome = self.execute(&hold_position(&here), PROBE_S, unwatched)?;

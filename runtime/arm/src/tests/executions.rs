@@ -95,13 +95,17 @@ fn a_pick_and_place_ends_where_it_says() {
 
 #[test]
 fn a_stated_manner_is_how_the_arm_goes_about_it() {
-    let mut usual = Bench::driven(By::Trajectories, &[]);
-    let usual_s = usual
-        .run(&mut Unattended, &mut NoWatchdog)
-        .unwrap()
-        .duration_s;
-    for (lift_m, release_m) in [(0.0, 0.0), (0.06, 0.03), (0.02, 0.08)] {
-        let mut bench = Bench::driven(By::Trajectories, &[]);
+    let cases = [
+        (By::Trajectories, 0.0, 0.0),
+        (By::Trajectories, 0.06, 0.03),
+        (By::Trajectories, 0.02, 0.08),
+        (By::Either, 0.02, 0.08),
+    ];
+    for (by, lift_m, release_m) in cases {
+        let mut usual = Bench::driven(by, &[]);
+        let usual = usual.run(&mut Unattended, &mut NoWatchdog);
+        let usual_s = usual.unwrap().duration_s;
+        let mut bench = Bench::driven(by, &[]);
         bench.manner = Manner {
             lift_m: Some(lift_m),
             speed_m_s: Some(0.03),

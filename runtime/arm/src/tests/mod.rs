@@ -82,6 +82,8 @@ type Driven = PortArm<SimulatedArm>;
 enum By {
     Poses,
     Trajectories,
+    /// Poses at the settings' speed, trajectories at any other.
+    Either,
 }
 
 impl By {
@@ -92,6 +94,10 @@ impl By {
         match self {
             By::Poses => PortArm::by_poses(port, guard(settings), fingers, tolerance),
             By::Trajectories => PortArm::by_trajectories(port, guard(settings), fingers, tolerance),
+            By::Either => {
+                let speed_m_s = settings.motion.speed_m_s;
+                PortArm::by_poses_at(speed_m_s, port, guard(settings), fingers, tolerance)
+            }
         }
     }
 }

@@ -7,6 +7,9 @@ use crate::kinematics::tool_down::tool_down;
 /// In the middle of a motion of 1.3 s.
 const ON_THE_WAY_S: f64 = 0.8;
 
+/// Not the speed at which the arm takes poses, m/s.
+const SLOWER_M_S: f64 = 0.08;
+
 fn there() -> Isometry3<f64> {
     tool_down(&Point3::new(0.40, -0.25, 0.20), 0.0)
 }
@@ -53,9 +56,12 @@ fn a_stopped_trajectory_is_not_gone_on_with() {
 #[test]
 fn a_trajectory_under_a_pressed_stop_is_not_gone_on_with() {
     // The driver only notices the stop, or stops the arm as well; then the driver or somebody else enables it.
-    for (is_stopped, by_driver) in [(false, true), (true, true), (true, false)] {
-        let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::PressedStop, ON_THE_WAY_S)]);
-        assert_eq!(go(bench.driver()), Err(ArmError::Stopped));
+    let cases = [(false, true), (true, true), (true, false)];
+    let all = [By::Trajectories, By::Either].map(|by| cases.map(|case| (by, case)));
+    for (by, (is_stopped, by_driver)) in all.into_iter().flatten() {
+        let mut bench = Bench::driven(by, &[(FaultKind::PressedStop, ON_THE_WAY_S)]);
+        let moved = bench.driver().move_tool(&there(), SLOWER_M_S, &mut nobody);
+        assert_eq!(moved, Err(ArmError::Stopped));
         if is_stopped {
             bench.driver().stop().unwrap();
         }

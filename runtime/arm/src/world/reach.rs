@@ -162,8 +162,7 @@ impl ArmReach {
     /// Returns why no way can have this speed.
     fn speed_refused(&self, settings: &Settings, speed_m_s: f64) -> Option<String> {
         let usual_m_s = settings.motion.speed_m_s;
-        let takes_poses = matches!(settings.driver, DriverKind::Kinova | DriverKind::Simulated);
-        if takes_poses && speed_m_s != usual_m_s {
+        if settings.driver == DriverKind::Kinova && speed_m_s != usual_m_s {
             return Some(format!(
                 "the arm takes poses and moves at a speed of its own, `motion.speed_m_s` of {usual_m_s} m/s"
             ));
@@ -316,6 +315,7 @@ mod tests {
             ("release_height", 0.1),
             ("press", 0.0),
             ("speed", settings.motion.speed_m_s),
+            ("speed", 0.03),
         ] {
             assert_eq!(said(&settings, name, value), None, "{name} {value}");
         }
@@ -338,15 +338,16 @@ mod tests {
                 0.1,
                 "`press` is not possible: the arm feels no force".to_owned(),
             ),
-            (
-                "speed",
-                0.03,
-                format!("a speed of its own, `motion.speed_m_s` of {usual_m_s} m/s"),
-            ),
         ] {
             let why = said(&settings, name, value).unwrap();
             assert!(why.contains(&expected), "{why}");
         }
+        // An arm that takes poses alone has one speed.
+        settings.driver = DriverKind::Kinova;
+        assert_eq!(said(&settings, "speed", usual_m_s), None);
+        let why = said(&settings, "speed", 0.03).unwrap();
+        let expected = format!("a speed of its own, `motion.speed_m_s` of {usual_m_s} m/s");
+        assert!(why.contains(&expected), "{why}");
         // An arm that follows trajectories takes a speed, within its limits.
         settings.driver = DriverKind::Trajectory;
         assert_eq!(said(&settings, "speed", 0.03), None);

@@ -46,7 +46,9 @@ impl ArmWorld {
         };
         let arm = SharedArm::new(SimulatedArm::new(simulation, Some(table.clone())));
         let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-        let driver = PortArm::by_poses(arm.clone(), parts.guard(), fingers, tolerance);
+        let pose_speed_m_s = settings.motion.speed_m_s;
+        let guard = parts.guard();
+        let driver = PortArm::by_poses_at(pose_speed_m_s, arm.clone(), guard, fingers, tolerance);
         let camera = TableCamera(table.clone());
         let mut world = ArmWorld::new(parts, Box::new(driver), Box::new(camera))?;
         world.table = Some(table);

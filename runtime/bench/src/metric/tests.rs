@@ -56,7 +56,13 @@ fn played() -> Played {
             ],
             last: None,
         },
-        distances_m: vec![(1.0, 0.012), (0.9, 0.034)],
+        distances: [(1.0, 0.012, 0.005), (0.9, 0.034, 0.006)]
+            .map(|(fold_fraction, mean_m, shape_m)| ExpertDistance {
+                fold_fraction,
+                mean_m,
+                shape_m,
+            })
+            .to_vec(),
     }
 }
 
@@ -69,6 +75,7 @@ fn values_are_read_as_the_rows_say() {
             Some(34.0),
             Some(34.0),
         ),
+        ("shape_distance_mm", Some(5.0), Some(5.0)),
         ("normalized_improvement_source", Some(0.5), Some(0.75)),
         ("normalized_improvement_true", Some(0.4), Some(0.65)),
         (

@@ -28,6 +28,45 @@ pub fn mean_particle_distance_m(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     Some(sum / a.len() as f64)
 }
 
+/// Returns the same once the first state is shifted and turned over the table to where it lies nearest to the second.
+///
+/// Nearest in the least squares over `x` and `y` (Kabsch 1976), so a cloth that slid as a whole is at its place, and what
+/// is left is how differently it is folded. Metres.
+pub fn shape_distance_m(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
+    if a.len() != b.len() || a.is_empty() {
+        return None;
+    }
+    let middle = |state: &[[f32; 3]]| {
+        [0, 1].map(|axis| {
+            let along = state.iter().map(|point| f64::from(point[axis]));
+            along.sum::<f64>() / state.len() as f64
+        })
+    };
+    let (of_a, of_b) = (middle(a), middle(b));
+    let from = |point: &[f32; 3], middle: [f64; 2]| {
+        [0, 1].map(|axis| f64::from(point[axis]) - middle[axis])
+    };
+    let (mut along, mut across) = (0.0, 0.0);
+    for (a, b) in a.iter().zip(b) {
+        let ([ax, ay], [bx, by]) = (from(a, of_a), from(b, of_b));
+        along += ax * bx + ay * by;
+        across += ax * by - ay * bx;
+    }
+    let length = (along * along + across * across).sqrt();
+    // Points that all coincide have no direction, so any turn does.
+    let [cos, sin] = match length > 0.0 {
+        true => [along / length, across / length],
+        false => [1.0, 0.0],
+    };
+    let laid = a.iter().map(|point| {
+        let [x, y] = from(point, of_a);
+        let [x, y] = [cos * x - sin * y + of_b[0], sin * x + cos * y + of_b[1]];
+        [x as f32, y as f32, point[2]]
+    });
+    let sum: f64 = laid.zip(b).map(|(a, b)| distance_m(&a, b)).sum();
+    Some(sum / a.len() as f64)
+}
+
 fn distance_m(a: &[f32; 3], b: &[f32; 3]) -> f64 {
     a.iter()
         .zip(b)
@@ -59,7 +98,29 @@ mod tests {
     }
 
     #[test]
+    fn a_cloth_that_slid_as_a_whole_has_its_shape_still() {
+        let a = [[0.1, 0.0, 0.0], [0.3, 0.1, 0.01], [0.2, 0.4, 0.0]];
+        // Turned by the angle whose cosine is 0.6, and shifted.
+        let slid = a.map(|[x, y, z]| [0.6 * x - 0.8 * y + 0.5, 0.8 * x + 0.6 * y - 0.2, z]);
+        let distance = shape_distance_m(&a, &slid).expect("equal counts");
+        assert!(distance < 1e-6, "{distance}");
+        // A mirrored cloth, or one that is higher, has another.
+        let mirrored = a.map(|[x, y, z]| [x, -y, z]);
+        let distance = shape_distance_m(&a, &mirrored).expect("equal counts");
+        assert!(distance > 0.05, "{distance}");
+        let higher = a.map(|[x, y, z]| [x, y, z + 0.25]);
+        let distance = shape_distance_m(&a, &higher).expect("equal counts");
+        assert!((distance - 0.25).abs() < 1e-6, "{distance}");
+        assert_eq!(
+            shape_distance_m(&[[1.0; 3]; 2], &[[0.0, 0.0, 1.0]; 2]),
+            Some(0.0)
+        );
+    }
+
+    #[test]
     fn states_of_different_size_have_no_distance() {
+        assert_eq!(shape_distance_m(&[[0.0; 3]], &[]), None);
+        assert_eq!(shape_distance_m(&[], &[]), None);
         assert_eq!(mean_particle_distance_m(&[[0.0; 3]], &[]), None);
         assert_eq!(mean_particle_distance_m(&[], &[]), None);
     }

@@ -7,8 +7,8 @@ use crate::sources;
 use crate::verbs::runtime::setting::materials;
 use clap::Args;
 use clap::ValueHint;
-use fab_sim::Material;
 use fab_sim::measure::{Reading, textile_table};
+use fab_sim::{Material, Params};
 use fab_world::simulated;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -48,7 +48,12 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
     let readings = readings.map_err(Failure::environment)?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     if arguments.json {
+        let params = Params {
+            material: Some(material.clone()),
+            ..Params::default()
+        };
         io.json(&json!({
+            "params": params.hash(),
             "material": material,
             "spacing_mm": arguments.spacing,
             "readings": readings,
@@ -56,6 +61,17 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
         }));
     } else {
         io.data(&(table(&readings) + "\n"));
+    }
+    let missing = readings
+        .iter()
+        .filter(|reading| !reading.measured.is_finite());
+    for reading in missing {
+        io.talk(&format!(
+            "{} has no reading at this spacing; choose a smaller `--spacing`",
+            reading.what
+        ));
+    }
+    if !arguments.json {
         for warning in warnings {
             io.talk(&warning);
         }
@@ -114,13 +130,15 @@ fn table(readings: &[Reading]) -> String {
     )];
     lines.extend(readings.iter().map(|reading| {
         let digits = if reading.unit.is_empty() { 3 } else { 1 };
-        let declared = match reading.declared {
+        let value = |value: Option<f64>| match value {
             Some(value) => format!("{value:.digits$}"),
             None => "-".to_owned(),
         };
+        let declared = value(reading.declared);
+        let measured = value(Some(reading.measured).filter(|it| it.is_finite()));
         format!(
-            "{:<24} {declared:>9} {:>9.digits$}  {:<4} {}",
-            reading.what, reading.measured, reading.unit, reading.method
+            "{:<24} {declared:>9} {measured:>9}  {:<4} {}",
+            reading.what, reading.unit, reading.method
         )
     }));
     lines.join("\n")

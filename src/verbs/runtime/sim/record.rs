@@ -7,12 +7,13 @@ use super::render::{self, CameraArgument};
 use super::replay;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::verbs::runtime::setting::FrameArguments;
+use crate::verbs::runtime::setting::{FrameArguments, materials};
 use crate::verbs::runtime::video::{self, ViewArgument};
 use clap::Args;
 use clap::ValueHint;
-use fab_sim::{Grid, Look, Manner, Params, SimError, Simulator};
+use fab_sim::{Grid, Manner, Mask, Params, SimError, Simulator};
 use fab_world::film::{self, FilmPlan, Recorder};
+use fab_world::simulated;
 use serde::Serialize;
 use serde_json::json;
 use std::path::PathBuf;
@@ -29,6 +30,10 @@ pub struct RecordArguments {
     /// Particles along each side of the flat cloth, 6.25 mm apart; default: 40.
     #[arg(long, value_name = "N", conflicts_with = "from")]
     pub size: Option<u32>,
+    /// What the cloth is made of, with its colours: the name of a shipped material, or `FILE.fab:NAME`; default: the
+    /// recorded scene's cloth.
+    #[arg(long, value_name = "NAME")]
+    pub material: Option<String>,
     /// Pick at the first point and place at the second: metres from the table's centre. One for each motion, in order.
     #[arg(long = "move", value_name = "X,Y:X,Y", allow_hyphen_values = true)]
     pub moves: Vec<Move>,
@@ -98,7 +103,13 @@ struct Moved {
 pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     video::check_file("--out", &arguments.out)?;
-    let (mut cloth, moves) = cloth(arguments)?;
+    let material = arguments.material.as_deref();
+    let material = material.map(|name| materials::find(name, io)).transpose()?;
+    let params = Params {
+        material: material.as_ref().map(simulated::material),
+        ..Params::default()
+    };
+    let (mut cloth, moves) = cloth(arguments, &params)?;
     let recorder = Recorder::new(FilmPlan {
         path: arguments.out.clone(),
         view: ViewArgument::film(arguments.view),
@@ -106,7 +117,7 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
         motions: u32::try_from(moves.len()).unwrap_or(u32::MAX),
         max_bytes: film::MAX_BYTES,
     });
-    recorder.begin(&cloth, &Look::default());
+    recorder.begin(&cloth, &simulated::look(material.as_ref()));
     let mut moved = Vec::new();
     let mut is_interrupted = false;
     for (number, Move { pick, place }) in moves.iter().copied().enumerate() {
@@ -152,7 +163,7 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
         arguments.json,
         || {
             json!({
-                "params": Params::default().hash(),
+                "params": params.hash(),
                 "video": film,
                 "moves": moved,
                 "digest": cloth.digest(),
@@ -167,8 +178,7 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
 }
 
 /// Lays the cloth and lists what is to be done with it.
-fn cloth(arguments: &RecordArguments) -> Result<(Simulator, Vec<Move>), Failure> {
-    let params = Params::default();
+fn cloth(arguments: &RecordArguments, params: &Params) -> Result<(Simulator, Vec<Move>), Failure> {
     if let Some(folder) = arguments.from.as_ref().filter(|path| path.is_dir()) {
         if !arguments.moves.is_empty() || arguments.frame.dims.is_some() {
             return Err(Failure::usage(format!(
@@ -191,7 +201,7 @@ fn cloth(arguments: &RecordArguments) -> Result<(Simulator, Vec<Move>), Failure>
             pick: it.pick,
             place: it.place,
         });
-        return Ok((replay::lay(one, &start, &params)?, moves.collect()));
+        return Ok((replay::lay(one, &start, params)?, moves.collect()));
     }
     if arguments.id.is_some() || arguments.task.is_some() {
         return Err(Failure::usage(
@@ -207,14 +217,18 @@ fn cloth(arguments: &RecordArguments) -> Result<(Simulator, Vec<Move>), Failure>
         let size = arguments.size.unwrap_or(DEFAULT_SIZE);
         let grid = Grid::new(size as usize, size as usize, SPACING_M as f32)
             .map_err(|error| Failure::usage(format!("`--size {size}`: {error}")))?;
-        return Ok((Simulator::flat(grid, &params), arguments.moves.clone()));
+        let laid =
+            Simulator::from_positions(Mask::full(grid), &grid.flat_positions(params), params);
+        let laid =
+            laid.map_err(|error| Failure::environment(format!("the flat cloth: {error}")))?;
+        return Ok((laid, arguments.moves.clone()));
     };
     let state = files::read_state(&StateArguments {
         file: file.clone(),
         frame: arguments.frame.clone(),
         outline: None,
     })?;
-    let laid = Simulator::from_positions(state.mask, &state.positions, &params);
+    let laid = Simulator::from_positions(state.mask, &state.positions, params);
     let laid = laid.map_err(|error| {
         Failure::environment(format!("`{}` is no cloth's state: {error}", file.display()))
     })?;

@@ -3,11 +3,13 @@
 use super::files;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::verbs::runtime::setting::materials;
 use crate::verbs::runtime::sim::files::StateArguments;
 use clap::Args;
 use clap::ValueEnum;
 use clap::ValueHint;
-use fab_sim::{Frame, ImageUp, Look, Params, TopDownCamera};
+use fab_sim::{Frame, ImageUp, Params, TopDownCamera};
+use fab_world::simulated;
 use image::{DynamicImage, GrayImage, ImageFormat, RgbImage};
 use serde_json::json;
 use std::io::Cursor;
@@ -27,6 +29,10 @@ pub struct DrawArguments {
     /// The picture's side, pixels; default: the camera's own.
     #[arg(long, value_name = "PX")]
     pub size: Option<u32>,
+    /// The material whose colours the cloth has: the name of a shipped one, or `FILE.fab:NAME`; default: the recorded
+    /// scene's cloth.
+    #[arg(long, value_name = "NAME", conflicts_with = "depth")]
+    pub material: Option<String>,
     /// Draw the distance from the camera instead of colour: grey is the whole part of 255 per metre.
     #[arg(long)]
     pub depth: bool,
@@ -51,9 +57,15 @@ const GREY_PER_M: f32 = 255.0;
 pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
     let camera = camera(arguments.camera, arguments.size)?;
     let path = output_path(arguments)?;
+    let material = arguments.material.as_deref();
+    let material = material.map(|name| materials::find(name, io)).transpose()?;
     let state = files::read_state(&arguments.state)?;
     files::not_onto_itself(&arguments.state.file, &path)?;
-    let frame = camera.render(state.mask, &state.positions, &Look::default());
+    let frame = camera.render(
+        state.mask,
+        &state.positions,
+        &simulated::look(material.as_ref()),
+    );
     // The table is at the camera's height, up to rounding.
     let nearer = |depth: &&f32| **depth < camera.height_m - 1e-4;
     let cloth_px = frame.depth_m.iter().filter(nearer).count();
