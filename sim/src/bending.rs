@@ -388,14 +388,7 @@ fn crease_slots(
     friction: Friction,
 ) {
     let per = 1.0 / spacing_m;
-    let is_twist = bend == Bend::Twist;
-    // A bend is the sum of two differences between slots.
-    let (row, next) = (pad + stride, pad + 1);
-    let differences = match bend {
-        Bend::Warp => [pad - 1, pad, next, pad],
-        Bend::Weft => [pad - stride, pad, row, pad],
-        Bend::Twist => [pad, next, row + 1, row],
-    };
+    let (is_warp, is_twist) = (bend == Bend::Warp, bend == Bend::Twist);
     let steep = friction.farthest / friction.elastic;
     let (elastic, stays, farthest) = (friction.elastic, friction.stays, friction.farthest);
     // The least rest of a bend; the greatest is that of the bend to the other side.
@@ -409,42 +402,53 @@ fn crease_slots(
     let sets = (sx.as_chunks_mut::<LANES>().0.iter_mut())
         .zip(sy.as_chunks_mut::<LANES>().0)
         .zip(sz.as_chunks_mut::<LANES>().0);
-    let rests = rest.as_chunks_mut::<LANES>().0.iter_mut().zip(sets).enumerate();
+    let rests = rest
+        .as_chunks_mut::<LANES>()
+        .0
+        .iter_mut()
+        .zip(sets)
+        .enumerate();
     for (block, (rest, ((sx, sy), sz))) in rests {
         let from = block * LANES;
         let there = lanes(there, from);
         let (left, right) = (lanes(near[0], from), lanes(near[1], from));
         let (back, front) = (lanes(near[2], from), lanes(near[3], from));
-        let mut u = [[0.0; LANES]; 3];
-        let mut along = [[0.0; LANES]; 3];
-        let mut across = [[0.0; LANES]; 3];
-        for (axis, plane) in [x, y, z].into_iter().enumerate() {
-            let at = |first: usize| lanes(plane, from + first);
-            let [p, q, s, t] = differences;
-            let (p, q, s, t) = (at(p), at(q), at(s), at(t));
-            let (c, l, r) = (at(pad), at(pad - 1), at(next));
-            let (b, a, d) = (at(pad - stride), at(row), at(row + 1));
-            for k in 0..LANES {
-                u[axis][k] = per * (p[k] - q[k] + (s[k] - t[k]));
-            }
-            if is_twist {
-                for k in 0..LANES {
-                    along[axis][k] = per * (r[k] - a[k]);
-                    across[axis][k] = per * (d[k] - c[k]);
-                }
-            } else {
-                for k in 0..LANES {
-                    along[axis][k] = per * (left[k] * (c[k] - l[k]) + right[k] * (r[k] - c[k]));
-                    across[axis][k] = per * (back[k] * (c[k] - b[k]) + front[k] * (a[k] - c[k]));
-                }
-            }
-        }
+        let all = |from: usize| [lanes(x, from), lanes(y, from), lanes(z, from)];
+        let from = from + pad;
+        let (c, l, r) = (all(from), all(from - 1), all(from + 1));
+        let (b, a, d) = (
+            all(from - stride),
+            all(from + stride),
+            all(from + stride + 1),
+        );
         // Written at once when all lanes are known, so that the compiler sees that they do not depend on each other.
         let mut new = [*rest, *sx, *sy, *sz];
         for k in 0..LANES {
-            let u = [u[0][k], u[1][k], u[2][k]];
-            let along = [along[0][k], along[1][k], along[2][k]];
-            let across = [across[0][k], across[1][k], across[2][k]];
+            let mut u = [0.0; 3];
+            let mut along = [0.0; 3];
+            let mut across = [0.0; 3];
+            for axis in 0..3 {
+                let (c, l, r) = (c[axis][k], l[axis][k], r[axis][k]);
+                let (b, a, d) = (b[axis][k], a[axis][k], d[axis][k]);
+                let straight = if is_warp {
+                    l - c + (r - c)
+                } else {
+                    b - c + (a - c)
+                };
+                u[axis] = per * if is_twist { c - r + (d - a) } else { straight };
+                along[axis] = per
+                    * if is_twist {
+                        r - a
+                    } else {
+                        left[k] * (c - l) + right[k] * (r - c)
+                    };
+                across[axis] = per
+                    * if is_twist {
+                        d - c
+                    } else {
+                        back[k] * (c - b) + front[k] * (a - c)
+                    };
+            }
             let normal = [
                 along[1] * across[2] - along[2] * across[1],
                 along[2] * across[0] - along[0] * across[2],

@@ -133,9 +133,11 @@ fn eliminate(
     let (old_pivot, old_pull) = (blocks(old_pivot), blocks(old_pull));
     let (old_x, old_y, old_z) = (&old_x[..n], &old_y[..n], &old_z[..n]);
     let (old_pivot, old_pull) = (&old_pivot[..n], &old_pull[..n]);
-    let new = [new_x, new_y, new_z, new_pivot, new_pull, ratio];
-    let [new_x, new_y, new_z, new_pivot, new_pull, ratio] =
-        new.map(|row| &mut row.as_chunks_mut::<LANES>().0[..n]);
+    let (new_x, new_y, new_z) = (blocks_mut(new_x), blocks_mut(new_y), blocks_mut(new_z));
+    let (new_pivot, new_pull) = (blocks_mut(new_pivot), blocks_mut(new_pull));
+    let (new_x, new_y, new_z) = (&mut new_x[..n], &mut new_y[..n], &mut new_z[..n]);
+    let (new_pivot, new_pull) = (&mut new_pivot[..n], &mut new_pull[..n]);
+    let ratio = &mut blocks_mut(ratio)[..n];
     let most = MOST * rest_m;
     for i in 0..n {
         // Written at once when all lanes are known, so that the compiler sees that they do not depend on each other.
@@ -180,6 +182,12 @@ fn eliminate(
     }
 }
 
+#[inline(always)]
+fn blocks_mut(row: &mut [f32]) -> &mut [[f32; LANES]] {
+    row.as_chunks_mut().0
+}
+
+#[inline(always)]
 fn blocks(row: &[f32]) -> &[[f32; LANES]] {
     row.as_chunks().0
 }
@@ -194,8 +202,11 @@ fn two_blocks(rows: &[f32], stride: usize) -> [&[[f32; LANES]]; 2] {
 /// Corrects the pulls of one row of edges by those of the next.
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn substitute(pull: &mut [f32], next: &[f32], ratio: &[f32]) {
-    let lanes = pull.as_chunks_mut::<LANES>().0.iter_mut();
-    for ((pull, next), ratio) in lanes.zip(blocks(next)).zip(blocks(ratio)) {
+    for ((pull, next), ratio) in blocks_mut(pull)
+        .iter_mut()
+        .zip(blocks(next))
+        .zip(blocks(ratio))
+    {
         let mut new = *pull;
         for k in 0..LANES {
             new[k] -= ratio[k] * next[k];
@@ -209,8 +220,7 @@ fn substitute(pull: &mut [f32], next: &[f32], ratio: &[f32]) {
 fn apply(ends: &mut [f32], weights: &[f32], way: &[f32], pull: &[f32]) {
     let s = way.len();
     let (a, b) = ends.split_at_mut(s);
-    let ends = a.as_chunks_mut::<LANES>().0.iter_mut();
-    let ends = ends.zip(b.as_chunks_mut::<LANES>().0);
+    let ends = blocks_mut(a).iter_mut().zip(blocks_mut(b));
     let [wa, wb] = two_blocks(weights, s);
     let ways = blocks(way).iter().zip(blocks(pull));
     for (((a, b), (wa, wb)), (way, pull)) in ends.zip(wa.iter().zip(wb)).zip(ways) {

@@ -30,8 +30,8 @@ const CALM_SECS: f32 = 0.2;
 // Bends are taken where velocities lead to in this share of a substep: it damps waves of the length of a cell
 // within some substeps, and leaves the cloth's motion alone.
 const LEAD: f32 = 0.25;
-// Substeps after which creases follow the bends again.
-const CREASE_EVERY: u32 = 10;
+// How often in a step creases follow the bends.
+const CREASINGS: u32 = 2;
 // Share of the gap between layers by which a particle may pass another layer in a substep before a step has more of them.
 const HASTE_SHARE: f32 = 0.3;
 // Most passes over all contacts in a substep, and the share of the gap by which layers may be too close in the last.
@@ -222,8 +222,9 @@ impl Textile {
         params: &Params,
     ) {
         let dt = params.step_secs / self.substeps() as f32;
-        if number.is_multiple_of(CREASE_EVERY) {
-            let share = (CREASE_EVERY as f32 * dt / CREASE_SECS).min(1.0);
+        let crease_every = self.substeps().div_ceil(CREASINGS);
+        if number.is_multiple_of(crease_every) {
+            let share = (crease_every as f32 * dt / CREASE_SECS).min(1.0);
             self.bending.crease(&sides.rows.positions, share);
         }
         let acceleration = self
