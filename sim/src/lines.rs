@@ -69,40 +69,67 @@ impl Lines {
     ///
     /// - `compliance`: inverse stiffness divided by the square of the substep.
     pub fn solve(&mut self, side: &mut Side, compliance: f32) {
-        let s = self.stride;
-        let w = &side.inverse_mass;
         let Planes { x, y, z } = &mut side.positions;
-        for row in 0..self.rows - 1 {
-            let (from, to) = (row * s, row * s + s);
-            let (old_x, new_x) = two_rows(&mut self.way.x, to, s);
-            let (old_y, new_y) = two_rows(&mut self.way.y, to, s);
-            let (old_z, new_z) = two_rows(&mut self.way.z, to, s);
-            let (old_pivot, new_pivot) = two_rows(&mut self.pivot, to, s);
-            let (old_pull, new_pull) = two_rows(&mut self.pull, to, s);
-            let ends = [&x[from..to + s], &y[from..to + s], &z[from..to + s]];
-            let ratio = &mut self.ratio[to..to + s];
-            eliminate(
-                ends,
-                &w[from..to + s],
-                &self.there[from..to + s],
-                [old_x, old_y, old_z, old_pivot, old_pull],
-                [new_x, new_y, new_z, new_pivot, new_pull, ratio],
-                [self.spacing_m, compliance],
-            );
-        }
-        for row in (1..self.rows - 1).rev() {
-            let next = row * s + s;
-            let (low, high) = two_rows(&mut self.pull, next, s);
-            substitute(low, high, &self.ratio[next..next + s]);
-        }
-        for row in 0..self.rows - 1 {
-            let (from, to) = (row * s, row * s + s);
-            let pull = &self.pull[to..to + s];
-            let weights = &w[from..to + s];
-            apply(&mut x[from..to + s], weights, &self.way.x[to..to + s], pull);
-            apply(&mut y[from..to + s], weights, &self.way.y[to..to + s], pull);
-            apply(&mut z[from..to + s], weights, &self.way.z[to..to + s], pull);
-        }
+        solve_rows(self, x, y, z, &side.inverse_mass, compliance);
+    }
+}
+
+/// Solves all lines, row after row of edges.
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
+fn solve_rows(
+    lines: &mut Lines,
+    x: &mut [f32],
+    y: &mut [f32],
+    z: &mut [f32],
+    weights: &[f32],
+    compliance: f32,
+) {
+    let s = lines.stride;
+    for row in 0..lines.rows - 1 {
+        let (from, to) = (row * s, row * s + s);
+        let (old_x, new_x) = two_rows(&mut lines.way.x, to, s);
+        let (old_y, new_y) = two_rows(&mut lines.way.y, to, s);
+        let (old_z, new_z) = two_rows(&mut lines.way.z, to, s);
+        let (old_pivot, new_pivot) = two_rows(&mut lines.pivot, to, s);
+        let (old_pull, new_pull) = two_rows(&mut lines.pull, to, s);
+        let ends = [&x[from..to + s], &y[from..to + s], &z[from..to + s]];
+        let ratio = &mut lines.ratio[to..to + s];
+        eliminate(
+            ends,
+            &weights[from..to + s],
+            &lines.there[from..to + s],
+            [old_x, old_y, old_z, old_pivot, old_pull],
+            [new_x, new_y, new_z, new_pivot, new_pull, ratio],
+            [lines.spacing_m, compliance],
+        );
+    }
+    for row in (1..lines.rows - 1).rev() {
+        let next = row * s + s;
+        let (low, high) = two_rows(&mut lines.pull, next, s);
+        substitute(low, high, &lines.ratio[next..next + s]);
+    }
+    for row in 0..lines.rows - 1 {
+        let (from, to) = (row * s, row * s + s);
+        let pull = &lines.pull[to..to + s];
+        let weights = &weights[from..to + s];
+        apply(
+            &mut x[from..to + s],
+            weights,
+            &lines.way.x[to..to + s],
+            pull,
+        );
+        apply(
+            &mut y[from..to + s],
+            weights,
+            &lines.way.y[to..to + s],
+            pull,
+        );
+        apply(
+            &mut z[from..to + s],
+            weights,
+            &lines.way.z[to..to + s],
+            pull,
+        );
     }
 }
 
@@ -115,7 +142,7 @@ fn two_rows(plane: &mut [f32], from: usize, stride: usize) -> (&mut [f32], &mut 
 /// Eliminates the edges before from one row of edges.
 ///
 /// - `ends`, `weights`: two rows of particles; `there`: the row of edges before, and this one.
-#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
+#[inline(always)]
 fn eliminate(
     [x, y, z]: [&[f32]; 3],
     weights: &[f32],
@@ -200,7 +227,7 @@ fn two_blocks(rows: &[f32], stride: usize) -> [&[[f32; LANES]]; 2] {
 }
 
 /// Corrects the pulls of one row of edges by those of the next.
-#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
+#[inline(always)]
 fn substitute(pull: &mut [f32], next: &[f32], ratio: &[f32]) {
     for ((pull, next), ratio) in blocks_mut(pull)
         .iter_mut()
@@ -216,7 +243,7 @@ fn substitute(pull: &mut [f32], next: &[f32], ratio: &[f32]) {
 }
 
 /// Moves both rows of particles of a row of edges, along one coordinate.
-#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
+#[inline(always)]
 fn apply(ends: &mut [f32], weights: &[f32], way: &[f32], pull: &[f32]) {
     let s = way.len();
     let (a, b) = ends.split_at_mut(s);
