@@ -24,8 +24,9 @@ pub(crate) struct Layout {
     grid: Grid,
     columns: usize,
     rows: usize,
-    /// The slots of a row are a multiple of this.
+    /// `stride` is a multiple of this.
     whole: usize,
+    stride: usize,
     /// Slot of every present particle, ascending by particle.
     slots: Arc<[u32]>,
     /// By slot: whether a particle is there.
@@ -57,6 +58,7 @@ impl Layout {
             columns: grid.dimx,
             rows: grid.dimy,
             whole,
+            stride,
             slots: slots.into(),
             present: present.into(),
         }
@@ -80,6 +82,7 @@ impl Layout {
             columns: self.rows,
             rows: self.columns,
             whole: self.whole,
+            stride,
             slots,
             present: present.into(),
         }
@@ -97,7 +100,7 @@ impl Layout {
 
     /// Returns the slots from the beginning of one row to that of the next.
     pub fn stride(&self) -> usize {
-        stride(self.columns, self.whole)
+        self.stride
     }
 
     /// Returns the length of a plane: all slots, and room for the lanes of a spring beyond; whole lanes.
