@@ -240,6 +240,7 @@ impl Search<'_> {
 
     /// Returns the neighbour of a corner on the side of `p`, the edge to it, and whether the cloth ends there on
     /// the other side of the corner.
+    #[inline(always)]
     fn toward(
         &self,
         p: [f32; 3],
