@@ -7,13 +7,15 @@
 # Valgrind's callgrind runs examples/fold.rs of the crate `fab-sim`. Counts do not depend on the load of the machine, so
 # they reveal a slower step anywhere. Without valgrind nothing is counted, and the exit code is 0. Two builds are
 # counted: `narrow`, for the baseline instruction set, and `wide`, if this machine has AVX2. For each build, the script
-# counts one whole fold of 50 x 50 particles, in total and by function, and the first 15 steps of several sizes.
+# counts one whole fold of 50 x 50 particles, in total and by function, and the first 15 steps of several sizes; for the last
+# build also the fold of each material, with its ratio to that of the recorded scene's cloth.
 # sim/benches/instructions.txt holds the numbers. A new compiler or other simulator parameters may need a new --pin.
 set -eu
 cd "$(dirname "$0")/.."
 
 pins=sim/benches/instructions.txt
 sizes='25 50 100 200'
+materials='cotton denim silk towel'
 steps=15
 machine=$(uname -m)
 target=${CARGO_TARGET_DIR:-target}
@@ -76,10 +78,17 @@ if grep -qs '^flags.* avx2' /proc/cpuinfo; then builds='narrow wide'; fi
 for build in $builds; do
     features=
     [ "$build" = wide ] || features='--features narrow'
+    last=$build
     # shellcheck disable=SC2086  # none or two words
     cargo build --release --locked --quiet -p fab-sim --example fold $features
     cp "$target/release/examples/fold" "$work/fold"
     measure "$build"
+done
+for cloth in $materials; do
+    base=$(count "$work/base" 50 0 "$cloth")
+    all=$(count "$work/cloth" 50 all "$cloth")
+    taken=$(cat "$work/steps")
+    echo "$machine $last fold_50_$cloth total $(((all - base) / taken))" >>"$work/results"
 done
 
 if [ "${1:-}" = --pin ]; then
@@ -105,8 +114,12 @@ awk -v pins="$pins" -v machine="$machine" -v steps="$steps" '
         if ($3 != run && $3 == "begin_25") {
             print "\ninstructions per step, " build " build, the first " steps " steps"
         }
+        if ($3 ~ /^fold_50_/ && run ~ /^begin_/) {
+            print "\ninstructions per step, " build " build, one whole fold of 50 x 50 particles of a material"
+        }
         run = $3
         if ($4 == "total") whole = $5
+        if (run == "fold_50" && $4 == "total") recorded[build] = $5
         note = "not pinned"
         if (key in pinned) {
             change = 100 * ($5 / pinned[key] - 1)
@@ -116,6 +129,10 @@ awk -v pins="$pins" -v machine="$machine" -v steps="$steps" '
             if (change < -5 && $4 == "total") note = note "; pin anew to keep the gain"
         }
         name = $4
+        if (run ~ /^fold_50_/) {
+            name = substr(run, 9)
+            note = sprintf("%.2f times the recorded scene'"'"'s cloth;  %s", $5 / recorded[build], note)
+        }
         if (run ~ /^begin_/) {
             dim = substr(run, 7)
             name = dim " x " dim

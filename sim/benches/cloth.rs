@@ -1,18 +1,102 @@
 //! Times the cloth; compare figures only within one run.
 //!
+//! First, it prints the CPU time of a step of each cloth of `cloths.rs`, and how many times that of the recorded scene's
+//! cloth it is: in a fold, in which half of the cloth rests, and in a crumple, in which everything moves. Then that of a
+//! fold by size; equal times of a particle at all sizes mean that the cost is proportional to the particles.
 //! `fold_resting_skipped` against `fold_every_step` shows what skipping the steps of a resting cloth saves.
-//! `step_flat` is one computed step of a cloth that lies flat. `diagonal_fold_by_size` is the fold of
-//! `fabc sim time`. Its items are particles times steps, so equal items per second at all sizes mean that the cost is
-//! proportional to the particles. `diagonal_fold_side_by_side` folds one cloth on each thread: its items per second
-//! with two threads, divided by those with one, show how well two rollouts run at the same time.
+//! `step_flat` is one computed step of a cloth that lies flat. `fold_side_by_side` folds one cloth on each thread: its items
+//! (particles times steps) per second with two threads, divided by those with one, show how well two rollouts run at the
+//! same time.
 
+mod cloths;
+
+use cloths::CLOTHS;
 use divan::{Bencher, black_box, counter::ItemsCount};
-use fab_sim::{
-    Directions, Grid, Look, Material, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold,
-};
+use fab_sim::{Grid, Look, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold};
+use std::time::{Duration, Instant};
 
 fn main() {
+    // Not if they are only listed or filtered.
+    if std::env::args()
+        .skip(1)
+        .all(|argument| argument == "--bench")
+    {
+        compare_cloths();
+        compare_sizes();
+    }
     divan::main();
+}
+
+/// Rounds in which the cloths take turns, so that all meet the same load; the least time counts.
+const ROUNDS: usize = 3;
+
+/// Prints a step of a fold and of a crumple of 50 by 50 particles, of every cloth.
+fn compare_cloths() {
+    let mut least = [[f64::INFINITY; 2]; CLOTHS.len()];
+    for _ in 0..ROUNDS {
+        for (cloth, least) in CLOTHS.into_iter().zip(&mut least) {
+            let params = params(cloth);
+            let folds = || fold_square(50, &params).steps();
+            let crumples = || {
+                let crumpled = Simulator::flat(square(50), &params).crumple(3, &|| false);
+                u64::from(crumpled.expect("a cloth stays finite").steps)
+            };
+            *least = [
+                least[0].min(step_ms(folds)),
+                least[1].min(step_ms(crumples)),
+            ];
+        }
+    }
+    println!("a step of 50 by 50 particles, CPU time (least of {ROUNDS} rounds)");
+    for (cloth, ms) in CLOTHS.into_iter().zip(least) {
+        let [fold, crumple] = [0, 1].map(|scene| ms[scene] / least[0][scene]);
+        println!(
+            "{cloth:8} fold {:.2} ms, {fold:.1} times pyflex   crumple {:.2} ms, {crumple:.1} times",
+            ms[0], ms[1]
+        );
+    }
+    println!();
+}
+
+/// Prints a step of a fold of the recorded scene's cloth and of cotton, by size.
+fn compare_sizes() {
+    println!("a step of a fold by size, CPU time of a particle");
+    for dim in [25, 50, 100, 200] {
+        let [pyflex, cotton] = ["pyflex", "cotton"].map(|cloth| {
+            let params = params(cloth);
+            1e6 * step_ms(|| fold_square(dim, &params).steps()) / (dim * dim) as f64
+        });
+        println!(
+            "{dim:3} a side   pyflex {pyflex:4.0} ns   cotton {cotton:4.0} ns, {:.1} times",
+            cotton / pyflex
+        );
+    }
+    println!();
+}
+
+/// Returns the CPU time, ms, of each of the steps that a run says it took.
+fn step_ms(run: impl Fn() -> u64) -> f64 {
+    let before = cpu_time();
+    let steps = run();
+    1e3 * (cpu_time() - before).as_secs_f64() / steps as f64
+}
+
+/// Returns this process's CPU time; where the system has no `/proc`, the time on the wall.
+fn cpu_time() -> Duration {
+    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    let start = START.get_or_init(Instant::now);
+    std::fs::read_to_string("/proc/self/schedstat")
+        .ok()
+        .and_then(|text| text.split(' ').next()?.parse().ok())
+        .map_or_else(|| start.elapsed(), Duration::from_nanos)
+}
+
+fn params(cloth: &str) -> Params {
+    cloths::params(cloth).expect("a name from the list of cloths")
+}
+
+fn square(dim: usize) -> Grid {
+    Grid::new(dim, dim, 0.00625).expect("at most 200 particles along a side")
 }
 
 /// A flat cloth of the size in the paper's folds.
@@ -47,71 +131,9 @@ fn fold_every_step(bencher: Bencher) {
         .bench_values(fold);
 }
 
-/// Folds a square cloth by hand, every step computed.
-fn fold_square(dim: usize) -> Simulator {
-    let grid = Grid::new(dim, dim, 0.00625).expect("at most 200 particles along a side");
-    diagonal_fold(grid, &Params::default(), &|| false).expect("a fold within reach")
-}
-
-/// A shirting, as in `tasks/lib/materials.fab`.
-fn cotton() -> Params {
-    let material = Material {
-        weight_kg_m2: 0.167,
-        thickness_m: 0.000_35,
-        bending_length_m: Directions {
-            warp: 0.018,
-            weft: 0.016,
-            bias: 0.016,
-        },
-        crease_recovery_deg: 75.0,
-        stretch: Directions {
-            warp: 0.015,
-            weft: 0.025,
-            bias: 0.06,
-        },
-        table_friction: 0.27,
-        self_friction: 0.6,
-    };
-    Params {
-        material: Some(material),
-        ..Params::default()
-    }
-}
-
-/// The same fold of a measured material; compare with `diagonal_fold_by_size`.
-#[divan::bench(args = [25, 50, 100, 200], sample_count = 1, sample_size = 1)]
-fn cotton_fold_by_size(bencher: Bencher, dim: usize) {
-    bencher.counter(particle_steps(dim)).bench(|| {
-        let grid =
-            Grid::new(black_box(dim), dim, 0.00625).expect("at most 200 particles along a side");
-        diagonal_fold(grid, &cotton(), &|| false).expect("a fold within reach")
-    });
-}
-
-#[divan::bench(threads = [1, 2], sample_count = 2, sample_size = 1)]
-fn cotton_fold_side_by_side(bencher: Bencher) {
-    let grid = Grid::new(50, 50, 0.00625).expect("50 particles are within bounds");
-    bencher
-        .counter(particle_steps(50))
-        .bench(|| diagonal_fold(grid, &cotton(), &|| false).expect("a fold within reach"));
-}
-
-/// A whole crumple, in which everything moves: about 900 steps of the recorded scene's cloth, and of cotton.
-#[divan::bench(args = ["pyflex", "cotton"], sample_count = 1, sample_size = 1)]
-fn crumple_50(bencher: Bencher, cloth: &str) {
-    let grid = Grid::new(50, 50, 0.00625).expect("50 particles are within bounds");
-    let params = if cloth == "cotton" {
-        cotton()
-    } else {
-        Params::default()
-    };
-    bencher.bench(|| {
-        let mut cloth = Simulator::flat(grid, &params);
-        cloth
-            .crumple(3, &|| false)
-            .expect("a cloth stays finite")
-            .steps
-    });
+/// Folds a square cloth by hand, every step computed, as `fabc sim time` does.
+fn fold_square(dim: usize, params: &Params) -> Simulator {
+    diagonal_fold(square(dim), params, &|| false).expect("a fold within reach")
 }
 
 /// Counts the particles of all steps of a fold.
@@ -123,18 +145,12 @@ fn particle_steps(dim: usize) -> ItemsCount {
     ItemsCount::new(dim * dim * steps as usize)
 }
 
-#[divan::bench(args = [25, 50, 100, 200], sample_count = 1, sample_size = 1)]
-fn diagonal_fold_by_size(bencher: Bencher, dim: usize) {
-    bencher
-        .counter(particle_steps(dim))
-        .bench(|| fold_square(black_box(dim)));
-}
-
-#[divan::bench(threads = [1, 2], sample_count = 4, sample_size = 1)]
-fn diagonal_fold_side_by_side(bencher: Bencher) {
+#[divan::bench(args = ["pyflex", "cotton"], threads = [1, 2], sample_count = 4, sample_size = 1)]
+fn fold_side_by_side(bencher: Bencher, cloth: &str) {
+    let params = params(cloth);
     bencher
         .counter(particle_steps(50))
-        .bench(|| fold_square(black_box(50)));
+        .bench(|| fold_square(black_box(50), &params));
 }
 
 #[divan::bench(sample_count = 50, sample_size = 1)]

@@ -1,22 +1,39 @@
 //! Folds a square cloth along its diagonal, or only begins to. scripts/count-instructions.sh counts its instructions.
 //!
-//! `cargo run --example fold -- SIZE [STEPS]` prints the computed steps; without STEPS, the whole fold.
+//! `cargo run --example fold -- SIZE [STEPS [CLOTH]]` prints the computed steps; `all` STEPS, as without them, are the whole
+//! fold. CLOTH is a name from `benches/cloths.rs`; without it, that of the recorded scene.
 
-use fab_sim::{Grid, Params, SimError, diagonal_fold};
+#[path = "../benches/cloths.rs"]
+mod cloths;
+
+use fab_sim::{Grid, SimError, diagonal_fold};
 use std::cell::Cell;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let (size, most) = match arguments.as_slice() {
-        [size] => (size, u32::MAX),
-        [size, steps] => (size, steps.parse()?),
-        _ => return Err("usage: fold SIZE [STEPS]".into()),
+    let usage = || {
+        format!(
+            "usage: fold SIZE [STEPS|all [{}]]",
+            cloths::CLOTHS.join("|")
+        )
+    };
+    let (size, most, cloth) = match arguments.as_slice() {
+        [size] => (size, "all", "pyflex"),
+        [size, steps] => (size, steps.as_str(), "pyflex"),
+        [size, steps, cloth] => (size, steps.as_str(), cloth.as_str()),
+        _ => return Err(usage().into()),
     };
     let size = size.parse()?;
+    let most = if most == "all" {
+        u32::MAX
+    } else {
+        most.parse()?
+    };
+    let params = cloths::params(cloth).ok_or_else(usage)?;
     let asked = Cell::new(0);
     let enough = || asked.replace(asked.get() + 1) >= most;
     let grid = Grid::new(size, size, 0.00625)?;
-    let steps = match diagonal_fold(grid, &Params::default(), &enough) {
+    let steps = match diagonal_fold(grid, &params, &enough) {
         Ok(cloth) => cloth.steps(),
         Err(SimError::Interrupted { steps }) => u64::from(steps),
         Err(error) => return Err(error.into()),

@@ -7,7 +7,7 @@
 //!
 //! A crease is a rest curvature that is not zero. It follows the bend at a distance, which is internal friction: see [`Friction`].
 
-use crate::layout::Layout;
+use crate::layout::{LANES, Layout};
 use crate::planes::Planes;
 #[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
@@ -147,41 +147,29 @@ impl Bending {
         let ways = [pad, self.stride];
         let [left, right, back, front] = &self.near;
         let near = [left, right, back, front].map(Vec::as_slice);
-        let [warp, weft, twist] = &mut self.rest;
-        let [set_warp, set_weft, set_twist] = &mut self.set;
-        crease_slots(
-            [x, y, z],
-            ways,
-            near,
-            Bend::Warp,
-            &near_both(left, right),
-            warp,
-            set_warp,
-            [self.spacing_m, share],
-            friction,
-        );
-        crease_slots(
-            [x, y, z],
-            ways,
-            near,
-            Bend::Weft,
-            &near_both(back, front),
-            weft,
-            set_weft,
-            [self.spacing_m, share],
-            friction,
-        );
-        crease_slots(
-            [x, y, z],
-            ways,
-            near,
-            Bend::Twist,
-            &self.cell,
-            twist,
-            set_twist,
-            [self.spacing_m, share],
-            friction,
-        );
+        let [there_warp, there_weft] = [near_both(left, right), near_both(back, front)];
+        let families = [
+            (Bend::Warp, &there_warp),
+            (Bend::Weft, &there_weft),
+            (Bend::Twist, &self.cell),
+        ];
+        for (((bend, there), rest), set) in
+            families.into_iter().zip(&mut self.rest).zip(&mut self.set)
+        {
+            crease_slots(
+                [x, y, z],
+                ways,
+                near,
+                bend,
+                there,
+                rest,
+                &mut set.x,
+                &mut set.y,
+                &mut set.z,
+                [self.spacing_m, share],
+                friction,
+            );
+        }
     }
 
     /// Returns where the velocities lead to, padded, and the acceleration by bending there, by slot, m/s^2.
@@ -383,6 +371,7 @@ fn difference(angle: f32) -> f32 {
 }
 
 /// Lets the rest bends of one family follow, and writes their moments divided by the stiffness.
+// Separate slices, so that the compiler knows that they do not overlap.
 #[allow(clippy::too_many_arguments)]
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn crease_slots(
@@ -392,33 +381,14 @@ fn crease_slots(
     bend: Bend,
     there: &[f32],
     rest: &mut [f32],
-    set: &mut Planes,
+    sx: &mut [f32],
+    sy: &mut [f32],
+    sz: &mut [f32],
     [spacing_m, follows]: [f32; 2],
     friction: Friction,
 ) {
-    let n = rest.len();
-    let there = &there[..n];
-    let [left, right, back, front] = near.map(|marks| &marks[..n]);
-    let (sx, sy, sz) = (&mut set.x[..n], &mut set.y[..n], &mut set.z[..n]);
     let per = 1.0 / spacing_m;
-    let (cx, cy, cz) = (&x[pad..][..n], &y[pad..][..n], &z[pad..][..n]);
-    let (lx, ly, lz) = (&x[pad - 1..][..n], &y[pad - 1..][..n], &z[pad - 1..][..n]);
-    let (rx, ry, rz) = (&x[pad + 1..][..n], &y[pad + 1..][..n], &z[pad + 1..][..n]);
-    let (bx, by, bz) = (
-        &x[pad - stride..][..n],
-        &y[pad - stride..][..n],
-        &z[pad - stride..][..n],
-    );
-    let (ax, ay, az) = (
-        &x[pad + stride..][..n],
-        &y[pad + stride..][..n],
-        &z[pad + stride..][..n],
-    );
-    let (dx, dy, dz) = (
-        &x[pad + stride + 1..][..n],
-        &y[pad + stride + 1..][..n],
-        &z[pad + stride + 1..][..n],
-    );
+    let (is_warp, is_twist) = (bend == Bend::Warp, bend == Bend::Twist);
     let steep = friction.farthest / friction.elastic;
     let (elastic, stays, farthest) = (friction.elastic, friction.stays, friction.farthest);
     // The least rest of a bend; the greatest is that of the bend to the other side.
@@ -429,70 +399,104 @@ fn crease_slots(
         let free = bend - farthest;
         if rest > free { rest } else { free }
     };
-    for i in 0..n {
-        let c = [cx[i], cy[i], cz[i]];
-        let (l, r) = ([lx[i], ly[i], lz[i]], [rx[i], ry[i], rz[i]]);
-        let (b, a) = ([bx[i], by[i], bz[i]], [ax[i], ay[i], az[i]]);
-        let d = [dx[i], dy[i], dz[i]];
-        let mut u = [0.0; 3];
-        let mut along = [0.0; 3];
-        let mut across = [0.0; 3];
-        for axis in 0..3 {
-            match bend {
-                Bend::Warp => u[axis] = per * (l[axis] - c[axis] + (r[axis] - c[axis])),
-                Bend::Weft => u[axis] = per * (b[axis] - c[axis] + (a[axis] - c[axis])),
-                Bend::Twist => {
-                    u[axis] = per * (c[axis] - r[axis] + (d[axis] - a[axis]));
-                }
+    let sets = (sx.as_chunks_mut::<LANES>().0.iter_mut())
+        .zip(sy.as_chunks_mut::<LANES>().0)
+        .zip(sz.as_chunks_mut::<LANES>().0);
+    let rests = rest
+        .as_chunks_mut::<LANES>()
+        .0
+        .iter_mut()
+        .zip(sets)
+        .enumerate();
+    for (block, (rest, ((sx, sy), sz))) in rests {
+        let from = block * LANES;
+        let there = lanes(there, from);
+        let (left, right) = (lanes(near[0], from), lanes(near[1], from));
+        let (back, front) = (lanes(near[2], from), lanes(near[3], from));
+        let all = |from: usize| [lanes(x, from), lanes(y, from), lanes(z, from)];
+        let from = from + pad;
+        let (c, l, r) = (all(from), all(from - 1), all(from + 1));
+        let (b, a, d) = (
+            all(from - stride),
+            all(from + stride),
+            all(from + stride + 1),
+        );
+        // Written at once when all lanes are known, so that the compiler sees that they do not depend on each other.
+        let mut new = [*rest, *sx, *sy, *sz];
+        for k in 0..LANES {
+            let mut u = [0.0; 3];
+            let mut along = [0.0; 3];
+            let mut across = [0.0; 3];
+            for axis in 0..3 {
+                let (c, l, r) = (c[axis][k], l[axis][k], r[axis][k]);
+                let (b, a, d) = (b[axis][k], a[axis][k], d[axis][k]);
+                let straight = if is_warp {
+                    l - c + (r - c)
+                } else {
+                    b - c + (a - c)
+                };
+                u[axis] = per * if is_twist { c - r + (d - a) } else { straight };
+                along[axis] = per
+                    * if is_twist {
+                        r - a
+                    } else {
+                        left[k] * (c - l) + right[k] * (r - c)
+                    };
+                across[axis] = per
+                    * if is_twist {
+                        d - c
+                    } else {
+                        back[k] * (c - b) + front[k] * (a - c)
+                    };
             }
-            if bend == Bend::Twist {
-                along[axis] = per * (r[axis] - a[axis]);
-                across[axis] = per * (d[axis] - c[axis]);
+            let normal = [
+                along[1] * across[2] - along[2] * across[1],
+                along[2] * across[0] - along[0] * across[2],
+                along[0] * across[1] - along[1] * across[0],
+            ];
+            let normal_2 = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
+            let per_normal = 1.0 / (normal_2 + TINY).sqrt();
+            let size = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).sqrt();
+            let up = (u[0] * normal[0] + u[1] * normal[1] + u[2] * normal[2]) * per_normal;
+            let before = new[0][k];
+            let bias = if before > 0.0 {
+                KEEPS_SIDE
+            } else if before < 0.0 {
+                -KEEPS_SIDE
             } else {
-                along[axis] =
-                    per * (left[i] * (c[axis] - l[axis]) + right[i] * (r[axis] - c[axis]));
-                across[axis] =
-                    per * (back[i] * (c[axis] - b[axis]) + front[i] * (a[axis] - c[axis]));
-            }
+                0.0
+            };
+            let side = if up + bias * size < 0.0 { -1.0 } else { 1.0 };
+            let now = side * angle(size);
+            let low = least(now);
+            let high = -least(-now);
+            let kept = if before < low { low } else { before };
+            let kept = if kept > high { high } else { kept };
+            let kept = (before + follows * (kept - before)) * there[k];
+            let difference = difference(kept);
+            let grown = if is_twist {
+                difference
+            } else {
+                difference * growth(difference * difference)
+            };
+            let way = [
+                side * u[0] + BY_NORMAL * normal[0] * per_normal,
+                side * u[1] + BY_NORMAL * normal[1] * per_normal,
+                side * u[2] + BY_NORMAL * normal[2] * per_normal,
+            ];
+            let way_2 = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+            let share = spacing_m * grown / (way_2 + TINY).sqrt();
+            new[0][k] = kept;
+            new[1][k] = share * way[0];
+            new[2][k] = share * way[1];
+            new[3][k] = share * way[2];
         }
-        let normal = [
-            along[1] * across[2] - along[2] * across[1],
-            along[2] * across[0] - along[0] * across[2],
-            along[0] * across[1] - along[1] * across[0],
-        ];
-        let normal_2 = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
-        let per_normal = 1.0 / (normal_2 + TINY).sqrt();
-        let size = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).sqrt();
-        let up = (u[0] * normal[0] + u[1] * normal[1] + u[2] * normal[2]) * per_normal;
-        let before = rest[i];
-        let bias = if before > 0.0 {
-            KEEPS_SIDE
-        } else if before < 0.0 {
-            -KEEPS_SIDE
-        } else {
-            0.0
-        };
-        let side = if up + bias * size < 0.0 { -1.0 } else { 1.0 };
-        let now = side * angle(size);
-        let low = least(now);
-        let high = -least(-now);
-        let kept = if before < low { low } else { before };
-        let kept = if kept > high { high } else { kept };
-        let kept = (before + follows * (kept - before)) * there[i];
-        rest[i] = kept;
-        let difference = difference(kept);
-        let grown = match bend {
-            Bend::Twist => difference,
-            _ => difference * growth(difference * difference),
-        };
-        let mut way = [0.0; 3];
-        for axis in 0..3 {
-            way[axis] = side * u[axis] + BY_NORMAL * normal[axis] * per_normal;
-        }
-        let way_2 = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
-        let share = spacing_m * grown / (way_2 + TINY).sqrt();
-        sx[i] = share * way[0];
-        sy[i] = share * way[1];
-        sz[i] = share * way[2];
+        [*rest, *sx, *sy, *sz] = new;
     }
+}
+
+/// Returns the values of a plane from a slot on.
+#[inline(always)]
+fn lanes(plane: &[f32], from: usize) -> [f32; LANES] {
+    std::array::from_fn(|k| plane[from..from + LANES][k])
 }

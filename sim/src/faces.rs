@@ -10,7 +10,7 @@ use crate::neighbours::Neighbours;
 use crate::planes::Planes;
 
 // How far a particle may be from a layer that it is said to touch before long, metres, beyond the gap.
-const MARGIN_M: f32 = 0.002;
+const MARGIN_M: f32 = 0.004;
 // Farthest part of a cell beside its nearest corner, and beyond the rim of the cloth, in cells.
 const REACH: f32 = 0.55;
 const RIM: f32 = 0.25;
@@ -268,6 +268,7 @@ impl Search<'_> {
 
     /// Returns the neighbour of a corner on the side of `p`, the edge to it, and whether the cloth ends there on
     /// the other side of the corner.
+    #[inline(always)]
     fn toward(
         &self,
         p: [f32; 3],

@@ -1,7 +1,7 @@
-//! Where the solver keeps each particle: row after row, without gaps.
+//! Where the solver keeps each particle: row after row.
 //!
 //! In: a grid, and which of its particles are there. Out: slots. One slot for each particle of the grid, unless
-//! rows are shorter than [`MIN_STRIDE`]; room for some lanes more at the end, so that no loop has a remainder.
+//! rows are shorter than [`MIN_STRIDE`] or filled up to whole lanes; room for some lanes more at the end, so that no loop has a remainder.
 //! Slots of that room and of missing particles never move and touch nothing.
 
 use crate::grid::Grid;
@@ -24,6 +24,9 @@ pub(crate) struct Layout {
     grid: Grid,
     columns: usize,
     rows: usize,
+    /// `stride` is a multiple of this.
+    whole: usize,
+    stride: usize,
     /// Slot of every present particle, ascending by particle.
     slots: Arc<[u32]>,
     /// By slot: whether a particle is there.
@@ -33,8 +36,17 @@ pub(crate) struct Layout {
 impl Layout {
     /// Lays out a grid; `has` tells of each particle whether it is there.
     pub fn new(grid: Grid, has: impl Fn(usize) -> bool) -> Layout {
-        let stride = stride(grid.dimx);
-        let mut present = vec![false; len(grid.dimx, grid.dimy)];
+        Layout::in_rows_of(1, grid, has)
+    }
+
+    /// Lays out a grid in rows and columns of whole lanes.
+    pub fn in_lanes(grid: Grid, has: impl Fn(usize) -> bool) -> Layout {
+        Layout::in_rows_of(LANES, grid, has)
+    }
+
+    fn in_rows_of(whole: usize, grid: Grid, has: impl Fn(usize) -> bool) -> Layout {
+        let stride = stride(grid.dimx, whole);
+        let mut present = vec![false; len(stride, grid.dimy)];
         let mut slots = Vec::with_capacity(grid.particle_count());
         for particle in (0..grid.particle_count()).filter(|&particle| has(particle)) {
             let slot = particle / grid.dimx * stride + particle % grid.dimx;
@@ -45,6 +57,8 @@ impl Layout {
             grid,
             columns: grid.dimx,
             rows: grid.dimy,
+            whole,
+            stride,
             slots: slots.into(),
             present: present.into(),
         }
@@ -52,8 +66,8 @@ impl Layout {
 
     /// Returns the layout of the transposed copy, where rows and columns have changed places.
     pub fn transposed(&self) -> Layout {
-        let stride = stride(self.rows);
-        let mut present = vec![false; len(self.rows, self.columns)];
+        let stride = stride(self.rows, self.whole);
+        let mut present = vec![false; len(stride, self.columns)];
         let own = self.stride();
         let across = |&slot: &u32| {
             let slot = slot as usize;
@@ -67,6 +81,8 @@ impl Layout {
             grid: self.grid,
             columns: self.rows,
             rows: self.columns,
+            whole: self.whole,
+            stride,
             slots,
             present: present.into(),
         }
@@ -84,7 +100,7 @@ impl Layout {
 
     /// Returns the slots from the beginning of one row to that of the next.
     pub fn stride(&self) -> usize {
-        stride(self.columns)
+        self.stride
     }
 
     /// Returns the length of a plane: all slots, and room for the lanes of a spring beyond; whole lanes.
@@ -127,7 +143,7 @@ impl Layout {
 
     /// Writes a plane of this layout into one of the transposed layout.
     pub fn transpose(&self, from: &[f32], to: &mut [f32]) {
-        let strides = [self.stride(), stride(self.rows)];
+        let strides = [self.stride(), stride(self.rows, self.whole)];
         if self.rows.min(self.columns) >= TILE {
             transpose_tiles(from, to, strides, [self.rows, self.columns]);
         } else {
@@ -140,12 +156,12 @@ impl Layout {
     }
 }
 
-fn stride(columns: usize) -> usize {
-    columns.max(MIN_STRIDE)
+fn stride(columns: usize, whole: usize) -> usize {
+    columns.max(MIN_STRIDE).next_multiple_of(whole)
 }
 
-fn len(columns: usize, rows: usize) -> usize {
-    (rows * stride(columns) + LANES).next_multiple_of(LANES)
+fn len(stride: usize, rows: usize) -> usize {
+    (rows * stride + LANES).next_multiple_of(LANES)
 }
 
 /// Writes a matrix of at least one tile into another with rows and columns exchanged, tile by tile; the last ones

@@ -97,7 +97,11 @@ impl Simulator {
     }
 
     fn start(mask: Mask, positions: &[[f32; 3]], params: &Params) -> Simulator {
-        let layout = Layout::new(mask.grid(), |particle| mask.has(particle));
+        // Springs run over the ends of rows; the lines of a material are solved row by row.
+        let layout = match params.material {
+            None => Layout::new(mask.grid(), |particle| mask.has(particle)),
+            Some(_) => Layout::in_lanes(mask.grid(), |particle| mask.has(particle)),
+        };
         let fault = params.check_on(mask.grid().spacing_m).err();
         Simulator {
             mask,

@@ -14,7 +14,6 @@ use crate::faces::Faces;
 use crate::layout::Layout;
 use crate::lines::Lines;
 use crate::material::{Material, Stiffness};
-use crate::motion::fly;
 use crate::params::Params;
 use crate::planes::Planes;
 use crate::shear::Shear;
@@ -30,10 +29,10 @@ const CALM_SECS: f32 = 0.2;
 // Bends are taken where velocities lead to in this share of a substep: it damps waves of the length of a cell
 // within some substeps, and leaves the cloth's motion alone.
 const LEAD: f32 = 0.25;
-// Substeps after which creases follow the bends again.
-const CREASE_EVERY: u32 = 10;
+// How often in a step creases follow the bends.
+const CREASINGS: u32 = 2;
 // Share of the gap between layers by which a particle may pass another layer in a substep before a step has more of them.
-const HASTE_SHARE: f32 = 0.3;
+const HASTE_SHARE: f32 = 0.45;
 // Most passes over all contacts in a substep, and the share of the gap by which layers may be too close in the last.
 const MAX_PASSES: u32 = 3;
 const CONTACT_PASSES: u32 = 4;
@@ -55,7 +54,6 @@ pub(crate) struct Textile {
     rows: Lines,
     shear: Shear,
     faces: Faces,
-    predicted: Planes,
     /// Where the cloth was when it began to be calm, and the steps since then.
     calm_at: Planes,
     calm_steps: u32,
@@ -91,7 +89,6 @@ impl Textile {
             shear: Shear::new(layout, stiffness.shear),
             haste: 1,
             faces: Faces::new(layout, material.gap_m(), material.self_friction),
-            predicted: Planes::zeros(layout.len()),
             calm_at: Planes::zeros(layout.len()),
             calm_steps: 0,
             steps_to_rest: (CALM_SECS / params.step_secs).ceil() as u32,
@@ -208,8 +205,9 @@ impl Textile {
         params: &Params,
     ) {
         let dt = params.step_secs / self.substeps() as f32;
-        if number.is_multiple_of(CREASE_EVERY) {
-            let share = (CREASE_EVERY as f32 * dt / CREASE_SECS).min(1.0);
+        let crease_every = self.substeps().div_ceil(CREASINGS);
+        if number.is_multiple_of(crease_every) {
+            let share = (crease_every as f32 * dt / CREASE_SECS).min(1.0);
             self.bending.crease(&sides.rows.positions, share);
         }
         let (points, acceleration) =
@@ -227,7 +225,8 @@ impl Textile {
         .into_iter()
         .enumerate()
         {
-            gain(
+            launch(
+                position,
                 velocity,
                 acceleration,
                 weight,
@@ -235,9 +234,7 @@ impl Textile {
                 keep,
                 dt,
             );
-            fly(position, velocity, weight, dt, 1.0, 0.0);
         }
-        self.predicted.clone_from(positions);
         let per_2 = 1.0 / (dt * dt);
         let [warp, weft] = self.stiffness.stretch.map(|compliance| compliance * per_2);
         self.faces.begin_substep();
@@ -286,35 +283,21 @@ impl Textile {
                 break;
             }
         }
-        let side = &mut sides.rows;
-        let Planes { x, y, z } = &side.positions;
-        take_up(
-            &mut velocities.x,
-            x,
-            &self.predicted.x,
-            &side.inverse_mass,
-            1.0 / dt,
-        );
-        take_up(
-            &mut velocities.y,
-            y,
-            &self.predicted.y,
-            &side.inverse_mass,
-            1.0 / dt,
-        );
-        take_up(
-            &mut velocities.z,
-            z,
-            &self.predicted.z,
-            &side.inverse_mass,
-            1.0 / dt,
-        );
+        let Side {
+            positions: Planes { x, y, z },
+            began,
+            inverse_mass,
+        } = &sides.rows;
+        take_up(&mut velocities.x, x, &began.x, inverse_mass, dt);
+        take_up(&mut velocities.y, y, &began.y, inverse_mass, dt);
+        take_up(&mut velocities.z, z, &began.z, inverse_mass, dt);
     }
 }
 
-/// Accelerates one coordinate of free particles.
+/// Accelerates one coordinate of free particles, and moves it as if nothing touched them.
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
-fn gain(
+fn launch(
+    position: &mut [f32],
     velocity: &mut [f32],
     acceleration: &[f32],
     weight: &[f32],
@@ -323,19 +306,25 @@ fn gain(
     dt: f32,
 ) {
     let n = velocity.len();
+    let position = &mut position[..n];
     let (acceleration, weight) = (&acceleration[..n], &weight[..n]);
     for i in 0..n {
         velocity[i] = weight[i] * (keep * velocity[i] + dt * (gravity + acceleration[i]));
+        position[i] += weight[i] * dt * velocity[i];
     }
 }
 
-/// Takes up into the velocities how particles were corrected.
+/// Takes up into the velocities how particles were corrected since [`launch`].
+///
+/// - `began`: where the substep began.
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
-fn take_up(velocity: &mut [f32], position: &[f32], predicted: &[f32], weight: &[f32], per_dt: f32) {
+fn take_up(velocity: &mut [f32], position: &[f32], began: &[f32], weight: &[f32], dt: f32) {
     let n = velocity.len();
-    let (position, predicted, weight) = (&position[..n], &predicted[..n], &weight[..n]);
+    let (position, began, weight) = (&position[..n], &began[..n], &weight[..n]);
+    let per_dt = 1.0 / dt;
     for i in 0..n {
-        velocity[i] += weight[i] * (position[i] - predicted[i]) * per_dt;
+        let launched = began[i] + weight[i] * dt * velocity[i];
+        velocity[i] += weight[i] * (position[i] - launched) * per_dt;
     }
 }
 
