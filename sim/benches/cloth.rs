@@ -8,7 +8,8 @@
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use fab_sim::{
-    Directions, Grid, Look, Material, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold,
+    Aim, Directions, Grid, Look, Manner, Material, Params, RestShortcut, Simulator, TopDownCamera,
+    diagonal_fold,
 };
 
 fn main() {
@@ -112,6 +113,47 @@ fn crumple_50(bencher: Bencher, cloth: &str) {
             .expect("a cloth stays finite")
             .steps
     });
+}
+
+/// Pulls of a crumpled cloth of 40 by 40 particles as a smoothing search tries them: 4 picks, 8 directions each, with
+/// every motion computed whole, or with those that share a pick computed from one lift. Its items are pulls.
+#[divan::bench(args = ["whole", "shared lift"], sample_count = 1, sample_size = 1)]
+fn pulls_40(bencher: Bencher, how: &str) {
+    let grid = Grid::new(40, 40, 0.00625).expect("40 particles are within bounds");
+    let mut heap = Simulator::flat(grid, &Params::default());
+    heap.crumple(3, &|| false).expect("a cloth stays finite");
+    let params = Params::with_dropping_picker();
+    let mut cloth = Simulator::from_positions(grid, &heap.positions(), &params)
+        .expect("a crumpled cloth is a start");
+    cloth.set_aim(Aim::Uppermost);
+    let points = cloth.positions();
+    let picks = [0, 39, 40 * 39, 40 * 40 - 1].map(|particle: usize| points[particle]);
+    let sides = [[1.0, 0.0], [0.7, 0.7], [0.0, 1.0], [-0.7, 0.7]];
+    let directions: Vec<[f32; 2]> = sides
+        .into_iter()
+        .flat_map(|[x, y]| [[x, y], [-x, -y]])
+        .collect();
+    let place = |pick: [f32; 3], [x, y]: [f32; 2]| [pick[0] + 0.12 * x, pick[1] + 0.12 * y];
+    let manner = Manner::default();
+    bencher
+        .counter(ItemsCount::new(picks.len() * directions.len()))
+        .bench(|| {
+            for pick in picks {
+                let at = [pick[0], pick[1]];
+                let lifted = cloth.lift(&manner, at, &|| false);
+                let lifted = lifted.expect("a pick within reach");
+                for direction in &directions {
+                    let place = place(pick, *direction);
+                    if how == "whole" {
+                        let mut whole = cloth.clone();
+                        let done = whole.pick_and_place(at, place, &|| false);
+                        black_box(done.expect("a pull within reach"));
+                    } else {
+                        black_box(lifted.place(place, &|| false).expect("a pull within reach"));
+                    }
+                }
+            }
+        });
 }
 
 /// Counts the particles of all steps of a fold.

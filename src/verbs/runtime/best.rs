@@ -248,7 +248,7 @@ impl Shared<'_> {
             progress: &|_| {},
             ..search
         };
-        let beyond = match unoffered(&quiet, &tree, &found, arguments.trials / 4) {
+        let beyond = match unoffered(&quiet, &tree, &found, arguments.trials / 2) {
             Err(BestError::World(WorldError::Interrupted)) => Unoffered::default(),
             beyond => beyond.map_err(failure)?,
         };

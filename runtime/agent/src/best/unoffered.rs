@@ -6,7 +6,7 @@
 
 use super::aim::Aim;
 use super::tree::{Node, Tree};
-use super::{BestError, Found, Limits, Search};
+use super::{BestError, Choice, Found, Limits, Search};
 use crate::action::candidate;
 use crate::scene::Scene;
 use fab_base::cache::Cache;
@@ -14,7 +14,7 @@ use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
 use fab_program::{ClothPoint, Fold, Metric, PixelPoint, Proposal, Value, space};
 use fab_world::simulated::trials::{Trial, Tried, try_motions};
-use fab_world::{Motion, WorldPoint, expert};
+use fab_world::{Motion, SimulatedWorld, WorldPoint, expert};
 use std::sync::Arc;
 
 /// How far a point must be from every offered one to count as not offered, pixels of a 224 px picture.
@@ -74,7 +74,7 @@ struct Candidate {
     named: Named,
 }
 
-/// Tries actions that are not offered, in the step that limits first, then in the others; at most `trials`.
+/// Tries actions that are not offered in the steps of the best actions; begins no more once `trials` are made.
 pub fn unoffered(
     search: &Search<'_>,
     tree: &Tree,
@@ -82,7 +82,7 @@ pub fn unoffered(
     trials: u32,
 ) -> Result<Unoffered, BestError> {
     let mut tried = Unoffered::default();
-    let (Some(best), Some(limiting)) = (found.value(), found.limiting()) else {
+    let Some(best) = found.value() else {
         return Ok(tried);
     };
     let fields: Vec<&str> = search
@@ -98,11 +98,8 @@ pub fn unoffered(
         return Ok(tried);
     };
     let path = tree.path(end);
-    let others = (0..path.len() - 1).filter(|&index| index != limiting);
-    for index in std::iter::once(limiting).chain(others) {
-        if tried.trials >= trials || search.interrupt.is_raised() {
-            break;
-        }
+    let mut steps = Vec::new();
+    for index in 0..path.len() - 1 {
         let step = StepAt {
             search,
             tree,
@@ -110,13 +107,33 @@ pub fn unoffered(
             offered: &tree.nodes[path[index + 1]],
             index,
         };
-        let better = step.better(trials - tried.trials, &mut tried.trials)?;
+        if let Some(look) = step.look()? {
+            steps.push((step, look));
+        }
+    }
+    // First where what is not offered is most nearer to what an expert would do.
+    steps.sort_by(|a, b| b.1.nearer_m.total_cmp(&a.1.nearer_m));
+    for (step, look) in &steps {
+        if tried.trials >= trials || search.interrupt.is_raised() {
+            break;
+        }
+        let better = step.better(look, trials, &mut tried.trials)?;
         let least = tried.better.as_ref().map_or(best, |better| better.value);
         if let Some(better) = better.filter(|better| better.value < least) {
             tried.better = Some(better);
         }
     }
     Ok(tried)
+}
+
+/// What could be tried in a step.
+struct Look {
+    world: SimulatedWorld,
+    scene: Scene,
+    /// Those nearest to what an expert would do first.
+    candidates: Vec<Candidate>,
+    /// How much nearer the first is to that than the best offered action, metres.
+    nearer_m: f64,
 }
 
 /// A step of the best actions.
@@ -131,17 +148,43 @@ struct StepAt<'s> {
 }
 
 impl StepAt<'_> {
-    fn better(&self, most: u32, trials: &mut u32) -> Result<Option<Better>, BestError> {
+    /// Lists what is not offered in the step; `None` if nothing could be tried.
+    fn look(&self) -> Result<Option<Look>, BestError> {
         let StepAt { search, tree, .. } = *self;
         let step = tree.step_of(search, self.node);
         let (mut world, state) = tree.world_at(search, self.node)?;
         let (scene, observation) = tree.scene_at(search, self.node, &mut world)?;
-        let mut candidates = self.candidates(step, &state.positions, &scene, &observation);
-        candidates.truncate(MOST_A_STEP.min(most as usize));
+        let wanted = tree.aim.wanted(&state.positions, step - 1);
+        let mut candidates = self.candidates(&wanted, &state.positions, &scene, &observation);
+        candidates.truncate(MOST_A_STEP);
+        let (Some(first), Some(Choice::Act { action, .. })) =
+            (candidates.first(), &self.offered.choice)
+        else {
+            return Ok(None);
+        };
+        let nearer_m = Aim::off(&wanted, &action.motion) - Aim::off(&wanted, &first.motion);
+        Ok(Some(Look {
+            world,
+            scene,
+            candidates,
+            nearer_m,
+        }))
+    }
+
+    /// Tries what is not offered, and follows the best of it to the end.
+    fn better(
+        &self,
+        look: &Look,
+        most: u32,
+        trials: &mut u32,
+    ) -> Result<Option<Better>, BestError> {
+        let StepAt { search, tree, .. } = *self;
+        let step = tree.step_of(search, self.node);
+        let candidates = &look.candidates;
         let due: Vec<Trial<'_>> = candidates
             .iter()
             .map(|candidate| Trial {
-                from: &world,
+                from: &look.world,
                 motion: candidate.motion,
             })
             .collect();
@@ -178,7 +221,7 @@ impl StepAt<'_> {
                     field: candidate.field,
                     point: candidate.named.point,
                     at: candidate.named.at,
-                    scene: scene.clone(),
+                    scene: look.scene.clone(),
                     value,
                 });
             }
@@ -250,7 +293,7 @@ impl StepAt<'_> {
     /// Lists actions with one end that is not offered, those nearest to what an expert would do first.
     fn candidates(
         &self,
-        step: u32,
+        wanted: &[(f64, [WorldPoint; 2])],
         positions: &[[f32; 3]],
         scene: &Scene,
         observation: &Observation,
@@ -300,8 +343,7 @@ impl StepAt<'_> {
                     .for_each(|&place| add("pick", *point, own, place));
             }
         }
-        let wanted = self.tree.aim.wanted(positions, step - 1);
-        let off = |candidate: &Candidate| Aim::off(&wanted, &candidate.motion);
+        let off = |candidate: &Candidate| Aim::off(wanted, &candidate.motion);
         all.retain(|candidate| candidate.motion.pick != candidate.motion.place);
         all.sort_by(|a, b| off(a).total_cmp(&off(b)));
         all
