@@ -152,7 +152,8 @@ fn pulls_anywhere_are_sampled_and_say_so() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = "--trials 12 --out whole";
     let (code, whole) = run(folder.path(), ANYWHERE, arguments);
-    assert_eq!(code, 3, "{whole:#}");
+    // SoftGym's measure of so small a cloth, turned, exceeds that of the flat one.
+    assert_eq!(code, 0, "{whole:#}");
     let start = &whole["starts"][0];
     assert_eq!(start["sampled"][0], "any point on the cloth");
     assert_eq!(
@@ -180,7 +181,8 @@ fn pulls_anywhere_are_sampled_and_say_so() {
 /// Searches the known fold; `stop_after` so many trials.
 fn searched(folder: &Path, stop_after: Option<u32>) -> Found {
     let path = folder.join("known.fab");
-    fs::write(&path, KNOWN.replace("lib/", "tasks/lib/")).unwrap();
+    bring_library(folder);
+    fs::write(&path, KNOWN).unwrap();
     let compiled = fab_compiler::compile(path.to_str().unwrap(), &ProjectFiles).unwrap();
     let program = compiled.programs.first().unwrap();
     let make_world = || SimulatedWorld::of(program);
