@@ -12,12 +12,13 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// One fold whose best action is known: the demonstrated one is offered.
+/// One fold whose best action is known: the demonstrated one is offered. No step is retried, so that all can be tried.
 const KNOWN: &str = r#"
 use "lib/folding.fab"
 task known extends folding {
     cloth grid(17, 17)
     goal  particle_distance < 8mm
+    const alike = 0.01
     subgoals { demonstrate { fold corner(back_left) -> center } }
 }
 "#;
@@ -84,9 +85,7 @@ fn the_best_of_a_known_fold_is_its_demonstration_on_any_number_of_threads() {
     let start = &whole["starts"][0];
     assert_eq!(start["exhausted"], true);
     assert_eq!(start["limiting"], 0);
-    let best = start["best"].as_array().unwrap();
-    // A retried step would take another action.
-    assert_eq!(best.len(), 1, "{best:?}");
+    assert_eq!(start["best"].as_array().unwrap().len(), 1);
     let rows = whole["rows"].as_array().unwrap();
     let named = |name: &str| rows.iter().find(|row| row["row"] == name).unwrap();
     let value = |name: &str| named(name)["value"].as_f64().unwrap();
