@@ -173,7 +173,8 @@ impl Found {
         self.metric == Metric::ParticleDistance
     }
 
-    fn loss(&self, value: f64) -> f64 {
+    /// Returns a number that is lower for a better measure.
+    pub fn loss(&self, value: f64) -> f64 {
         match self.more_is_better {
             true => -value,
             false => value,

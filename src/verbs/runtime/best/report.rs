@@ -57,6 +57,7 @@ impl Report<'_> {
                 lines.extend(self.curve(first.found.metric));
             }
             lines.extend(self.table(first.found.metric));
+            lines.extend(self.too_small());
         }
         lines.push(format!("kept in {}", self.out.display()));
         lines.join("\n")
@@ -196,6 +197,23 @@ impl Report<'_> {
             );
         }
         lines
+    }
+
+    /// Says that a policy did better than the search, which then tried too little.
+    fn too_small(&self) -> Option<String> {
+        let beaten = |at: &AtStart| {
+            let best = at.found.loss(at.found.value()?);
+            let policies = at.rows.iter().skip(1);
+            let mut better = policies.filter(|row| {
+                let losses = row.values.iter().map(|value| at.found.loss(*value));
+                losses.fold(f64::INFINITY, f64::min) < best
+            });
+            better.next().map(|row| row.name)
+        };
+        let name = self.starts.iter().find_map(beaten)?;
+        Some(format!(
+            "  the row `{name}` does better at a start than all actions tried: the search was too small, raise `--trials`"
+        ))
     }
 
     /// Summarises each kind of rollouts over all starts.

@@ -135,6 +135,9 @@ impl Playing<'_> {
             let row = &mut rows[play.row];
             let Some(report) = report else {
                 row.none = Some("interrupted".to_owned());
+                if play.row == 0 {
+                    row.values.extend(found.value());
+                }
                 continue;
             };
             match value(&report, found.metric) {
