@@ -162,11 +162,16 @@ impl Tree {
         beam
     }
 
-    /// Returns the states of a depth, the most promising first.
+    /// Returns the states of a depth, the most promising first: those with most steps done, since a retry must act again
+    /// on a step that may be good already.
     fn ranked(&self, depth: u32) -> Vec<usize> {
         let at_depth = |node: &usize| self.nodes[*node].tries.number == depth;
         let mut nodes: Vec<usize> = (0..self.nodes.len()).filter(at_depth).collect();
-        nodes.sort_by(|&a, &b| self.nodes[a].behind.total_cmp(&self.nodes[b].behind));
+        nodes.sort_by(|&a, &b| {
+            let [a, b] = [a, b].map(|node| &self.nodes[node]);
+            let done = b.tries.done.cmp(&a.tries.done);
+            done.then(a.behind.total_cmp(&b.behind))
+        });
         nodes
     }
 

@@ -8,7 +8,7 @@ pub(crate) struct Tries {
     /// Actions begun.
     pub number: u32,
     /// Steps that are finished.
-    done: u32,
+    pub done: u32,
     /// Retries begun for the current step.
     retries: u32,
     /// The result of the last action, if the step must be retried.

@@ -32,12 +32,12 @@ pub fn duration(seconds: f64) -> String {
 }
 
 impl Report<'_> {
-    /// Returns whether the best that was found at a start does not meet the goal.
+    /// Returns whether the best that was found at a start does not meet the goal, or no rollout ended there.
     pub fn misses_goal(&self) -> bool {
         let goal = self.program.goal.as_ref();
         let misses = |goal: &Goal| {
-            let values = self.starts.iter().map(|at| at.found.value());
-            values.flatten().any(|value| !goal.is_met(value))
+            let mut values = self.starts.iter().map(|at| at.found.value());
+            values.any(|value| value.is_none_or(|value| !goal.is_met(value)))
         };
         goal.is_some_and(misses)
     }
