@@ -132,10 +132,11 @@ fn a_point_that_is_not_offered_is_named_with_the_line_that_offers_it() {
     assert_eq!(found["goal_missed"], true);
     let start = &found["starts"][0];
     let better = &start["unoffered"];
-    assert_eq!(better["point"], "middle(back)", "{start:#}");
+    let what = better["what"].as_str().unwrap();
+    assert!(what.starts_with("place middle(back), at ("), "{start:#}");
     assert_eq!(
-        (&better["field"], &better["step"]),
-        (&"place".into(), &1.into())
+        (&better["step"], &better["measured"]),
+        (&1.into(), &"at_end".into())
     );
     let cure = better["cure"].as_str().unwrap();
     assert!(

@@ -18,6 +18,7 @@ pub mod journal;
 pub mod unoffered;
 
 mod aim;
+mod between;
 mod offers;
 mod tree;
 

@@ -92,7 +92,7 @@ pub(super) fn offers(at: &Situation<'_>) -> Result<Offers, BestError> {
 }
 
 /// Returns the checks that must be dropped to accept an action; `None` if it cannot be stated or is refused for good.
-fn accepted(
+pub(super) fn accepted(
     at: &Situation<'_>,
     proposal: &Proposal,
     offers: &mut Offers,

@@ -2,9 +2,11 @@
 //!
 //! In: a finished search. Out: a pick or place on a named point of the cloth that no field offers there, with the end
 //! that it leads to when the task's own actions follow. The points are the corners, middles and quarters of the flat
-//! cloth, and the table's middle; only tasks that are scored against experts and name a pick and a place are tried.
+//! cloth, and the table's middle; they are tried in tasks that are scored against experts and name a pick and a place.
+//! In tasks that name directions and lengths, values between the offered ones are tried.
 
 use super::aim::Aim;
+use super::between::between;
 use super::tree::{Node, Tree};
 use super::{BestError, Choice, Found, Limits, Search};
 use crate::action::candidate;
@@ -12,9 +14,10 @@ use crate::scene::Scene;
 use fab_base::cache::Cache;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
-use fab_program::{ClothPoint, Fold, Metric, PixelPoint, Proposal, Value, space};
+use fab_program::{Choices, ClothPoint, Fold, Metric, PixelPoint, Proposal, Value, space};
 use fab_world::simulated::trials::{Trial, Tried, try_motions};
 use fab_world::{Motion, SimulatedWorld, WorldPoint, expert};
+use serde::Serialize;
 use std::sync::Arc;
 
 /// How far a point must be from every offered one to count as not offered, pixels of a 224 px picture.
@@ -30,23 +33,49 @@ const BEAM: u32 = 2;
 /// Where named points lie along a side of the flat cloth.
 const ALONG: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// An action that is not offered and leads to a better end.
+/// An action that is not offered and better than the best offered one.
 #[derive(Clone, Debug)]
 pub struct Better {
     /// Index of the action that it replaces.
     pub index: usize,
     /// The task's step, from 1.
     pub step: u32,
-    /// The field that does not offer it: `pick` or `place`.
-    pub field: &'static str,
-    /// The point that would have to be offered.
-    pub point: ClothPoint,
-    /// Where it is in the picture.
-    pub at: PixelPoint,
-    /// The scene in which it is not offered.
-    pub scene: Scene,
-    /// The measure at the end.
+    /// What would have to be offered.
+    pub lacking: Lacking,
+    /// The measure that it leads to.
     pub value: f64,
+    /// The measure at the same time with the best offered action.
+    pub instead_of: f64,
+    /// When both are measured.
+    pub measured: Measured,
+}
+
+/// What an action space lacks.
+#[derive(Clone, Debug)]
+pub enum Lacking {
+    /// A point.
+    Point {
+        /// The field that does not offer it: `pick` or `place`.
+        field: &'static str,
+        /// The point on the cloth.
+        point: ClothPoint,
+        /// Where it is in the picture.
+        at: PixelPoint,
+        /// The scene in which it is not offered.
+        scene: Box<Scene>,
+    },
+    /// A direction, a length, or both: each field with all that it would offer then.
+    Values(Vec<(String, Choices)>),
+}
+
+/// When something is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measured {
+    /// After the step itself.
+    AfterStep,
+    /// At the end of the rollout, with the task's own actions in the steps that follow.
+    AtEnd,
 }
 
 /// What came of trying.
@@ -85,6 +114,10 @@ pub fn unoffered(
     let Some(best) = found.value() else {
         return Ok(tried);
     };
+    let has = |field: &str| search.program.field(field).is_some();
+    if has("direction") && has("distance") {
+        return between(search, tree, found, trials);
+    }
     let fields: Vec<&str> = search
         .program
         .actions
@@ -117,7 +150,7 @@ pub fn unoffered(
         if tried.trials >= trials || search.interrupt.is_raised() {
             break;
         }
-        let better = step.better(look, trials, &mut tried.trials)?;
+        let better = step.better(look, best, trials, &mut tried.trials)?;
         let least = tried.better.as_ref().map_or(best, |better| better.value);
         if let Some(better) = better.filter(|better| better.value < least) {
             tried.better = Some(better);
@@ -175,6 +208,7 @@ impl StepAt<'_> {
     fn better(
         &self,
         look: &Look,
+        best: f64,
         most: u32,
         trials: &mut u32,
     ) -> Result<Option<Better>, BestError> {
@@ -218,11 +252,15 @@ impl StepAt<'_> {
                 better = Some(Better {
                     index: self.index,
                     step,
-                    field: candidate.field,
-                    point: candidate.named.point,
-                    at: candidate.named.at,
-                    scene: look.scene.clone(),
+                    lacking: Lacking::Point {
+                        field: candidate.field,
+                        point: candidate.named.point,
+                        at: candidate.named.at,
+                        scene: Box::new(look.scene.clone()),
+                    },
                     value,
+                    instead_of: best,
+                    measured: Measured::AtEnd,
                 });
             }
         }

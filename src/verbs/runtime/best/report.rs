@@ -7,10 +7,10 @@ use super::rows::Row;
 use super::{AtStart, BestArguments};
 use crate::verbs::new::simulator::point_text;
 use crate::verbs::runtime::subgoals::offered::cure;
-use fab_agent::best::unoffered::Better;
+use fab_agent::best::unoffered::{Better, Lacking, Measured};
 use fab_agent::best::{Choice, Found, Taken};
 use fab_bench::statistics::{Clusters, Statistic, Summary, summary};
-use fab_program::{Goal, Metric, Program, Proposal, space};
+use fab_program::{Choices, Goal, Metric, Program, Proposal, space};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -123,20 +123,26 @@ impl Report<'_> {
         let Some(better) = &at.unoffered.better else {
             return (at.unoffered.trials > 0).then(|| {
                 format!(
-                    "  no action on another corner, middle or quarter of the cloth was found to be better ({} trials)",
+                    "  none of {} actions that are not offered was found to be better",
                     at.unoffered.trials
                 )
             });
         };
-        let field = at.program.field(better.field)?;
-        let cure = cure(&at.program, &better.scene, field, &better.point, better.at);
+        let metric = at.found.metric;
+        let (value, instead_of) = (
+            shown(better.value, metric),
+            shown(better.instead_of, metric),
+        );
+        let when = match better.measured {
+            Measured::AfterStep => {
+                format!("would leave {value} after it, in place of {instead_of}")
+            }
+            Measured::AtEnd => format!("would end at {value}, in place of {instead_of}"),
+        };
+        let (what, cure) = lacking(&at.program, &better.lacking)?;
         Some(format!(
-            "  not offered, and better: in step {} {} {}, at {}, which would end at {}{cure}",
-            better.step,
-            better.field,
-            point_text(&better.point),
-            better.at,
-            shown(better.value, at.found.metric),
+            "  not offered, and better: in step {} {what}, which {when}{cure}",
+            better.step
         ))
     }
 
@@ -343,19 +349,53 @@ struct Summarised {
     none: Option<String>,
 }
 
+/// Says what an action space lacks, and how to offer it, as the end of a sentence.
+fn lacking(program: &Program, lacking: &Lacking) -> Option<(String, String)> {
+    Some(match lacking {
+        Lacking::Point {
+            field,
+            point,
+            at,
+            scene,
+        } => {
+            let cure = cure(program, scene, program.field(field)?, point, *at);
+            (format!("{field} {}, at {at}", point_text(point)), cure)
+        }
+        Lacking::Values(fields) => {
+            let names: Vec<&str> = fields.iter().map(|(name, _)| name.as_str()).collect();
+            let lines = fields.iter().map(|(name, choices)| {
+                let values: Vec<String> = match choices {
+                    Choices::Directions { choices } => {
+                        let values = choices.iter().map(|it| it.deg);
+                        values.map(|deg| format!("{deg}deg")).collect()
+                    }
+                    Choices::Lengths { choices, unit } => {
+                        let values = choices.iter().map(|it| it.value);
+                        values
+                            .map(|value| format!("{value}{}", unit.name))
+                            .collect()
+                    }
+                    _ => Vec::new(),
+                };
+                format!("`{name}: one of {}`", values.join(", "))
+            });
+            let lines: Vec<String> = lines.collect();
+            let what = format!("another {}", names.join(" and "));
+            (what, format!(": offer it, {}", lines.join(" and ")))
+        }
+    })
+}
+
 fn better_json(at: &AtStart, better: &Better) -> Value {
-    let cure = at
-        .program
-        .field(better.field)
-        .map(|field| cure(&at.program, &better.scene, field, &better.point, better.at));
+    let (what, cure) = lacking(&at.program, &better.lacking).unwrap_or_default();
     json!({
         "action": better.index,
         "step": better.step,
-        "field": better.field,
-        "point": point_text(&better.point),
-        "at": better.at,
+        "what": what,
         "value": better.value,
-        "cure": cure.map(|cure| cure.trim_start_matches([':', ';', ' ']).to_owned()),
+        "instead_of": better.instead_of,
+        "measured": better.measured,
+        "cure": cure.trim_start_matches([':', ';', ' ']),
     })
 }
 
