@@ -211,6 +211,7 @@ fn searched(folder: &Path, stop_after: Option<u32>) -> Found {
             seed: 0,
             threads: 1,
         },
+        hints: &[],
         journal: Some(&journal),
         interrupt: &interrupt,
         progress: &|trials| {

@@ -213,6 +213,22 @@ impl Shared<'_> {
             subgoals: subgoals.digest(),
         };
         let journal = TrialJournal::open(&folder, &identity).map_err(failure)?;
+        let playing = rows::Playing {
+            program: &program,
+            start: &start,
+            subgoals: &subgoals,
+            examples: self.examples,
+            make_world: &make_boxed,
+            folder: &folder,
+            horizon: arguments.horizon,
+            seed: arguments.seed,
+            threads: threads(&arguments.threads),
+            cache,
+            interrupt,
+            io,
+        };
+        let metric = best::metric(&program);
+        let (policies, hints) = playing.policies(metric)?;
         let begun = Instant::now();
         let most = arguments.trials;
         let progress = |trials: u32| {
@@ -237,6 +253,7 @@ impl Shared<'_> {
                 seed: arguments.seed,
                 threads: threads(&arguments.threads),
             },
+            hints: &hints,
             journal: Some(&journal),
             interrupt,
             progress: &progress,
@@ -253,21 +270,8 @@ impl Shared<'_> {
             beyond => beyond.map_err(failure)?,
         };
         drop(tree);
-        let playing = rows::Playing {
-            program: &program,
-            start: &start,
-            subgoals: &subgoals,
-            examples: self.examples,
-            make_world: &make_boxed,
-            folder: &folder,
-            horizon: arguments.horizon,
-            seed: arguments.seed,
-            threads: threads(&arguments.threads),
-            cache,
-            interrupt,
-            io,
-        };
-        let rows = playing.rows(&found)?;
+        let mut rows = vec![playing.best(&found)?];
+        rows.extend(policies);
         Ok(AtStart {
             found,
             unoffered: beyond,

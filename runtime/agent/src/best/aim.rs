@@ -27,13 +27,10 @@ impl Aim {
     /// Finds what is measured, and simulates the experts' states that are not stored yet.
     pub fn of(search: &Search<'_>) -> Result<Aim, BestError> {
         let program = search.program;
-        let (metric, more_is_better) = match &program.goal {
-            Some(goal) => (
-                goal.metric,
-                matches!(goal.is, Comparison::Greater | Comparison::AtLeast),
-            ),
-            None => (Metric::ParticleDistance, false),
-        };
+        let metric = super::metric(program);
+        let goal = program.goal.as_ref();
+        let more_is_better =
+            goal.is_some_and(|goal| matches!(goal.is, Comparison::Greater | Comparison::AtLeast));
         let by_distance = metric == Metric::ParticleDistance;
         if by_distance && program.experts.is_empty() {
             return Err(BestError::Aimless {

@@ -23,6 +23,8 @@ mod offers;
 mod tree;
 
 use crate::action::Action;
+use crate::policy::Finding;
+use crate::record;
 use crate::scene::SceneError;
 use crate::subgoals::SubgoalSet;
 use fab_base::cache::Cache;
@@ -56,6 +58,8 @@ pub struct Search<'a> {
     pub horizon: Option<u32>,
     /// How much to try.
     pub limits: Limits,
+    /// Decisions of other rollouts of this task from this start, tried first: what is found is then at least as good.
+    pub hints: &'a [Vec<Choice>],
     /// Finished trials, kept and found again.
     pub journal: Option<&'a TrialJournal>,
     /// A request to stop early.
@@ -91,6 +95,41 @@ pub enum Choice {
     },
     /// No answer that is accepted: the task skips such a step.
     Skip,
+}
+
+impl Choice {
+    /// Returns whether it does the same to the cloth as another one.
+    fn does(&self, other: &Choice) -> bool {
+        match (self, other) {
+            (Choice::Skip, Choice::Skip) => true,
+            (Choice::Act { action, .. }, Choice::Act { action: other, .. }) => {
+                action.motion == other.motion
+            }
+            _ => false,
+        }
+    }
+
+    /// Returns what was decided in a step of a record; `None` if the rollout ended in it.
+    pub fn of(step: &record::Step) -> Option<Choice> {
+        if step.skipped.is_some() {
+            return Some(Choice::Skip);
+        }
+        let (accepted, action) = (step.accepted.as_ref()?, step.action.clone()?);
+        step.executed.as_ref()?;
+        let mut asked = step.attempts.iter();
+        let taken = asked
+            .find(|asked| asked.stage == accepted.stage && asked.attempt == accepted.attempt)?;
+        let Finding::Action { fields, .. } = &taken.result else {
+            return None;
+        };
+        Some(Choice::Act {
+            proposal: Proposal {
+                fields: fields.clone(),
+            },
+            action,
+            without: accepted.without.clone(),
+        })
+    }
 }
 
 /// One step on the way to a result.
@@ -183,6 +222,12 @@ impl Found {
     }
 }
 
+/// Returns what the results of a task are measured by.
+pub fn metric(program: &Program) -> Metric {
+    let goal = program.goal.as_ref();
+    goal.map_or(Metric::ParticleDistance, |goal| goal.metric)
+}
+
 /// Why there is no result.
 #[derive(Debug, thiserror::Error)]
 pub enum BestError {
@@ -225,6 +270,9 @@ pub enum BestError {
 /// before the first trial, while the experts' states are simulated.
 pub fn search(search: &Search<'_>) -> Result<(Found, Tree), BestError> {
     let mut tree = Tree::at_start(search)?;
-    tree.widen(search, search.limits.trials)?;
+    for hint in search.hints {
+        tree.follow(search, hint)?;
+    }
+    tree.widen(search, search.limits.trials.saturating_sub(tree.trials))?;
     Ok((tree.found(search), tree))
 }

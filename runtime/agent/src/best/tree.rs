@@ -115,6 +115,39 @@ impl Tree {
         }
     }
 
+    /// Makes the trials of a known rollout, as far as there are trials left.
+    pub(super) fn follow(&mut self, search: &Search<'_>, hint: &[Choice]) -> Result<(), BestError> {
+        let mut node = 0;
+        for choice in hint {
+            if self.interrupted || self.nodes[node].ended || self.trials >= search.limits.trials {
+                break;
+            }
+            self.look(search, &[node])?;
+            let it = &mut self.nodes[node];
+            let Some(offers) = &mut it.offers else {
+                break;
+            };
+            let place = offers.choices.iter().position(|other| other.does(choice));
+            let place = place.unwrap_or_else(|| {
+                offers.choices.push(choice.clone());
+                offers.choices.len() - 1
+            });
+            if place >= it.tried {
+                offers.choices[it.tried..=place].rotate_right(1);
+                let choice = it.tried;
+                self.make(search, &[Due { node, choice }])?;
+            }
+            let is_next = |next: &Node| {
+                next.parent == Some(node) && next.choice.as_ref().is_some_and(|it| it.does(choice))
+            };
+            let Some(next) = self.nodes.iter().position(is_next) else {
+                break;
+            };
+            node = next;
+        }
+        Ok(())
+    }
+
     /// Goes through all depths with more and more states, until everything was tried, as many as the beam is wide, or
     /// `trials` more trials were made.
     pub(super) fn widen(&mut self, search: &Search<'_>, trials: u32) -> Result<(), BestError> {

@@ -4,7 +4,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use fab_agent::best::Found;
+use fab_agent::best::{Choice, Found};
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
@@ -15,7 +15,7 @@ use fab_agent::subgoals::SubgoalSet;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
-use fab_bench::record::{self, FolderContents, Identity};
+use fab_bench::record::{self, FolderContents, Identity, Rollout};
 use fab_model::Models;
 use fab_model::calls::Budget;
 use fab_program::{Metric, Program};
@@ -40,6 +40,34 @@ pub struct Row {
     pub reached: Vec<bool>,
     /// Why there is no value.
     pub none: Option<String>,
+}
+
+impl Row {
+    fn new(name: &'static str, oracle: bool) -> Row {
+        Row {
+            name,
+            oracle,
+            values: Vec::new(),
+            reached: Vec::new(),
+            none: None,
+        }
+    }
+
+    /// Adds a rollout; `None` was interrupted.
+    fn add(&mut self, rollout: Option<&Rollout>, metric: Metric) {
+        let Some(Rollout { report, .. }) = rollout else {
+            self.none = Some("interrupted".to_owned());
+            return;
+        };
+        match value(report, metric) {
+            Some(value) => self.values.push(value),
+            None => {
+                let why = report.stopped.as_deref();
+                self.none = Some(why.unwrap_or(report.outcome.name()).to_owned());
+            }
+        }
+        self.reached.extend(report.goal_reached);
+    }
 }
 
 /// The rollouts of one start.
@@ -67,12 +95,8 @@ struct Play<'p> {
 }
 
 impl Playing<'_> {
-    /// Plays every row; what was interrupted has no value.
-    pub fn rows(&self, found: &Found) -> Result<Vec<Row>, Failure> {
-        let following = found.best.as_ref().map(|best| Following {
-            name: "best actions found".to_owned(),
-            choices: best.iter().map(|taken| taken.choice.clone()).collect(),
-        });
+    /// Plays the policies; returns a row each, and what they decided. What was interrupted has no value.
+    pub fn policies(&self, metric: Metric) -> Result<(Vec<Row>, Vec<Vec<Choice>>), Failure> {
         let random = Random { seed: self.seed };
         let stand_in = Prompted {
             models: Models {
@@ -80,45 +104,25 @@ impl Playing<'_> {
                 text: &Geometric,
             },
         };
-        let row = |name, oracle| Row {
-            name,
-            oracle,
-            values: Vec::new(),
-            reached: Vec::new(),
-            none: None,
-        };
-        let mut rows = vec![
-            row("best", true),
-            row("expert", true),
-            row("random", false),
-            row("stand-in", false),
+        let makers: [(&'static str, bool, &dyn MakePolicy, u32); 3] = [
+            ("expert", true, &Expert, 1),
+            ("random", false, &random, DRAWS),
+            ("stand-in", false, &stand_in, 1),
         ];
+        let mut rows = Vec::new();
         let mut plays: Vec<Play<'_>> = Vec::new();
-        match &following {
-            Some(following) => plays.push(Play {
-                row: 0,
-                folder: format!("best-{}", name_of(following)),
-                make_policy: following,
-                repetition: 0,
-            }),
-            None => rows[0].none = Some("no rollout ended yet".to_owned()),
-        }
-        let makers: [(usize, &str, &dyn MakePolicy, u32); 3] = [
-            (1, "expert", &Expert, 1),
-            (2, "random", &random, DRAWS),
-            (3, "stand-in", &stand_in, 1),
-        ];
-        for (row, folder, make_policy, repetitions) in makers {
-            if let Err(error) = make_policy.make().prepare(self.program) {
-                rows[row].none = Some(error.to_string());
-                continue;
+        for (name, oracle, make_policy, repetitions) in makers {
+            let mut row = Row::new(name, oracle);
+            match make_policy.make().prepare(self.program) {
+                Err(error) => row.none = Some(error.to_string()),
+                Ok(_) => plays.extend((0..repetitions).map(|repetition| Play {
+                    row: rows.len(),
+                    folder: format!("{name}-{}", repetition + 1),
+                    make_policy,
+                    repetition,
+                })),
             }
-            plays.extend((0..repetitions).map(|repetition| Play {
-                row,
-                folder: format!("{folder}-{}", repetition + 1),
-                make_policy,
-                repetition,
-            }));
+            rows.push(row);
         }
         let played = in_parallel(
             plays.len(),
@@ -131,36 +135,51 @@ impl Playing<'_> {
             },
         );
         self.io.progress("");
-        for (play, report) in plays.iter().zip(played?) {
-            let row = &mut rows[play.row];
-            let Some(report) = report else {
-                row.none = Some("interrupted".to_owned());
-                if play.row == 0 {
-                    row.values.extend(found.value());
-                }
-                continue;
-            };
-            match value(&report, found.metric) {
-                Some(value) => row.values.push(value),
-                None => {
-                    let why = report.stopped.as_deref();
-                    row.none = Some(why.unwrap_or(report.outcome.name()).to_owned());
-                }
-            }
-            row.reached.extend(report.goal_reached);
+        let mut decided = Vec::new();
+        for (play, rollout) in plays.iter().zip(played?) {
+            rows[play.row].add(rollout.as_ref(), metric);
+            let steps = rollout.iter().flat_map(|rollout| &rollout.steps);
+            decided.push(steps.map_while(|step| Choice::of(&step.line)).collect());
         }
-        if let (Some(found), Some(again)) = (found.value(), rows[0].values.first())
+        Ok((rows, decided))
+    }
+
+    /// Executes the best actions in a rollout of their own, and returns the row.
+    ///
+    /// Fails if it ends elsewhere than the search found.
+    pub fn best(&self, found: &Found) -> Result<Row, Failure> {
+        let mut row = Row::new("best", true);
+        let Some(best) = &found.best else {
+            row.none = Some("no rollout ended yet".to_owned());
+            return Ok(row);
+        };
+        let following = Following {
+            name: "best actions found".to_owned(),
+            choices: best.iter().map(|taken| taken.choice.clone()).collect(),
+        };
+        let rollout = self.play(&Play {
+            row: 0,
+            folder: format!("best-{}", name_of(&following)),
+            make_policy: &following,
+            repetition: 0,
+        })?;
+        row.add(rollout.as_ref(), found.metric);
+        if rollout.is_none() {
+            // The search measured the same state.
+            row.values.extend(found.value());
+        }
+        if let (Some(found), Some(again)) = (found.value(), row.values.first())
             && (found - again).abs() > 1e-9
         {
             return Err(Failure::environment(format!(
                 "the rollout of the best actions ends at {again}, and the search found {found}: the simulator did not repeat itself"
             )));
         }
-        Ok(rows)
+        Ok(row)
     }
 
     /// Plays one rollout, or reads it if it is finished; `None` if it was interrupted.
-    fn play(&self, play: &Play<'_>) -> Result<Option<Report>, Failure> {
+    fn play(&self, play: &Play<'_>) -> Result<Option<Rollout>, Failure> {
         if self.interrupt.is_raised() {
             return Ok(None);
         }
@@ -197,7 +216,7 @@ impl Playing<'_> {
         };
         let folder = self.folder.join(&play.folder);
         match record::find(&folder, &identity) {
-            FolderContents::Finished(rollout) => return Ok(Some(rollout.report)),
+            FolderContents::Finished(rollout) => return Ok(Some(*rollout)),
             FolderContents::Other(why) => {
                 return Err(Failure::environment(format!(
                     "`{}` holds another rollout: {why}; name another `--out`, nothing is overwritten",
@@ -215,7 +234,11 @@ impl Playing<'_> {
             Err(RunError::World(WorldError::Interrupted)) => Ok(None),
             Err(error) => Err(Failure::environment(error)),
             Ok(ended) if ended.outcome == Outcome::Interrupted => Ok(None),
-            Ok(ended) => Ok(Some(ended.report)),
+            Ok(_) => match record::find(&folder, &identity) {
+                FolderContents::Finished(rollout) => Ok(Some(*rollout)),
+                FolderContents::Other(why) => Err(Failure::environment(why)),
+                FolderContents::Unfinished => Ok(None),
+            },
         }
     }
 }
