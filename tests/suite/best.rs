@@ -37,7 +37,7 @@ task lacking extends folding {
 const ANYWHERE: &str = r#"
 task anywhere {
     cloth  grid(14, 14, start: crumpled)
-    goal   normalized_improvement > 0.99
+    goal   normalized_improvement > 0.3
     horizon 2
     camera top_down(height: 650mm, fov: 45deg, image: 224px)
     picker drop
@@ -150,29 +150,25 @@ fn a_point_that_is_not_offered_is_named_with_the_line_that_offers_it() {
 #[ignore = "long"]
 fn pulls_anywhere_are_sampled_and_say_so() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = "--trials 12 --out whole";
+    let arguments = "--trials 24 --out whole";
     let (code, whole) = run(folder.path(), ANYWHERE, arguments);
-    // SoftGym's measure of so small a cloth, turned, exceeds that of the flat one.
     assert_eq!(code, 0, "{whole:#}");
     let start = &whole["starts"][0];
     assert_eq!(start["sampled"][0], "any point on the cloth");
     assert_eq!(
         (&start["exhausted"], &start["trials"]),
-        (&false.into(), &12.into())
+        (&false.into(), &24.into())
     );
-    let expert = whole["rows"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .find(|row| row["row"] == "expert");
-    let none = expert.unwrap()["none"].as_str().unwrap().to_owned();
+    let row = |name: &str| {
+        let mut rows = whole["rows"].as_array().unwrap().iter();
+        rows.find(|row| row["row"] == name).unwrap()
+    };
+    let none = row("expert")["none"].as_str().unwrap().to_owned();
     assert!(none.contains("demonstrates no folds"), "{none}");
-    let after: Vec<f64> = start["after"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .filter_map(Value::as_f64)
-        .collect();
+    let value = |name: &str| row(name)["value"].as_f64().unwrap();
+    assert!(value("best") > value("random") && value("best") >= value("stand-in"));
+    let after = start["after"].as_array().unwrap().iter();
+    let after: Vec<f64> = after.filter_map(Value::as_f64).collect();
     assert_eq!(after.len(), 2);
     // Doing nothing in the second step is one of the choices.
     assert!(after[1] >= after[0], "{after:?}");
