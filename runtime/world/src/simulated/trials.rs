@@ -122,3 +122,81 @@ fn try_group<T, E: From<WorldError>>(
     }
     Ok(Some(all))
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::{WorldPoint, conformance};
+    use fab_program::{Cloth, ClothStart, Picker};
+
+    /// A world with a cloth that was pulled once.
+    fn pulled() -> (SimulatedWorld, Start) {
+        let start = Start::flat(&Cloth {
+            dimx: 10,
+            dimy: 10,
+            spacing_m: 0.00625,
+            start: ClothStart::Flat,
+            material: None,
+        });
+        let mut world = fresh();
+        world.reset(&start).unwrap();
+        let first = motion([-0.028, -0.028], [0.0, 0.01]);
+        world.act(&first, &Interrupt::default()).unwrap();
+        (world, start)
+    }
+
+    fn fresh() -> SimulatedWorld {
+        SimulatedWorld::new(&conformance::camera(), Picker::Drop).unwrap()
+    }
+
+    fn motion(pick: [f64; 2], place: [f64; 2]) -> Motion {
+        let [pick, place] = [pick, place].map(|[x, y]| WorldPoint::new(x, y, 0.005));
+        Motion::new(pick, place)
+    }
+
+    #[test]
+    fn trials_end_as_the_worlds_own_actions_do_on_any_number_of_threads() {
+        let (world, start) = pulled();
+        let state = world.state().unwrap();
+        let motions = [
+            motion([0.028, 0.028], [0.06, 0.05]),
+            motion([0.028, -0.028], [0.0, 0.0]),
+            motion([0.028, 0.028], [0.0, 0.03]),
+        ];
+        let expected: Vec<Tried> = motions
+            .iter()
+            .map(|motion| {
+                let mut again = fresh();
+                again.go_to(&start, &state).unwrap();
+                let executed = again.act(motion, &Interrupt::default()).unwrap();
+                let state = again.state().unwrap();
+                Tried { executed, state }
+            })
+            .collect();
+        let trials = motions.map(|motion| Trial {
+            from: &world,
+            motion,
+        });
+        for threads in [1, 3] {
+            let done = try_motions(&trials, threads, &Interrupt::default(), |_, tried| {
+                Ok::<_, Failed>(tried)
+            });
+            let done: Vec<Tried> = done.unwrap().into_iter().flatten().collect();
+            assert_eq!(done, expected);
+        }
+        assert_eq!(world.state().unwrap(), state);
+        let stopped = Interrupt::default();
+        stopped.raise();
+        let none = try_motions(&trials, 1, &stopped, |_, _| Ok::<_, Failed>(()));
+        assert_eq!(none.unwrap(), [None; 3]);
+    }
+
+    #[derive(Debug, thiserror::Error)]
+    enum Failed {
+        #[error(transparent)]
+        World(#[from] WorldError),
+        #[error(transparent)]
+        Threads(#[from] io::Error),
+    }
+}
