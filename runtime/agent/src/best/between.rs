@@ -57,7 +57,7 @@ fn in_step(
         return Ok(None);
     };
     let (program, proposals) = extended(search.program, proposal);
-    let (mut world, state) = tree.world_at(search, before)?;
+    let (mut world, _) = tree.world_at(search, before)?;
     let (scene, observation) = tree.scene_at(search, before, &mut world)?;
     let step = tree.step_of(search, before);
     let at = Situation {
@@ -77,7 +77,6 @@ fn in_step(
             candidates.push((proposal, action.motion));
         }
     }
-    // The world is where `state` says.
     let due: Vec<Trial<'_>> = candidates
         .iter()
         .map(|(_, motion)| Trial {
@@ -85,7 +84,6 @@ fn in_step(
             motion: *motion,
         })
         .collect();
-    drop(state);
     let done = try_motions(
         &due,
         search.limits.threads,

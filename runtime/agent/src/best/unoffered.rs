@@ -14,6 +14,7 @@ use crate::scene::Scene;
 use fab_base::cache::Cache;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
+use fab_program::scene::SceneView;
 use fab_program::{Choices, ClothPoint, Fold, Metric, PixelPoint, Proposal, Value, space};
 use fab_world::simulated::trials::{Trial, Tried, try_motions};
 use fab_world::{Motion, SimulatedWorld, WorldPoint, expert};
@@ -349,12 +350,26 @@ impl StepAt<'_> {
                 .filter_map(|pixel| Some((pixel, candidate(name, pixel, scene, observation)?)))
                 .collect()
         };
-        let [picks, places] = ["pick", "place"].map(offered);
+        let [mut picks, mut places] = ["pick", "place"].map(offered);
+        // The pixels of a mask are not listed: the best of them stands for all.
+        if let Some(Choice::Act { action, .. }) = &self.offered.choice {
+            if picks.is_empty() {
+                picks.push((action.pick_px, action.motion.pick));
+            }
+            if places.is_empty() {
+                places.push((action.place_px, action.motion.place));
+            }
+        }
         let named = self.named(positions, observation);
-        let away = |named: &Named, offered: &[(PixelPoint, WorldPoint)]| {
-            offered
-                .iter()
-                .all(|(pixel, _)| pixel.distance_px(named.at) > limit_px)
+        let is_offered = |name: &str, at: PixelPoint, offered: &[(PixelPoint, WorldPoint)]| {
+            let nearest_px = match program.field(name).map(|field| &field.choices) {
+                Some(Choices::Region { mask }) => scene.distance_px(mask, at),
+                _ => {
+                    let all = offered.iter().map(|(pixel, _)| pixel.distance_px(at));
+                    all.reduce(f64::min)
+                }
+            };
+            nearest_px.is_some_and(|nearest_px| nearest_px <= limit_px)
         };
         let mut all = Vec::new();
         let mut add = |field,
@@ -370,12 +385,12 @@ impl StepAt<'_> {
         };
         for point in &named {
             let own = (point.at, point.world);
-            if away(point, &places) {
+            if !is_offered("place", point.at, &places) {
                 picks
                     .iter()
                     .for_each(|&pick| add("place", *point, pick, own));
             }
-            if away(point, &picks) {
+            if !is_offered("pick", point.at, &picks) {
                 places
                     .iter()
                     .for_each(|&place| add("pick", *point, own, place));
