@@ -242,7 +242,7 @@ fn a_search_that_was_stopped_has_what_it_found_and_goes_on_from_there() {
 }
 
 #[test]
-fn only_the_simulator_can_be_searched() {
+fn what_cannot_be_searched_is_told() {
     let folder = tempfile::tempdir().unwrap();
     for world in ["arm", "exec:true"] {
         let said = finish(&mut command(
@@ -263,4 +263,13 @@ fn only_the_simulator_can_be_searched() {
         "--start x.npy --starts 2",
     ));
     assert!(said.stdout.contains("names a file"), "{}", said.stdout);
+
+    let aimless = ANYWHERE.replace("goal   normalized_improvement > 0.3", "");
+    let said = finish(&mut command(folder.path(), &aimless, ""));
+    assert_eq!(said.code, 64);
+    assert!(
+        said.stdout.contains("so no result is better than another"),
+        "{}",
+        said.stdout
+    );
 }

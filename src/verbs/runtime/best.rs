@@ -22,7 +22,7 @@ use fab_agent::best::{self, BestError, Found, Limits, Search};
 use fab_agent::examples::Examples;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
-use fab_program::Program;
+use fab_program::{Metric, Program};
 use fab_world::start::Start;
 use fab_world::{SimulatedWorld, World, WorldError};
 use report::Report;
@@ -87,6 +87,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         )));
     }
     let program = sources::compile_task(&arguments.task, io)?;
+    let metric = best::metric(&program).map_err(failure)?;
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = io.interrupt()?;
@@ -102,6 +103,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let shared = Shared {
         arguments,
         declared: &program,
+        metric,
         beside: &beside,
         examples: &examples,
         out: &out,
@@ -172,6 +174,7 @@ fn starts(
 struct Shared<'a> {
     arguments: &'a BestArguments,
     declared: &'a Program,
+    metric: Metric,
     beside: &'a Path,
     examples: &'a Examples,
     out: &'a Path,
@@ -227,8 +230,7 @@ impl Shared<'_> {
             interrupt,
             io,
         };
-        let metric = best::metric(&program);
-        let (policies, hints) = playing.policies(metric)?;
+        let (policies, hints) = playing.policies(self.metric)?;
         let begun = Instant::now();
         let most = arguments.trials;
         let progress = |trials: u32| {

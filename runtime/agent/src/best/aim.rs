@@ -27,16 +27,11 @@ impl Aim {
     /// Finds what is measured, and simulates the experts' states that are not stored yet.
     pub fn of(search: &Search<'_>) -> Result<Aim, BestError> {
         let program = search.program;
-        let metric = super::metric(program);
+        let metric = super::metric(program)?;
         let goal = program.goal.as_ref();
         let more_is_better =
             goal.is_some_and(|goal| matches!(goal.is, Comparison::Greater | Comparison::AtLeast));
         let by_distance = metric == Metric::ParticleDistance;
-        if by_distance && program.experts.is_empty() {
-            return Err(BestError::Aimless {
-                task: program.title(),
-            });
-        }
         let sequences = match by_distance {
             true => program.experts.clone(),
             false => Vec::new(),

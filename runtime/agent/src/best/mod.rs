@@ -223,9 +223,16 @@ impl Found {
 }
 
 /// Returns what the results of a task are measured by.
-pub fn metric(program: &Program) -> Metric {
+///
+/// Fails if the task says nowhere what is better.
+pub fn metric(program: &Program) -> Result<Metric, BestError> {
     let goal = program.goal.as_ref();
-    goal.map_or(Metric::ParticleDistance, |goal| goal.metric)
+    match goal.map_or(Metric::ParticleDistance, |goal| goal.metric) {
+        Metric::ParticleDistance if program.experts.is_empty() => Err(BestError::Aimless {
+            task: program.title(),
+        }),
+        metric => Ok(metric),
+    }
 }
 
 /// Why there is no result.
