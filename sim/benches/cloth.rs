@@ -12,7 +12,9 @@ mod cloths;
 
 use cloths::CLOTHS;
 use divan::{Bencher, black_box, counter::ItemsCount};
-use fab_sim::{Grid, Look, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold};
+use fab_sim::{
+    Aim, Grid, Look, Manner, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold,
+};
 use std::time::{Duration, Instant};
 
 fn main() {
@@ -134,6 +136,47 @@ fn fold_every_step(bencher: Bencher) {
 /// Folds a square cloth by hand, every step computed, as `fabc sim time` does.
 fn fold_square(dim: usize, params: &Params) -> Simulator {
     diagonal_fold(square(dim), params, &|| false).expect("a fold within reach")
+}
+
+/// Pulls of a crumpled cloth of 40 by 40 particles as a smoothing search tries them: 4 picks, 8 directions each, with
+/// every motion computed whole, or with those that share a pick computed from one lift. Its items are pulls.
+#[divan::bench(args = ["whole", "shared lift"], sample_count = 1, sample_size = 1)]
+fn pulls_40(bencher: Bencher, how: &str) {
+    let grid = Grid::new(40, 40, 0.00625).expect("40 particles are within bounds");
+    let mut heap = Simulator::flat(grid, &Params::default());
+    heap.crumple(3, &|| false).expect("a cloth stays finite");
+    let params = Params::with_dropping_picker();
+    let mut cloth = Simulator::from_positions(grid, &heap.positions(), &params)
+        .expect("a crumpled cloth is a start");
+    cloth.set_aim(Aim::Uppermost);
+    let points = cloth.positions();
+    let picks = [0, 39, 40 * 39, 40 * 40 - 1].map(|particle: usize| points[particle]);
+    let sides = [[1.0, 0.0], [0.7, 0.7], [0.0, 1.0], [-0.7, 0.7]];
+    let directions: Vec<[f32; 2]> = sides
+        .into_iter()
+        .flat_map(|[x, y]| [[x, y], [-x, -y]])
+        .collect();
+    let place = |pick: [f32; 3], [x, y]: [f32; 2]| [pick[0] + 0.12 * x, pick[1] + 0.12 * y];
+    let manner = Manner::default();
+    bencher
+        .counter(ItemsCount::new(picks.len() * directions.len()))
+        .bench(|| {
+            for pick in picks {
+                let at = [pick[0], pick[1]];
+                let lifted = cloth.lift(&manner, at, &|| false);
+                let lifted = lifted.expect("a pick within reach");
+                for direction in &directions {
+                    let place = place(pick, *direction);
+                    if how == "whole" {
+                        let mut whole = cloth.clone();
+                        let done = whole.pick_and_place(at, place, &|| false);
+                        black_box(done.expect("a pull within reach"));
+                    } else {
+                        black_box(lifted.place(place, &|| false).expect("a pull within reach"));
+                    }
+                }
+            }
+        });
 }
 
 /// Counts the particles of all steps of a fold.

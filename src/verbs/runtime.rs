@@ -3,6 +3,7 @@
 //! [`setting`] has what several of them need besides a program.
 
 pub mod bench;
+pub mod best;
 pub mod calibrate;
 pub mod demos;
 pub mod doctor;
@@ -38,6 +39,8 @@ super::verbs! {
     Resume(resume::ResumeArguments),
     /// Runs a suite of many rollouts, and prints its table, with published figures beside it.
     Bench(bench::BenchArguments),
+    /// Searches the best that any answers to a task could do in the simulator, and what limits it.
+    Best(best::BestArguments),
     /// Calibrates the camera to the arm's base frame, from points that the arm touched.
     Calibrate(calibrate::CalibrateArguments),
     /// Checks an arm's settings, and recovers the arm after a run.
@@ -64,6 +67,7 @@ impl Verb {
             Verb::Subgoals(subgoals) => &mut subgoals.task,
             Verb::Demos(demos) => &mut demos.task,
             Verb::Run(run) => &mut run.task,
+            Verb::Best(best) => &mut best.task,
             _ => return None,
         };
         Some(&mut task.file)

@@ -90,7 +90,8 @@ sim crumple --size 10 -o starts
 sim export starts/crumpled_10x10_0.npy -o heap.obj
 sim record --size 24 --move -0.07,0.07:0.05,-0.05 -o fold.gif
 run small.fab --out filmed --video
-sim time --size 25";
+sim time --size 25
+best small.fab --trials 4 --out best";
 
 /// Collects the paths of all fields: `tasks[].name`.
 fn collect(value: &Value, path: &str, found: &mut BTreeSet<String>) {

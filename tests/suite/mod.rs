@@ -16,6 +16,7 @@ mod bad_see_input;
 mod bad_sim_input;
 mod bad_starts;
 mod bench;
+mod best;
 pub mod book;
 mod book_calls;
 mod build;

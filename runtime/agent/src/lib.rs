@@ -127,6 +127,7 @@ pub mod policy;
 pub mod scene;
 
 pub mod arm_sight;
+pub mod best;
 pub mod demos;
 pub mod draft;
 pub mod examples;

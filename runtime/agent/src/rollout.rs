@@ -9,6 +9,7 @@ mod first;
 mod score;
 mod tally;
 mod timer;
+mod tries;
 mod turn;
 mod writer;
 
@@ -20,7 +21,6 @@ use crate::operator::Operator;
 use crate::outcome::Outcome;
 use crate::policy::{Asking, Attempt, MakePolicy, PolicyError, PromptError, StepKind};
 use crate::record::{Line, Report, RunCosts};
-use crate::result::StepResult;
 use crate::scene::SceneError;
 use crate::sheet::Sheet;
 use crate::subgoals::SubgoalSet;
@@ -42,6 +42,8 @@ use std::ops::Deref;
 use std::time::Instant;
 use turn::{Memory, Turn};
 use writer::RolloutWriter;
+
+pub(crate) use tries::Tries;
 
 pub use first::{FirstQuestion, first_questions};
 pub use score::Score;
@@ -269,7 +271,7 @@ pub fn run(
     let mut covered = Covered::at_start(job, world.as_mut())?;
     let mut end = Outcome::HorizonReached;
     let mut tries = Tries::default();
-    while let Some(step) = tries.step(job) {
+    while let Some(step) = tries.step(job.horizon()) {
         tries.number += 1;
         keeper.asking.begin(match keeper.folder.repeats() {
             true => StepKind::Repeated,
@@ -306,7 +308,7 @@ pub fn run(
         if tries.before.is_some() && turn.line.executed.is_some() {
             keeper.tally.retries += 1;
         }
-        tries.after(job, turn.line.result);
+        tries.after(job.program.actions_per_step(), turn.line.result);
         if let Some(outcome) = stopped {
             end = outcome;
             break;
@@ -369,36 +371,4 @@ fn unfit_manner(program: &Program, world: &dyn World) -> Option<String> {
         }
     }
     None
-}
-
-/// Assigns actions to steps.
-#[derive(Default)]
-struct Tries {
-    /// Actions begun.
-    number: u32,
-    /// Steps that are finished.
-    done: u32,
-    /// Retries begun for the current step.
-    retries: u32,
-    /// The result of the last action, if the step must be retried.
-    before: Option<StepResult>,
-}
-
-impl Tries {
-    /// Returns the current step, from 1; `None` if the rollout is over.
-    fn step(&self, job: &Job<'_>) -> Option<u32> {
-        (self.done < job.horizon()).then_some(self.done + 1)
-    }
-
-    /// Decides whether the current step is over: its result matches the subgoal, or it was retried often enough.
-    fn after(&mut self, job: &Job<'_>, result: Option<StepResult>) {
-        let most = job.program.actions_per_step() - 1;
-        self.before = result.filter(|result| !result.is_enough && self.retries < most);
-        if self.before.is_some() {
-            self.retries += 1;
-        } else {
-            self.done += 1;
-            self.retries = 0;
-        }
-    }
 }

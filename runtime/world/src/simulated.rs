@@ -1,6 +1,7 @@
 //! The bundled cloth simulator as a [`World`]; this module alone names the simulator's crate.
 
 pub mod film;
+pub mod trials;
 
 use self::film::Recorder;
 use super::{Executed, Grasp, Motion, World, WorldError};
@@ -12,7 +13,7 @@ use fab_picture::DepthImage;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
 use fab_program::{self as program, Program};
-use fab_sim::{Aim, Grid, Manner, Mask, SimError, Simulator, TopDownCamera};
+use fab_sim::{Aim, Grid, Manner, Mask, PickAndPlace, SimError, Simulator, TopDownCamera};
 pub use fab_sim::{Look, Params};
 use image::RgbImage;
 
@@ -187,26 +188,11 @@ impl World for SimulatedWorld {
 
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
         let cloth = self.cloth.as_mut().ok_or(WorldError::NotReset)?;
-        let metres = |value: Option<f64>| value.map(|value| value as f32);
-        let manner = Manner {
-            lift_m: metres(motion.manner.lift_m),
-            speed_m_s: metres(motion.manner.speed_m_s),
-            release_height_m: metres(motion.manner.release_height_m),
-            press_m: metres(motion.manner.press_m),
-        };
-        let on_table = |point: &super::WorldPoint| [point.x as f32, point.y as f32];
-        let [pick, place] = [&motion.pick, &motion.place].map(on_table);
+        let (manner, [pick, place]) = in_metres(motion);
         let recorder = self.recorder.as_ref();
         let done = film::pick_and_place(cloth, &manner, pick, place, recorder, interrupt)
             .map_err(stopped)?;
-        Ok(Executed {
-            motion: *motion,
-            grasp: done
-                .grasped
-                .map_or(Grasp::Missed, |particle| Grasp::Particle(particle as u32)),
-            released_at: done.released_at.map(|point| point.map(f64::from).into()),
-            duration_s: done.time_s,
-        })
+        Ok(executed(motion, &done))
     }
 
     fn crumple(
@@ -233,6 +219,31 @@ impl World for SimulatedWorld {
 
     fn refuses(&self, _: &Motion) -> Option<String> {
         None
+    }
+}
+
+/// Returns a motion as the simulator takes it: its manner, and where on the table it picks and places.
+fn in_metres(motion: &Motion) -> (Manner, [[f32; 2]; 2]) {
+    let metres = |value: Option<f64>| value.map(|value| value as f32);
+    let manner = Manner {
+        lift_m: metres(motion.manner.lift_m),
+        speed_m_s: metres(motion.manner.speed_m_s),
+        release_height_m: metres(motion.manner.release_height_m),
+        press_m: metres(motion.manner.press_m),
+    };
+    let on_table = |point: &super::WorldPoint| [point.x as f32, point.y as f32];
+    (manner, [&motion.pick, &motion.place].map(on_table))
+}
+
+/// Returns what a motion really did, as a world says it.
+fn executed(motion: &Motion, done: &PickAndPlace) -> Executed {
+    Executed {
+        motion: *motion,
+        grasp: done
+            .grasped
+            .map_or(Grasp::Missed, |particle| Grasp::Particle(particle as u32)),
+        released_at: done.released_at.map(|point| point.map(f64::from).into()),
+        duration_s: done.time_s,
     }
 }
 

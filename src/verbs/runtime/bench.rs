@@ -162,7 +162,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let prepared = prepare::prepare(&suite, &found.folder, arguments, threads, io)?;
     let out = match arguments.spend.estimate {
         true => PathBuf::from("runs"),
-        false => out_folder(arguments.out.as_deref(), &found.name)?,
+        false => setting::out_folder(arguments.out.as_deref(), &format!("bench-{}", found.name))?,
     };
     let cache = cache(&out, io);
     let Some(entries) = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt, io)?
@@ -385,34 +385,6 @@ impl SharedQuestions {
 
 fn failure(error: BenchError) -> Failure {
     Failure::environment(error)
-}
-
-/// Creates the folder of a suite's runs.
-fn out_folder(named: Option<&Path>, suite: &str) -> Result<PathBuf, Failure> {
-    let cannot = |path: &Path, error: std::io::Error| {
-        Failure::environment(format!(
-            "cannot make the folder `{}`: {error}",
-            path.display()
-        ))
-    };
-    if let Some(path) = named {
-        std::fs::create_dir_all(path).map_err(|error| cannot(path, error))?;
-        return Ok(path.to_owned());
-    }
-    let parent = Path::new("runs");
-    std::fs::create_dir_all(parent).map_err(|error| cannot(parent, error))?;
-    for number in 1..=9999u32 {
-        let path = parent.join(format!("bench-{suite}-{number:04}"));
-        match std::fs::create_dir(&path) {
-            Ok(()) => return Ok(path),
-            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(cannot(&path, error)),
-        }
-    }
-    Err(Failure::environment(format!(
-        "`{}` holds 9999 runs of `{suite}` already; name a folder with `--out`",
-        parent.display()
-    )))
 }
 
 /// Opens the user's cache, or one beside the runs: without a cache, every rollout would simulate its own experts.

@@ -356,7 +356,7 @@ fn again(steps: u32, spent: &Spent) -> String {
 }
 
 /// Tries the start and gets the pictures; `None` if the user interrupted it.
-fn prepare(
+pub fn prepare(
     program: &Program,
     start: &Start,
     beside: &Path,

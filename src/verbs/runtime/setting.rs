@@ -26,7 +26,7 @@ use fab_world::vary::AxisValues;
 use fab_world::{SimulatedWorld, World, WorldError};
 use serde::Deserialize;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Where the cloth lies at first.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
@@ -188,6 +188,34 @@ pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
                 "`--dims {text}` is not a grid; write two counts of at least 2, such as `55x44`"
             ))
         })
+}
+
+/// Creates the folder of many runs: the named one, or the next free `runs/NAME-NNNN`.
+pub fn out_folder(named: Option<&Path>, name: &str) -> Result<PathBuf, Failure> {
+    let cannot = |path: &Path, error: std::io::Error| {
+        Failure::environment(format!(
+            "cannot make the folder `{}`: {error}",
+            path.display()
+        ))
+    };
+    if let Some(path) = named {
+        std::fs::create_dir_all(path).map_err(|error| cannot(path, error))?;
+        return Ok(path.to_owned());
+    }
+    let parent = Path::new("runs");
+    std::fs::create_dir_all(parent).map_err(|error| cannot(parent, error))?;
+    for number in 1..=9999u32 {
+        let path = parent.join(format!("{name}-{number:04}"));
+        match std::fs::create_dir(&path) {
+            Ok(()) => return Ok(path),
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(cannot(&path, error)),
+        }
+    }
+    Err(Failure::environment(format!(
+        "`{}` holds 9999 folders `{name}-NNNN` already; name a folder with `--out`",
+        parent.display()
+    )))
 }
 
 /// Opens the user's cache of simulated final states and starts.

@@ -13,7 +13,7 @@ mod time;
 
 mod demonstrations;
 mod files;
-mod parallel;
+pub mod parallel;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;

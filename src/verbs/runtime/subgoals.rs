@@ -1,6 +1,6 @@
 //! `fabc subgoals`: draws a task's demonstration and pins the pictures beside its file.
 
-mod offered;
+pub mod offered;
 mod tried;
 
 use crate::exit::{Exit, Failure};

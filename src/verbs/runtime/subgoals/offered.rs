@@ -75,7 +75,7 @@ struct Step<'s> {
 impl Step<'_> {
     /// Returns a note if a demonstrated point is not offered.
     fn note(&self, field: &ActionField, point: &ClothPoint, at: PixelPoint) -> Option<String> {
-        let limit_px = NEAR_PX * f64::from(self.program.camera.image_px) / 224.0;
+        let limit_px = limit_px(self.program);
         let name = &field.name;
         let nearest_px = match &field.choices {
             Choices::Points { .. } => nearest(space::choices(field, self.scene), at)?,
@@ -95,60 +95,61 @@ impl Step<'_> {
             self.number + 1,
             at.u,
             at.v,
-            self.cure(field, point, at, limit_px)
+            cure(self.program, self.scene, field, point, at)
         ))
     }
+}
 
-    /// Returns how to offer the point, as the end of a sentence.
-    fn cure(
-        &self,
-        field: &ActionField,
-        point: &ClothPoint,
-        at: PixelPoint,
-        limit_px: f64,
-    ) -> String {
-        let Choices::Points { keypoints } = &field.choices else {
-            return String::new();
-        };
-        let offer =
-            |more: &str| format!("`{}: one of {}, {more}`", field.name, keypoints.join(", "));
-        let has_it = |name: &&String| {
-            let points = self.scene.points(name).unwrap_or_default();
-            nearest(points.into_iter().map(Value::Point).collect(), at)
-                .is_some_and(|distance_px| distance_px <= limit_px)
-        };
-        let names = self
-            .program
-            .keypoints
-            .iter()
-            .filter(|keypoint| {
-                use fab_program::KeypointShape::{Point, Points};
-                matches!(keypoint.extractor.shape(), Point | Points)
-            })
-            .map(|keypoint| &keypoint.name);
-        if let Some(known) = names.clone().find(has_it) {
-            return format!(": offer it, {}", offer(known));
-        }
-        let is_middle = matches!(
-            *point,
-            ClothPoint::Particle { right, front } if [right, front].contains(&0.5)
-                && [right, front].iter().any(|at| [0.0, 1.0].contains(at))
-        );
-        let is_free = |name: &str| {
-            self.program
-                .keypoints
-                .iter()
-                .all(|known| known.name != name)
-        };
-        match is_middle && !is_free("cloth") && is_free("rim") && is_free("sides") {
-            true => format!(
-                ": offer it,\n    keypoints {{\n        rim = contour(cloth, tolerance: 4px)\n        \
-                 sides = edge_middles(rim)\n    }}\nand {}",
-                offer("sides")
-            ),
-            false => "; offer a keypoint that finds it".to_owned(),
-        }
+/// Returns how to offer the point, as the end of a sentence.
+///
+/// - `at`: where the point is in the picture behind `scene`.
+pub fn cure(
+    program: &Program,
+    scene: &Scene,
+    field: &ActionField,
+    point: &ClothPoint,
+    at: PixelPoint,
+) -> String {
+    let limit_px = limit_px(program);
+    let Choices::Points { keypoints } = &field.choices else {
+        return String::new();
+    };
+    let offer = |more: &str| format!("`{}: one of {}, {more}`", field.name, keypoints.join(", "));
+    let has_it = |name: &&String| {
+        let points = scene.points(name).unwrap_or_default();
+        nearest(points.into_iter().map(Value::Point).collect(), at)
+            .is_some_and(|distance_px| distance_px <= limit_px)
+    };
+    let names = program
+        .keypoints
+        .iter()
+        .filter(|keypoint| {
+            use fab_program::KeypointShape::{Point, Points};
+            matches!(keypoint.extractor.shape(), Point | Points)
+        })
+        .map(|keypoint| &keypoint.name);
+    if let Some(known) = names.clone().find(has_it) {
+        return format!(": offer it, {}", offer(known));
     }
+    let is_middle = matches!(
+        *point,
+        ClothPoint::Particle { right, front } if [right, front].contains(&0.5)
+            && [right, front].iter().any(|at| [0.0, 1.0].contains(at))
+    );
+    let is_free = |name: &str| program.keypoints.iter().all(|known| known.name != name);
+    match is_middle && !is_free("cloth") && is_free("rim") && is_free("sides") {
+        true => format!(
+            ": offer it,\n    keypoints {{\n        rim = contour(cloth, tolerance: 4px)\n        \
+             sides = edge_middles(rim)\n    }}\nand {}",
+            offer("sides")
+        ),
+        false => "; offer a keypoint that finds it".to_owned(),
+    }
+}
+
+/// Returns how far an offered point may be from a demonstrated one, pixels.
+fn limit_px(program: &Program) -> f64 {
+    NEAR_PX * f64::from(program.camera.image_px) / 224.0
 }
 
 /// Returns the distance of the nearest of some points, pixels.

@@ -1,0 +1,427 @@
+//! Tries actions that the action space leaves out, to find one that would have led to a better end.
+//!
+//! In: a finished search. Out: a pick or place on a named point of the cloth that no field offers there, with the end
+//! that it leads to when the task's own actions follow. The points are the corners, middles and quarters of the flat
+//! cloth, and the table's middle; they are tried in tasks that are scored against experts and name a pick and a place.
+//! In tasks that name directions and lengths, values between the offered ones are tried.
+
+use super::aim::Aim;
+use super::between::between;
+use super::tree::{Node, Tree};
+use super::{BestError, Choice, Found, Limits, Search};
+use crate::action::candidate;
+use crate::scene::Scene;
+use fab_base::cache::Cache;
+use fab_picture::observation::Observation;
+use fab_program::facts::ExecutedAction;
+use fab_program::scene::SceneView;
+use fab_program::{Choices, ClothPoint, Fold, Metric, PixelPoint, Proposal, Value, space};
+use fab_world::simulated::trials::{Trial, Tried, try_motions};
+use fab_world::{Motion, SimulatedWorld, WorldPoint, expert};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// How far a point must be from every offered one to count as not offered, pixels of a 224 px picture.
+const NEAR_PX: f64 = 12.0;
+/// The most actions tried in one step.
+const MOST_A_STEP: usize = 24;
+/// How many of them are followed to the end.
+const FOLLOWED: usize = 2;
+/// How much nearer to the experts an action must end than the best offered one to be followed, metres.
+const GAIN_M: f64 = 0.0005;
+/// How many states of a depth are gone on from after such an action.
+const BEAM: u32 = 2;
+/// Where named points lie along a side of the flat cloth.
+const ALONG: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// An action that is not offered and better than the best offered one.
+#[derive(Clone, Debug)]
+pub struct Better {
+    /// Index of the action that it replaces.
+    pub index: usize,
+    /// The task's step, from 1.
+    pub step: u32,
+    /// What would have to be offered.
+    pub lacking: Lacking,
+    /// The measure that it leads to.
+    pub value: f64,
+    /// The measure at the same time with the best offered action.
+    pub instead_of: f64,
+    /// When both are measured.
+    pub measured: Measured,
+}
+
+/// What an action space lacks.
+#[derive(Clone, Debug)]
+pub enum Lacking {
+    /// A point.
+    Point {
+        /// The field that does not offer it: `pick` or `place`.
+        field: &'static str,
+        /// The point on the cloth.
+        point: ClothPoint,
+        /// Where it is in the picture.
+        at: PixelPoint,
+        /// The scene in which it is not offered.
+        scene: Box<Scene>,
+    },
+    /// A direction, a length, or both: each field with all that it would offer then.
+    Values(Vec<(String, Choices)>),
+}
+
+/// When something is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measured {
+    /// After the step itself.
+    AfterStep,
+    /// At the end of the rollout, with the task's own actions in the steps that follow.
+    AtEnd,
+}
+
+/// What came of trying.
+#[derive(Clone, Debug, Default)]
+pub struct Unoffered {
+    /// The best one, if any is better than the best offered actions.
+    pub better: Option<Better>,
+    /// Trials of actions that are not offered, and of those that follow.
+    pub trials: u32,
+}
+
+/// A point of the cloth where it lies in a state.
+#[derive(Clone, Copy)]
+struct Named {
+    point: ClothPoint,
+    at: PixelPoint,
+    world: WorldPoint,
+}
+
+/// An action to be tried.
+struct Candidate {
+    motion: Motion,
+    ends_px: [PixelPoint; 2],
+    field: &'static str,
+    named: Named,
+}
+
+/// Tries actions that are not offered in the steps of the best actions; begins no more once `trials` are made.
+pub fn unoffered(
+    search: &Search<'_>,
+    tree: &Tree,
+    found: &Found,
+    trials: u32,
+) -> Result<Unoffered, BestError> {
+    let mut tried = Unoffered::default();
+    let Some(best) = found.value() else {
+        return Ok(tried);
+    };
+    let has = |field: &str| search.program.field(field).is_some();
+    if has("direction") && has("distance") {
+        return between(search, tree, found, trials);
+    }
+    let fields: Vec<&str> = search
+        .program
+        .actions
+        .iter()
+        .map(|it| it.name.as_str())
+        .collect();
+    if found.metric != Metric::ParticleDistance || !matches!(fields[..], ["pick", "place"]) {
+        return Ok(tried);
+    }
+    let Some(end) = tree.best_end() else {
+        return Ok(tried);
+    };
+    let path = tree.path(end);
+    let mut steps = Vec::new();
+    for index in 0..path.len() - 1 {
+        let step = StepAt {
+            search,
+            tree,
+            node: path[index],
+            offered: &tree.nodes[path[index + 1]],
+            index,
+        };
+        if let Some(look) = step.look()? {
+            steps.push((step, look));
+        }
+    }
+    // First where what is not offered is most nearer to what an expert would do.
+    steps.sort_by(|a, b| b.1.nearer_m.total_cmp(&a.1.nearer_m));
+    for (step, look) in &steps {
+        if tried.trials >= trials || search.interrupt.is_raised() {
+            break;
+        }
+        let better = step.better(look, best, trials, &mut tried.trials)?;
+        let least = tried.better.as_ref().map_or(best, |better| better.value);
+        if let Some(better) = better.filter(|better| better.value < least) {
+            tried.better = Some(better);
+        }
+    }
+    Ok(tried)
+}
+
+/// What could be tried in a step.
+struct Look {
+    world: SimulatedWorld,
+    scene: Scene,
+    /// Those nearest to what an expert would do first.
+    candidates: Vec<Candidate>,
+    /// How much nearer the first is to that than the best offered action, metres.
+    nearer_m: f64,
+}
+
+/// A step of the best actions.
+struct StepAt<'s> {
+    search: &'s Search<'s>,
+    tree: &'s Tree,
+    /// The state before it.
+    node: usize,
+    /// The state after the best offered action.
+    offered: &'s Node,
+    index: usize,
+}
+
+impl StepAt<'_> {
+    /// Lists what is not offered in the step; `None` if nothing could be tried.
+    fn look(&self) -> Result<Option<Look>, BestError> {
+        let StepAt { search, tree, .. } = *self;
+        let step = tree.step_of(search, self.node);
+        let (mut world, state) = tree.world_at(search, self.node)?;
+        let (scene, observation) = tree.scene_at(search, self.node, &mut world)?;
+        let wanted = tree.aim.wanted(&state.positions, step - 1);
+        let mut candidates = self.candidates(&wanted, &state.positions, &scene, &observation);
+        candidates.truncate(MOST_A_STEP);
+        let (Some(first), Some(Choice::Act { action, .. })) =
+            (candidates.first(), &self.offered.choice)
+        else {
+            return Ok(None);
+        };
+        let nearer_m = Aim::off(&wanted, &action.motion) - Aim::off(&wanted, &first.motion);
+        Ok(Some(Look {
+            world,
+            scene,
+            candidates,
+            nearer_m,
+        }))
+    }
+
+    /// Tries what is not offered, and follows the best of it to the end.
+    fn better(
+        &self,
+        look: &Look,
+        best: f64,
+        most: u32,
+        trials: &mut u32,
+    ) -> Result<Option<Better>, BestError> {
+        let StepAt { search, tree, .. } = *self;
+        let step = tree.step_of(search, self.node);
+        let candidates = &look.candidates;
+        let due: Vec<Trial<'_>> = candidates
+            .iter()
+            .map(|candidate| Trial {
+                from: &look.world,
+                motion: candidate.motion,
+            })
+            .collect();
+        let done = try_motions(
+            &due,
+            search.limits.threads,
+            search.interrupt,
+            |_, tried| -> Result<_, BestError> {
+                Ok((tree.aim.behind(&tried.state.positions, step), tried))
+            },
+        )?;
+        *trials += due.len() as u32;
+        let mut promising: Vec<(f64, usize, Tried)> = done
+            .into_iter()
+            .enumerate()
+            .filter_map(|(index, done)| {
+                let (behind, tried) = done?;
+                Some((behind?, index, tried))
+            })
+            .filter(|(behind, ..)| *behind < self.offered.behind - GAIN_M)
+            .collect();
+        promising.sort_by(|a, b| a.0.total_cmp(&b.0));
+        promising.truncate(FOLLOWED);
+        let mut better: Option<Better> = None;
+        for (behind, index, tried) in promising {
+            let candidate = &candidates[index];
+            let Some(value) = self.end_of(candidate, behind, tried, most, trials)? else {
+                continue;
+            };
+            if better.as_ref().is_none_or(|better| value < better.value) {
+                better = Some(Better {
+                    index: self.index,
+                    step,
+                    lacking: Lacking::Point {
+                        field: candidate.field,
+                        point: candidate.named.point,
+                        at: candidate.named.at,
+                        scene: Box::new(look.scene.clone()),
+                    },
+                    value,
+                    instead_of: best,
+                    measured: Measured::AtEnd,
+                });
+            }
+        }
+        Ok(better)
+    }
+
+    /// Returns the measure at the end when the task's own actions follow; `None` if no rollout ends.
+    fn end_of(
+        &self,
+        candidate: &Candidate,
+        behind: f64,
+        tried: Tried,
+        most: u32,
+        trials: &mut u32,
+    ) -> Result<Option<f64>, BestError> {
+        let StepAt { search, tree, .. } = *self;
+        let before = &tree.nodes[self.node];
+        let step = tree.step_of(search, self.node);
+        let result = tree.result(search, step, &tried.state)?;
+        let mut tries = before.tries;
+        tries.number += 1;
+        tries.after(search.program.actions_per_step(), result);
+        let Some(value) = tree.aim.value(&tried.state.positions) else {
+            return Ok(None);
+        };
+        let [pick, place] = candidate.ends_px;
+        let fields = [("pick", pick), ("place", place)];
+        let fields = fields.map(|(name, pixel)| (name.to_owned(), Value::Point(pixel)));
+        let motion = serde_json::to_string(&candidate.motion)
+            .expect("a motion has string keys and finite numbers");
+        let horizon = search.horizon.unwrap_or(search.program.horizon);
+        let root = Node {
+            parent: None,
+            choice: None,
+            grasp: Some(tried.executed.grasp),
+            key: Cache::key([before.key.as_str(), "not offered", &motion])[..32].to_owned(),
+            last: Some(ExecutedAction {
+                proposal: Proposal {
+                    fields: fields.to_vec(),
+                },
+                pick,
+                place,
+            }),
+            state: Some(tried.state),
+            value,
+            behind,
+            ended: tries.step(horizon).is_none(),
+            tries,
+            offers: None,
+            tried: 0,
+        };
+        if root.ended {
+            return Ok(Some(value));
+        }
+        let follow = Search {
+            limits: Limits {
+                beam: BEAM,
+                ..search.limits
+            },
+            ..*search
+        };
+        let mut tree = Tree::from(root, Arc::clone(&tree.aim), tree.first.clone());
+        tree.widen(&follow, most.saturating_sub(*trials).max(1))?;
+        *trials += tree.trials;
+        Ok(tree.best_end().map(|end| tree.nodes[end].value))
+    }
+
+    /// Lists actions with one end that is not offered, those nearest to what an expert would do first.
+    fn candidates(
+        &self,
+        wanted: &[(f64, [WorldPoint; 2])],
+        positions: &[[f32; 3]],
+        scene: &Scene,
+        observation: &Observation,
+    ) -> Vec<Candidate> {
+        let program = self.search.program;
+        let limit_px = NEAR_PX * f64::from(program.camera.image_px) / 224.0;
+        let offered = |name: &str| -> Vec<(PixelPoint, WorldPoint)> {
+            let field = program.field(name);
+            let values = field.map_or(Vec::new(), |field| space::choices(field, scene));
+            let points = values.iter().filter_map(|value| match value {
+                Value::Point(pixel) => Some(*pixel),
+                _ => None,
+            });
+            points
+                .filter_map(|pixel| Some((pixel, candidate(name, pixel, scene, observation)?)))
+                .collect()
+        };
+        let [mut picks, mut places] = ["pick", "place"].map(offered);
+        // The pixels of a mask are not listed: the best of them stands for all.
+        if let Some(Choice::Act { action, .. }) = &self.offered.choice {
+            if picks.is_empty() {
+                picks.push((action.pick_px, action.motion.pick));
+            }
+            if places.is_empty() {
+                places.push((action.place_px, action.motion.place));
+            }
+        }
+        let named = self.named(positions, observation);
+        let is_offered = |name: &str, at: PixelPoint, offered: &[(PixelPoint, WorldPoint)]| {
+            let nearest_px = match program.field(name).map(|field| &field.choices) {
+                Some(Choices::Region { mask }) => scene.distance_px(mask, at),
+                _ => {
+                    let all = offered.iter().map(|(pixel, _)| pixel.distance_px(at));
+                    all.reduce(f64::min)
+                }
+            };
+            nearest_px.is_some_and(|nearest_px| nearest_px <= limit_px)
+        };
+        let mut all = Vec::new();
+        let mut add = |field,
+                       named: Named,
+                       pick: (PixelPoint, WorldPoint),
+                       place: (PixelPoint, WorldPoint)| {
+            all.push(Candidate {
+                motion: Motion::new(pick.1, place.1).with_manner(program.manner),
+                ends_px: [pick.0, place.0],
+                field,
+                named,
+            });
+        };
+        for point in &named {
+            let own = (point.at, point.world);
+            if !is_offered("place", point.at, &places) {
+                picks
+                    .iter()
+                    .for_each(|&pick| add("place", *point, pick, own));
+            }
+            if !is_offered("pick", point.at, &picks) {
+                places
+                    .iter()
+                    .for_each(|&place| add("pick", *point, own, place));
+            }
+        }
+        let off = |candidate: &Candidate| Aim::off(wanted, &candidate.motion);
+        all.retain(|candidate| candidate.motion.pick != candidate.motion.place);
+        all.sort_by(|a, b| off(a).total_cmp(&off(b)));
+        all
+    }
+
+    /// Returns the named points of the cloth that the camera could see.
+    fn named(&self, positions: &[[f32; 3]], observation: &Observation) -> Vec<Named> {
+        let start = self.search.start;
+        let particles = ALONG.iter().flat_map(|&right| {
+            let point = move |&front: &f64| ClothPoint::Particle { right, front };
+            ALONG.iter().map(point)
+        });
+        let all = particles.chain([ClothPoint::Center]);
+        let named = all.filter_map(|point| {
+            // The pick of a fold from the point to itself is where the point is.
+            let fold = Fold {
+                pick: point,
+                place: point,
+                fraction: 1.0,
+            };
+            let world = expert::motion_of(&fold, start, positions)?.pick;
+            let [column, row] = observation.camera.pixel_from_world(world)?;
+            let at = PixelPoint::new(column.floor() as i32, row.floor() as i32);
+            Some(Named { point, at, world })
+        });
+        named.collect()
+    }
+}

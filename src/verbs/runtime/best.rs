@@ -1,0 +1,293 @@
+//! `fabc best`: the best that any answers to a task could do in the simulator, beside what policies do.
+//!
+//! `fab_agent::best` searches. This module lays starts, runs the policies of the other rows, and reports.
+
+mod report;
+mod rows;
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::sources;
+use crate::sources::TaskArguments;
+use crate::verbs::runtime::run::{prepare, say_origin};
+use crate::verbs::runtime::setting;
+use crate::verbs::runtime::setting::StartArguments;
+use crate::verbs::runtime::setting::worlds::WorldChoice;
+use crate::verbs::runtime::sim::parallel::{ThreadArguments, threads};
+use clap::Args;
+use clap::ValueHint;
+use fab_agent::best::journal::{Identity, TrialJournal};
+use fab_agent::best::unoffered::{Unoffered, unoffered};
+use fab_agent::best::{self, BestError, Found, Limits, Search};
+use fab_agent::examples::Examples;
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
+use fab_program::{Metric, Program};
+use fab_world::start::Start;
+use fab_world::{SimulatedWorld, World, WorldError};
+use report::Report;
+use rows::Row;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// The most trials of a start. The states of a search of that size fit in memory.
+const MOST_TRIALS: i64 = 1_000_000;
+
+/// Arguments of `best`.
+#[derive(Args)]
+pub struct BestArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    #[command(flatten)]
+    pub start: StartArguments,
+    /// How many starts, with the seeds from `--start` (default: 0) on; several get means with 95 % intervals.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub starts: u32,
+    /// The most steps; default: as many as the task allows.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub horizon: Option<u32>,
+    /// The most actions that are tried for a start.
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=MOST_TRIALS))]
+    pub trials: u32,
+    /// The most states after as many actions that are gone on from.
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub beam: u32,
+    /// Draws the order of actions that no expert ranks, pixels of masks, and the actions of the random policy.
+    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    pub seed: u64,
+    #[command(flatten)]
+    pub threads: ThreadArguments,
+    /// Where actions are tried: only `sim`, the bundled simulator, can try one action and take it back.
+    #[arg(long, value_name = "WORLD", default_value = "sim")]
+    pub world: WorldChoice,
+    /// Where trials and rollouts are kept; what is finished there is not done again. Default: the next free
+    /// runs/best-TASK-NNNN.
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub out: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What was found for one start.
+pub struct AtStart {
+    pub start: Start,
+    pub program: Program,
+    pub found: Found,
+    pub unoffered: Unoffered,
+    pub rows: Vec<Row>,
+}
+
+/// Searches, compares, and reports.
+pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
+    if arguments.world != WorldChoice::Sim {
+        return Err(Failure::usage(format!(
+            "`--world {}`: the best is searched by trying actions and taking them back, which only `sim` can; leave the option out",
+            arguments.world
+        )));
+    }
+    let program = sources::compile_task(&arguments.task, io)?;
+    let metric = best::metric(&program).map_err(failure)?;
+    let beside = sources::folder_of(&arguments.task.file);
+    let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
+    let interrupt = io.interrupt()?;
+    let starts = starts(&program, &beside, arguments, &interrupt, io)?;
+    let out = setting::out_folder(
+        arguments.out.as_deref(),
+        &format!("best-{}", program.title().replace('/', "-")),
+    )?;
+    let cache = match setting::cache(io) {
+        cache if cache.is_kept() => cache,
+        _ => Cache::at(out.join("cache")),
+    };
+    let shared = Shared {
+        arguments,
+        declared: &program,
+        metric,
+        beside: &beside,
+        examples: &examples,
+        out: &out,
+        cache: &cache,
+        interrupt: &interrupt,
+        io,
+    };
+    let mut all = Vec::new();
+    for (number, start) in starts.into_iter().enumerate() {
+        if interrupt.is_raised() {
+            break;
+        }
+        all.push(shared.search(number, start)?);
+    }
+    let report = Report {
+        arguments,
+        program: &program,
+        starts: &all,
+        out: &out,
+    };
+    io.report(arguments.json, || report.json(), || report.text());
+    let is_whole = all.len() == arguments.starts as usize;
+    let stopped = interrupt.is_raised() || !is_whole;
+    Ok(match (stopped, report.misses_goal()) {
+        (true, _) => Exit::Interrupted,
+        (false, true) => Exit::Unreached,
+        (false, false) => Exit::Done,
+    })
+}
+
+/// Lays the starts.
+fn starts(
+    program: &Program,
+    beside: &Path,
+    arguments: &BestArguments,
+    interrupt: &Interrupt,
+    io: &Io,
+) -> Result<Vec<Start>, Failure> {
+    let world = setting::world(program).map_err(Failure::environment)?;
+    let lay = |start: &StartArguments| {
+        setting::start(program, beside, start, world.as_ref(), interrupt, io)
+    };
+    if arguments.starts == 1 {
+        return Ok(vec![lay(&arguments.start)?]);
+    }
+    let first = match arguments.start.start.as_deref().map(str::parse::<u64>) {
+        None => 0,
+        Some(Ok(seed)) => seed,
+        Some(Err(_)) => {
+            return Err(Failure::usage(
+                "`--starts` counts seeds from that of `--start`, which names a file here: give a seed, or leave one of them out",
+            ));
+        }
+    };
+    let seeds = (0..u64::from(arguments.starts)).map(|number| {
+        let seed = first.checked_add(number).ok_or_else(|| {
+            Failure::usage(format!("the seeds go beyond the largest one, {}", u64::MAX))
+        })?;
+        lay(&StartArguments {
+            start: Some(seed.to_string()),
+            frame: arguments.start.frame.clone(),
+        })
+    });
+    seeds.collect()
+}
+
+/// What the searches of all starts share.
+struct Shared<'a> {
+    arguments: &'a BestArguments,
+    declared: &'a Program,
+    metric: Metric,
+    beside: &'a Path,
+    examples: &'a Examples,
+    out: &'a Path,
+    cache: &'a Cache,
+    interrupt: &'a Interrupt,
+    io: &'a Io,
+}
+
+impl Shared<'_> {
+    /// Searches one start, and plays the rows beside it.
+    fn search(&self, number: usize, start: Start) -> Result<AtStart, Failure> {
+        let Shared {
+            arguments,
+            cache,
+            interrupt,
+            io,
+            ..
+        } = *self;
+        let program = setting::fitted(&arguments.task, self.declared, &start, io)?;
+        let folder = self.out.join(format!("start-{}", number + 1));
+        std::fs::create_dir_all(&folder).map_err(|error| {
+            Failure::environment(format!("cannot make `{}`: {error}", folder.display()))
+        })?;
+        let make_world = || SimulatedWorld::of(&program);
+        let make_boxed = || -> Result<Box<dyn World>, WorldError> {
+            Ok(Box::new(SimulatedWorld::of(&program)?))
+        };
+        let subgoals = prepare(self.declared, &start, self.beside, &make_boxed, interrupt)?;
+        let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
+        if number == 0 {
+            say_origin(subgoals.origin, &arguments.task.file, io);
+        }
+        let world = make_world().map_err(Failure::environment)?;
+        let identity = Identity {
+            program: program.hash(),
+            start: start.digest(),
+            params: world.parameters(),
+            code: world.code(),
+            subgoals: subgoals.digest(),
+        };
+        let journal = TrialJournal::open(&folder, &identity).map_err(failure)?;
+        let playing = rows::Playing {
+            program: &program,
+            start: &start,
+            subgoals: &subgoals,
+            examples: self.examples,
+            make_world: &make_boxed,
+            folder: &folder,
+            horizon: arguments.horizon,
+            seed: arguments.seed,
+            threads: threads(&arguments.threads),
+            cache,
+            interrupt,
+            io,
+        };
+        let (policies, hints) = playing.policies(self.metric)?;
+        let begun = Instant::now();
+        let most = arguments.trials;
+        let progress = |trials: u32| {
+            let took_s = begun.elapsed().as_secs_f64();
+            let left_s = took_s / f64::from(trials.max(1)) * f64::from(most.saturating_sub(trials));
+            io.progress(&format!(
+                "{}: {trials} of at most {most} trials, at most {} left",
+                start.name,
+                report::duration(left_s)
+            ));
+        };
+        let search = Search {
+            program: &program,
+            start: &start,
+            subgoals: &subgoals,
+            make_world: &make_world,
+            cache,
+            horizon: arguments.horizon,
+            limits: Limits {
+                trials: arguments.trials,
+                beam: arguments.beam,
+                seed: arguments.seed,
+                threads: threads(&arguments.threads),
+            },
+            hints: &hints,
+            journal: Some(&journal),
+            interrupt,
+            progress: &progress,
+        };
+        let searched = best::search(&search);
+        io.progress("");
+        let (found, tree) = searched.map_err(failure)?;
+        let quiet = Search {
+            progress: &|_| {},
+            ..search
+        };
+        let beyond = match unoffered(&quiet, &tree, &found, arguments.trials / 2) {
+            Err(BestError::World(WorldError::Interrupted)) => Unoffered::default(),
+            beyond => beyond.map_err(failure)?,
+        };
+        drop(tree);
+        let mut rows = vec![playing.best(&found)?];
+        rows.extend(policies);
+        Ok(AtStart {
+            found,
+            unoffered: beyond,
+            rows,
+            start,
+            program,
+        })
+    }
+}
+
+fn failure(error: BestError) -> Failure {
+    match error {
+        BestError::World(WorldError::Interrupted) => Failure::interrupted(),
+        BestError::Aimless { .. } => Failure::usage(error.to_string()),
+        error => Failure::environment(error),
+    }
+}

@@ -1,0 +1,258 @@
+//! The rollouts beside which the best is shown: its own actions again, the expert, random actions, the stand-in.
+//!
+//! In: a task at one start. Out: a row each. Rollouts are kept in run folders; a finished one is not run again.
+
+use crate::exit::Failure;
+use crate::io::Io;
+use fab_agent::best::{Choice, Found};
+use fab_agent::examples::Examples;
+use fab_agent::journal::RunFolder;
+use fab_agent::outcome::Outcome;
+use fab_agent::policy::{Expert, Following, MakePolicy, Prompted, Random};
+use fab_agent::record::{RECORD_FILE, Report};
+use fab_agent::rollout::{self, Job, RunError};
+use fab_agent::subgoals::SubgoalSet;
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
+use fab_base::parallel::in_parallel;
+use fab_bench::record::{self, FolderContents, Identity, Rollout};
+use fab_model::Models;
+use fab_model::calls::Budget;
+use fab_program::{Metric, Program};
+use fab_standins::Geometric;
+use fab_world::WorldError;
+use fab_world::expert::MakeWorld;
+use fab_world::start::Start;
+use std::path::Path;
+
+/// How many rollouts of random actions a start gets.
+const DRAWS: u32 = 5;
+
+/// One kind of rollouts at one start.
+#[derive(Clone, Debug)]
+pub struct Row {
+    pub name: &'static str,
+    /// Whether it may look at the true state of the cloth, which no camera shows.
+    pub oracle: bool,
+    /// The measure at the end of each rollout; empty if there is none.
+    pub values: Vec<f64>,
+    /// Whether each rollout reached the goal; empty without one.
+    pub reached: Vec<bool>,
+    /// Why there is no value.
+    pub none: Option<String>,
+}
+
+impl Row {
+    fn new(name: &'static str, oracle: bool) -> Row {
+        Row {
+            name,
+            oracle,
+            values: Vec::new(),
+            reached: Vec::new(),
+            none: None,
+        }
+    }
+
+    /// Adds a rollout; `None` was interrupted.
+    fn add(&mut self, rollout: Option<&Rollout>, metric: Metric) {
+        let Some(Rollout { report, .. }) = rollout else {
+            self.none = Some("interrupted".to_owned());
+            return;
+        };
+        match value(report, metric) {
+            Some(value) => self.values.push(value),
+            None => {
+                let why = report.stopped.as_deref();
+                self.none = Some(why.unwrap_or(report.outcome.name()).to_owned());
+            }
+        }
+        self.reached.extend(report.goal_reached);
+    }
+}
+
+/// The rollouts of one start.
+pub struct Playing<'a> {
+    pub program: &'a Program,
+    pub start: &'a Start,
+    pub subgoals: &'a SubgoalSet,
+    pub examples: &'a Examples,
+    pub make_world: &'a MakeWorld<'a>,
+    pub folder: &'a Path,
+    pub horizon: Option<u32>,
+    pub seed: u64,
+    pub threads: usize,
+    pub cache: &'a Cache,
+    pub interrupt: &'a Interrupt,
+    pub io: &'a Io,
+}
+
+/// One rollout to be played.
+struct Play<'p> {
+    row: usize,
+    folder: String,
+    make_policy: &'p (dyn MakePolicy + 'p),
+    repetition: u32,
+}
+
+impl Playing<'_> {
+    /// Plays the policies; returns a row each, and what they decided. What was interrupted has no value.
+    pub fn policies(&self, metric: Metric) -> Result<(Vec<Row>, Vec<Vec<Choice>>), Failure> {
+        let random = Random { seed: self.seed };
+        let stand_in = Prompted {
+            models: Models {
+                vision: &Geometric,
+                text: &Geometric,
+            },
+        };
+        let makers: [(&'static str, bool, &dyn MakePolicy, u32); 3] = [
+            ("expert", true, &Expert, 1),
+            ("random", false, &random, DRAWS),
+            ("stand-in", false, &stand_in, 1),
+        ];
+        let mut rows = Vec::new();
+        let mut plays: Vec<Play<'_>> = Vec::new();
+        for (name, oracle, make_policy, repetitions) in makers {
+            let mut row = Row::new(name, oracle);
+            match make_policy.make().prepare(self.program) {
+                Err(error) => row.none = Some(error.to_string()),
+                Ok(_) => plays.extend((0..repetitions).map(|repetition| Play {
+                    row: rows.len(),
+                    folder: format!("{name}-{}", repetition + 1),
+                    make_policy,
+                    repetition,
+                })),
+            }
+            rows.push(row);
+        }
+        let played = in_parallel(
+            plays.len(),
+            self.threads,
+            |index| self.play(&plays[index]),
+            |done| {
+                let of = plays.len();
+                self.io
+                    .progress(&format!("{done} of {of} rollouts finished"));
+            },
+        );
+        self.io.progress("");
+        let mut decided = Vec::new();
+        for (play, rollout) in plays.iter().zip(played?) {
+            rows[play.row].add(rollout.as_ref(), metric);
+            let steps = rollout.iter().flat_map(|rollout| &rollout.steps);
+            decided.push(steps.map_while(|step| Choice::of(&step.line)).collect());
+        }
+        Ok((rows, decided))
+    }
+
+    /// Executes the best actions in a rollout of their own, and returns the row.
+    ///
+    /// Fails if it ends elsewhere than the search found.
+    pub fn best(&self, found: &Found) -> Result<Row, Failure> {
+        let mut row = Row::new("best", true);
+        let Some(best) = &found.best else {
+            row.none = Some("no rollout ended yet".to_owned());
+            return Ok(row);
+        };
+        let following = Following {
+            name: "best actions found".to_owned(),
+            choices: best.iter().map(|taken| taken.choice.clone()).collect(),
+        };
+        let rollout = self.play(&Play {
+            row: 0,
+            folder: format!("best-{}", name_of(&following)),
+            make_policy: &following,
+            repetition: 0,
+        })?;
+        row.add(rollout.as_ref(), found.metric);
+        if rollout.is_none() {
+            // The search measured the same state.
+            row.values.extend(found.value());
+        }
+        if let (Some(found), Some(again)) = (found.value(), row.values.first())
+            && (found - again).abs() > 1e-9
+        {
+            return Err(Failure::environment(format!(
+                "the rollout of the best actions ends at {again}, and the search found {found}: the simulator did not repeat itself"
+            )));
+        }
+        Ok(row)
+    }
+
+    /// Plays one rollout, or reads it if it is finished; `None` if it was interrupted.
+    fn play(&self, play: &Play<'_>) -> Result<Option<Rollout>, Failure> {
+        if self.interrupt.is_raised() {
+            return Ok(None);
+        }
+        let job = Job {
+            program: self.program,
+            start: self.start,
+            subgoals: self.subgoals,
+            examples: self.examples,
+            make_policy: play.make_policy,
+            budget: &Budget::default(),
+            recorder: None,
+            make_world: self.make_world,
+            make_expert_world: self.make_world,
+            cache: self.cache,
+            interrupt: self.interrupt,
+            horizon: self.horizon,
+            early_stop: true,
+            operator: None,
+            repetition: play.repetition,
+            start_number: None,
+        };
+        let world = (self.make_world)().map_err(Failure::environment)?;
+        let identity = Identity {
+            program: self.program.hash(),
+            vary: world.variation(),
+            params: world.parameters(),
+            code: world.code(),
+            start: self.start.digest(),
+            policy: play.make_policy.make().description(),
+            horizon: job.horizon(),
+            early_stop: job.early_stop,
+            repetition: job.repetition,
+            drawn_for: job.drawn_for(),
+        };
+        let folder = self.folder.join(&play.folder);
+        match record::find(&folder, &identity) {
+            FolderContents::Finished(rollout) => return Ok(Some(*rollout)),
+            FolderContents::Other(why) => {
+                return Err(Failure::environment(format!(
+                    "`{}` holds another rollout: {why}; name another `--out`, nothing is overwritten",
+                    folder.display()
+                )));
+            }
+            FolderContents::Unfinished => {}
+        }
+        let open = match folder.join(RECORD_FILE).is_file() {
+            true => RunFolder::reopen(&folder),
+            false => RunFolder::create(&folder),
+        };
+        let open = open.map_err(Failure::environment)?;
+        match rollout::run(&job, open, &mut |_| {}) {
+            Err(RunError::World(WorldError::Interrupted)) => Ok(None),
+            Err(error) => Err(Failure::environment(error)),
+            Ok(ended) if ended.outcome == Outcome::Interrupted => Ok(None),
+            Ok(_) => match record::find(&folder, &identity) {
+                FolderContents::Finished(rollout) => Ok(Some(*rollout)),
+                FolderContents::Other(why) => Err(Failure::environment(why)),
+                FolderContents::Unfinished => Ok(None),
+            },
+        }
+    }
+}
+
+/// Returns a folder's name that differs for different actions.
+fn name_of(following: &Following) -> String {
+    Cache::key([format!("{:?}", following.choices).as_str()])[..8].to_owned()
+}
+
+/// Returns the measure at the end of a rollout: metres of distance, or a fraction.
+fn value(report: &Report, metric: Metric) -> Option<f64> {
+    match metric {
+        Metric::ParticleDistance => Some(report.mean_particle_distance_mm? / 1000.0),
+        Metric::Coverage => report.coverage,
+        Metric::NormalizedImprovement => report.normalized_improvement,
+    }
+}

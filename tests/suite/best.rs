@@ -1,0 +1,275 @@
+//! `fabc best`: the search for the best actions, its journal, and what it prints.
+
+use super::support::{Fabc, ProjectFiles, bring_library, fabc, finish};
+use fab_agent::best::journal::{Identity, TRIALS_FILE, TrialJournal};
+use fab_agent::best::{self, Found, Limits, Search};
+use fab_agent::subgoals::SubgoalSet;
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
+use fab_world::start::Start;
+use fab_world::{SimulatedWorld, World};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// One fold whose best action is known: the demonstrated one is offered. No step is retried, so that all can be tried.
+const KNOWN: &str = r#"
+use "lib/folding.fab"
+task known extends folding {
+    cloth grid(17, 17)
+    goal  particle_distance < 8mm
+    const alike = 0.01
+    subgoals { demonstrate { fold corner(back_left) -> center } }
+}
+"#;
+
+/// The same fold to the middle of a side, which no answer can name.
+const LACKING: &str = r#"
+use "lib/folding.fab"
+task lacking extends folding {
+    cloth grid(17, 17)
+    goal  particle_distance < 1mm
+    subgoals { demonstrate { fold corner(back_left) -> middle(back) } }
+}
+"#;
+
+/// A crumpled cloth, pulled anywhere; nothing is demonstrated.
+const ANYWHERE: &str = r#"
+task anywhere {
+    cloth  grid(14, 14, start: crumpled)
+    goal   normalized_improvement > 0.3
+    horizon 2
+    camera top_down(height: 650mm, fov: 45deg, image: 224px)
+    picker drop
+    keypoints { cloth = mask(depth < 649mm) }
+    actions {
+        pick:      any of cloth
+        direction: one of 0deg, 90deg, 180deg, 270deg
+        distance:  one of 0.25edge
+    }
+    stage act {
+        model vision
+        show  scene
+        say   "Pull {{ pick.choices }}. {{ actions.format }}"
+        read  action
+    }
+    verify { attempts 2, else skip }
+}
+"#;
+
+/// A command on one of the tasks, in a folder of its own.
+fn command(folder: &Path, task: &str, arguments: &str) -> Fabc {
+    bring_library(folder);
+    fs::write(folder.join("task.fab"), task).unwrap();
+    let mut command = fabc(folder);
+    command.args(["best", "task.fab", "--json"]);
+    command.args(arguments.split_whitespace());
+    command
+}
+
+/// Its exit code and its document, without the folder's name.
+fn run(folder: &Path, task: &str, arguments: &str) -> (i32, Value) {
+    let said = finish(&mut command(folder, task, arguments));
+    let mut value: Value = serde_json::from_str(&said.stdout)
+        .unwrap_or_else(|error| panic!("{error}\n{}{}", said.stdout, said.stderr));
+    value["out"].take();
+    (said.code, value)
+}
+
+#[test]
+#[ignore = "long"]
+fn the_best_of_a_known_fold_is_its_demonstration_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, whole) = run(folder.path(), KNOWN, "--threads 1 --out one");
+    assert_eq!(code, 0, "{whole:#}");
+    let start = &whole["starts"][0];
+    assert_eq!(start["exhausted"], true);
+    assert_eq!(start["limiting"], 0);
+    assert_eq!(start["best"].as_array().unwrap().len(), 1);
+    let rows = whole["rows"].as_array().unwrap();
+    let named = |name: &str| rows.iter().find(|row| row["row"] == name).unwrap();
+    let value = |name: &str| named(name)["value"].as_f64().unwrap();
+    // The row is a rollout of its own, which ends in the same state.
+    assert_eq!(value("best"), start["value"].as_f64().unwrap());
+    assert!(value("best") <= value("expert"));
+    assert!(value("best") < value("random"));
+    assert_eq!(
+        (&named("best")["oracle"], &named("random")["oracle"]),
+        (&true.into(), &false.into())
+    );
+
+    let (_, on_two) = run(folder.path(), KNOWN, "--threads 2 --out two");
+    assert_eq!(on_two, whole);
+
+    // The journal of the first search knows every trial of the second.
+    let (_, mut again) = run(folder.path(), KNOWN, "--threads 2 --out one");
+    assert_eq!(again["starts"][0]["known"], start["trials"]);
+    again["starts"][0]["known"] = start["known"].clone();
+    assert_eq!(again, whole);
+
+    fs::write(
+        folder.path().join("other.fab"),
+        KNOWN.replace("17, 17", "18, 18"),
+    )
+    .unwrap();
+    let other = finish(fabc(folder.path()).args(["best", "other.fab", "--out", "one"]));
+    assert_eq!(other.code, 2, "{}", other.stderr);
+    assert!(
+        other
+            .stderr
+            .contains("it holds another search: its program is"),
+        "{}",
+        other.stderr
+    );
+}
+
+#[test]
+#[ignore = "long"]
+fn a_point_that_is_not_offered_is_named_with_the_line_that_offers_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, found) = run(folder.path(), LACKING, "--trials 60");
+    assert_eq!(code, 3, "the goal is missed");
+    assert_eq!(found["goal_missed"], true);
+    let start = &found["starts"][0];
+    let better = &start["unoffered"];
+    let what = better["what"].as_str().unwrap();
+    assert!(what.starts_with("place middle(back), at ("), "{start:#}");
+    assert_eq!(
+        (&better["step"], &better["measured"]),
+        (&1.into(), &"at_end".into())
+    );
+    let cure = better["cure"].as_str().unwrap();
+    assert!(
+        cure.contains("`place: one of corners, center, sides`"),
+        "{cure}"
+    );
+    assert!(better["value"].as_f64() < start["value"].as_f64());
+}
+
+#[test]
+#[ignore = "long"]
+fn pulls_anywhere_are_sampled_and_say_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = "--trials 24 --out whole";
+    let (code, whole) = run(folder.path(), ANYWHERE, arguments);
+    assert_eq!(code, 0, "{whole:#}");
+    let start = &whole["starts"][0];
+    assert_eq!(start["sampled"][0], "any point on the cloth");
+    assert_eq!(
+        (&start["exhausted"], &start["trials"]),
+        (&false.into(), &24.into())
+    );
+    let row = |name: &str| {
+        let mut rows = whole["rows"].as_array().unwrap().iter();
+        rows.find(|row| row["row"] == name).unwrap()
+    };
+    let none = row("expert")["none"].as_str().unwrap().to_owned();
+    assert!(none.contains("demonstrates no folds"), "{none}");
+    let value = |name: &str| row(name)["value"].as_f64().unwrap();
+    assert!(value("best") > value("random") && value("best") >= value("stand-in"));
+    let after = start["after"].as_array().unwrap().iter();
+    let after: Vec<f64> = after.filter_map(Value::as_f64).collect();
+    assert_eq!(after.len(), 2);
+    // Doing nothing in the second step is one of the choices.
+    assert!(after[1] >= after[0], "{after:?}");
+}
+
+/// Searches the known fold; `stop_after` so many trials.
+fn searched(folder: &Path, stop_after: Option<u32>) -> Found {
+    let path = folder.join("known.fab");
+    bring_library(folder);
+    fs::write(&path, KNOWN).unwrap();
+    let compiled = fab_compiler::compile(path.to_str().unwrap(), &ProjectFiles).unwrap();
+    let program = compiled.programs.first().unwrap();
+    let make_world = || SimulatedWorld::of(program);
+    let mut world = make_world().unwrap();
+    let interrupt = Interrupt::default();
+    let subgoals = SubgoalSet::obtain(program, folder, &mut world, &interrupt).unwrap();
+    let start = Start::flat(&program.cloth);
+    let identity = Identity {
+        program: program.hash(),
+        start: start.digest(),
+        params: world.parameters(),
+        code: world.code(),
+        subgoals: subgoals.digest(),
+    };
+    let journal = TrialJournal::open(folder, &identity).unwrap();
+    let search = Search {
+        program,
+        start: &start,
+        subgoals: &subgoals,
+        make_world: &make_world,
+        cache: &Cache::none(),
+        horizon: None,
+        limits: Limits {
+            trials: 20,
+            beam: 4,
+            seed: 0,
+            threads: 1,
+        },
+        hints: &[],
+        journal: Some(&journal),
+        interrupt: &interrupt,
+        progress: &|trials| {
+            if Some(trials) == stop_after {
+                interrupt.raise();
+            }
+        },
+    };
+    best::search(&search).unwrap().0
+}
+
+#[test]
+#[ignore = "long"]
+fn a_search_that_was_stopped_has_what_it_found_and_goes_on_from_there() {
+    let [whole, stopped] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let expected = searched(whole.path(), None);
+    assert!(!expected.interrupted);
+    let partial = searched(stopped.path(), Some(5));
+    assert!(partial.interrupted);
+    assert_eq!(partial.trials, 5);
+    assert!(partial.best.is_some() || !partial.under_way.is_empty());
+    let journal = stopped.path().join(TRIALS_FILE);
+    // A line that was cut off is one trial less.
+    let text = fs::read_to_string(&journal).unwrap();
+    fs::write(&journal, &text[..text.len() - 3]).unwrap();
+    let resumed = searched(stopped.path(), None);
+    assert_eq!(resumed.known, 4);
+    assert_eq!(
+        (resumed.best, resumed.trials),
+        (expected.best, expected.trials)
+    );
+}
+
+#[test]
+fn what_cannot_be_searched_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    for world in ["arm", "exec:true"] {
+        let said = finish(&mut command(
+            folder.path(),
+            KNOWN,
+            &format!("--world {world}"),
+        ));
+        assert_eq!(said.code, 64);
+        assert!(
+            said.stdout.contains(&format!("`--world {world}`")),
+            "{}",
+            said.stdout
+        );
+    }
+    let said = finish(&mut command(
+        folder.path(),
+        KNOWN,
+        "--start x.npy --starts 2",
+    ));
+    assert!(said.stdout.contains("names a file"), "{}", said.stdout);
+
+    let aimless = ANYWHERE.replace("goal   normalized_improvement > 0.3", "");
+    let said = finish(&mut command(folder.path(), &aimless, ""));
+    assert_eq!(said.code, 64);
+    assert!(
+        said.stdout.contains("so no result is better than another"),
+        "{}",
+        said.stdout
+    );
+}
