@@ -3,8 +3,9 @@
 //! In: the sentences of an answer, and where its last claim stands. Out: for each kind of field, why its values are not
 //! those that the answer means. Each remark is a row of a table.
 
+use super::data::Beside;
 use super::doubt::{self, Place};
-use super::lexer::{Gap, Kind, Token};
+use super::lexer::{self, Gap, Kind, Token};
 use super::point;
 use super::value;
 use crate::data::actions::{ActionField, Choices};
@@ -130,7 +131,7 @@ const ROWS: &[Row] = &[
     after(WITHDRAWN, &["cancel that|cancel this|cancel it|never mind|undo this|undo that|undo it|undo these|start again|start over|start anew"], NOT),
     after("the answer names another value under a condition", &["^ if|^ should|^ otherwise", "use|take|try|choose|pick", "instead"], ""),
     after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
-    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked"),
+    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked|mirror image"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
     after(CHANGED, &["^ sorry|^ oops|^ hold on|^ wait|^ apologies|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ double - check|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience"),
     after(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
@@ -223,45 +224,55 @@ pub(super) fn doubt(
     place: Place,
 ) -> Option<&'static str> {
     let last = stated.map(|stated| stated.last);
-    let spoken = sentences(tokens, last).into_iter();
-    spoken
+    let spoken: Vec<_> = sentences(tokens, last)
+        .into_iter()
         .filter(|sentence| sentence.len() <= MAX_SENTENCE)
-        .find_map(|sentence| {
-            let Some(Stated { first, last, end }) = stated else {
-                return doubt::cast_by(sentence, place);
-            };
-            let (begins, ends) = (sentence.first()?.at, sentence.last()?.at);
-            // `Draft, to be checked:` above the first value
-            if begins < first && first <= ends {
-                let above = sentence.partition_point(|token| token.at < first);
-                let is_heading = above > 0 && sentence[above - 1].is_sign(':');
-                if is_heading && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before) {
-                    return Some(why);
-                }
+        .collect();
+    let language = doubt::language(&spoken);
+    spoken.into_iter().find_map(|sentence| {
+        let Some(Stated { first, last, end }) = stated else {
+            return doubt::cast_by(sentence, place, language);
+        };
+        let (begins, ends) = (sentence.first()?.at, sentence.last()?.at);
+        // `Draft, to be checked:` above the first value
+        if begins < first && first <= ends {
+            let above = sentence.partition_point(|token| token.at < first);
+            let is_heading = above > 0 && sentence[above - 1].is_sign(':');
+            if is_heading
+                && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before, language)
+            {
+                return Some(why);
             }
-            // A remark on the lines below the first value, before the next one.
-            if begins <= first && first <= ends && ends <= last {
-                let below = sentence
-                    .iter()
-                    .position(|token| token.at > first && token.gap >= Gap::Line);
-                if let Some(why) =
-                    below.and_then(|at| doubt::cast_by(&sentence[at..], Place::Beside))
-                {
-                    return Some(why);
-                }
+        }
+        // A remark on the lines below the first value, before the next one.
+        if begins <= first && first <= ends && ends <= last {
+            let below = sentence
+                .iter()
+                .position(|token| token.at > first && token.gap >= Gap::Line);
+            if let Some(why) =
+                below.and_then(|at| doubt::cast_by(&sentence[at..], Place::Beside, language))
+            {
+                return Some(why);
             }
-            let place = match () {
-                () if ends > last => Place::After,
-                () if begins > first => Place::Beside,
-                () => Place::Before,
-            };
-            let behind = if begins > last || place != Place::After {
-                0
-            } else {
-                sentence.partition_point(|token| token.at < end)
-            };
-            doubt::cast_by(&sentence[behind..], place)
-        })
+        }
+        let place = match () {
+            () if ends > last => Place::After,
+            () if begins > first => Place::Beside,
+            () => Place::Before,
+        };
+        let behind = if begins > last || place != Place::After {
+            0
+        } else {
+            sentence.partition_point(|token| token.at < end)
+        };
+        doubt::cast_by(&sentence[behind..], place, language)
+    })
+}
+
+/// Returns why what objects say beside the values puts the answer in doubt.
+pub(super) fn doubt_beside(beside: &Beside) -> Option<&'static str> {
+    doubt(&lexer::tokens(&beside.said), None, Place::Beside)
+        .or_else(|| doubt(&lexer::tokens(&beside.thought), None, Place::Before))
 }
 
 /// Returns whether a line such as `If it has to be pulled:` stands above a claim.

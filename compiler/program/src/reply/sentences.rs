@@ -937,6 +937,15 @@ impl<'a> Sentences<'a> {
             if cursor.eat_any(&["exceeds", "overshoots", "violates"]) {
                 return true;
             }
+            // `90 deg takes the cloth off the table`
+            if cursor.eat_any(&[
+                "takes", "pulls", "drags", "carries", "brings", "moves", "lifts", "puts",
+            ]) {
+                let near = cursor.rest().iter().take(5);
+                return near
+                    .take_while(|it| it.kind == Kind::Word)
+                    .any(|it| it.is_any(&["off", "outside", "beyond", "wrong"]));
+            }
             let is_verb = cursor.eat_any(&["is", "was", "would", "seems", "looks"]);
             cursor.skip(
                 &[

@@ -5,8 +5,13 @@
 //! of nobody (`a wild guess`); orders count where they are given to whoever carries the answer out. What is said of
 //! the cloth and the picture is free.
 
+mod known;
+mod vocabulary;
+mod weighing;
+
 use super::lexer::{Gap, Kind, Token};
 use super::wordlist::words;
+use vocabulary::*;
 
 /// Where a sentence stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,460 +24,68 @@ pub(super) enum Place {
     After,
 }
 
+const STRANGE: &str = "the answer says something beside its values that is not understood";
 const DOUBTED: &str = "the answer doubts its own values";
 const HALTED: &str = "the answer says that it is not to be carried out";
 const OTHERWISE: &str = "the answer proposes something else than its values";
 const CONDITIONAL: &str = "the answer holds only under a condition";
 const CHANGED: &str = "the answer changes its values afterwards";
 
-/// What stands for the answer.
-const PRONOUNS: &[&str] = words!("this that it these those they them");
+/// The language of an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Language {
+    English,
+    /// Another one, of which only the words of doubt are known.
+    Other,
+}
 
-/// What names the answer or a part of it.
-const PARTS: &[&str] = words!(
-    "grasp answer answers value values number numbers coordinate coordinates coords pixels point points pick place
-    direction distance grip angle action move choice result output entry entries estimate estimates pair suggestion
-    proposal response json fold plan figures data spot lines two three above following x y"
-);
-
-/// What counts parts of the answer: `none of that`, `both`.
-const QUANTIFIERS: &[&str] = words!(
-    "any all both each either neither none most some much everything anything nothing half one"
-);
-
-/// What may stand between an article and its noun.
-const QUALIFIERS: &[&str] = words!(
-    "above two three last final whole entire given stated next previous proposed suggested chosen same"
-);
-
-/// Who carries the answer out.
-const AGENTS: &[&str] = words!(
-    "you we robot robots arm arms gripper grippers manipulator machine controller effector hand one nobody"
-);
-
-/// Who would decide in the model's place, or do better.
-const PEOPLE: &[&str] = words!(
-    "whoever human humans person operator operators somebody someone supervisor expert experts technician colleague colleagues
-    engineer engineers people anybody anyone specialist manager boss novice beginner amateur professional professionals
-    tailor teacher reviewer inspector owner staff teammate coworker adult grown-up child layman everyone everybody"
-);
-
-const ARTICLES: &[&str] = words!("the a an my our your his its their any every");
-const BE: &[&str] = words!("is are was were be been being am");
-const MODALS: &[&str] = words!(
-    "should must ought need needs have has had may might can could will would shall do does did"
-);
-const DUTIES: &[&str] = words!("should must ought need needs have has had");
-const SUPPOSING: &[&str] = words!("would might may could");
-const NEGATIONS: &[&str] =
-    words!("not never no nothing none neither nor hardly barely scarcely without little few");
-
-/// What softens doubt to its opposite: `less risky`.
-const DIMINISHING: &[&str] = words!(
-    "less not no without never least avoid avoids avoiding reduce reduces any beyond hardly prevent prevents"
-);
-
-/// Verbs beside `be` that join a judgement to its subject.
-const SEEMING: &[&str] = words!(
-    "seem seems seemed look looks looked feel feels felt remain remains sound sounds came come comes turned turns
-    ended proved got stay stays"
-);
-
-/// What may begin a clause without being part of its statement.
-const OPENING: &[&str] = words!(
-    "please kindly honestly frankly but and or so well actually also just maybe perhaps possibly however still though
-    yet sadly unfortunately somehow simply anyway note warning caution disclaimer caveat important oh okay ok really
-    personally arguably admittedly again therefore thus hence basically mind remember ah alas importantly ps nb
-    overall sorry as that for now today
-    reason reasoning explanation rationale comment remark notes message thought thoughts status description why
-    justification info"
-);
-
-/// What tells of a later step.
-const SEQUEL: &[&str] = words!(
-    "then next afterwards afterward later finally once after when subsequently second following thereafter done if
-    should future further"
-);
-
-/// What begins a clause that gives a reason or describes something.
-const EXPLAINING: &[&str] =
-    words!("because since which who where whereas while when if than although though whether how");
-
-/// What begins any other clause.
-const JOINING: &[&str] = words!("and but so or before until unless yet");
-
-/// Doubt, as nouns, adjectives and participles.
-const DOUBTS: &[&str] = words!(
-    "scrambled jumbled pretended fallback fallbacks illustrative symbolic notional bad pending awaiting sketch guess guesses guessed guessing guesswork guesstimate guesstimates eyeballed hunch stab dice gamble lottery
-    random randomly arbitrary arbitrarily haphazard hallucinated hallucination hallucinations fabricated fabrication
-    invented fictional fictitious imaginary imagined fake faked bogus dummy placeholder placeholders filler fillers
-    nonsense nonsensical garbage gibberish rubbish junk trash meaningless worthless useless pointless unreliable
-    untrustworthy dubious doubtful doubt doubts questionable iffy shaky sketchy fishy flimsy speculative speculation
-    tentative provisional premature unverified untested unconfirmed unchecked unmeasured unsure uncertain unknown void
-    null invalid retracted withdrawn revoked rescinded cancelled canceled improvised joke prank hypothetical
-    hypothetically moot stale outdated obsolete expired superseded leftover leftovers recycled boilerplate mistaken
-    mistake mistakes erroneous error faulty flawed incorrect inaccurate imprecise wrong wrongly backwards backward
-    mixed swapped transposed garbled botched unsafe dangerous risky hazardous unusable untenable inadvisable unwise
-    foolish reckless makeshift stopgap blind blindly nominal suspect suspicious crude sloppy careless debatable
-    disputable unfounded baseless unsupported unjustified inconclusive insufficient unacceptable unworkable infeasible
-    impossible unrealistic implausible unlikely misguided misplaced misjudged mistyped typo bluff fiction fantasy
-    premise draft scribble improbable ungrounded unreal doomed hopeless off outside nowhere anywhere unfinished
-    incomplete untrue false illusory worse worst defective unfit unsuitable inappropriate vague
-    exaggerated overestimated underestimated contrived fluke shot todo tbd fixme stub stubs mock mocked fib myth mirage sham"
-);
-
-/// Doubt that also describes places and sides, and so counts only in a judgement of the answer.
-const WEAK_DOUBTS: &[&str] = words!(
-    "bad off outside nowhere anywhere backwards backward mixed swapped blind blindly unknown draft error mistake mistakes
-    premise null shot worse worst wrong incorrect impossible incomplete unlikely false risky suspect nominal unsafe
-    insufficient invalid misplaced incorrectly wrongly unfinished dangerous crude imprecise inaccurate vague"
-);
-
-/// Trust, which is doubt where it is denied.
-const TRUSTED: &[&str] = words!(
-    "instruction recommendation command solution prediction measurement supposed how what where reliable trustworthy real final accurate certain sure correct right valid usable safe trusted verified measured
-    meant serious binding official authoritative definitive conclusive sound suitable ready feasible reachable
-    executable intended recommended advisable wise useful worth dependable confident grounded based checked tested
-    confirmed credible sensible good mine settled true possible workable sane solid convinced comfortable allowed
-    permitted acceptable happy satisfied convincing plausible believable guaranteed"
-);
-
-/// What the author may do to doubt the answer: `I doubt`, `I made it up`.
-const AUTHOR_DOUBTS: &[&str] = words!(
-    "transposed scrambled mistyped admit confess concede wonder ponder mixed confused guess guessed doubt doubted regret retract retracted withdraw withdrew revoke rescind hesitate distrust mistrust
-    eyeballed improvised invented fabricated hallucinated bluffed gambled faked lied erred misjudged misread miscounted
-    misidentified misplaced copied pasted recycled borrowed pretended rushed botched fumbled dislike apologise
-    apologize disagree question object refuse decline worry fear dread suspect abstain reconsider recant"
-);
-
-/// What the author feels in doubt: `I am unsure`.
-const AUTHOR_FEELINGS: &[&str] = words!(
-    "surprised amazed astonished shocked leaning tempted inclined unsure uncertain hesitant reluctant sceptical skeptical doubtful wary uneasy uncomfortable confused lost torn
-    guessing bluffing joking kidding pretending improvising worried afraid sorry unhappy unconvinced clueless stumped
-    speculating inventing wrong mistaken retracting withdrawing dubious nervous unwilling unable"
-);
-
-/// What the author may lack.
-const AUTHOR_LACKS: &[&str] = words!(
-    "idea clue faith confidence trust inkling basis evidence way grounds certainty conviction"
-);
-
-/// What the author may have too much of.
-const AUTHOR_HAS: &[&str] =
-    words!("doubts doubt misgivings reservations qualms concerns second hunch suspicion");
-
-/// What the author does with an answer that is meant.
-const COMMITTING: &[&str] = words!(
-    "trust vouch guarantee recommend rely stand advise endorse bet go risk execute act commit promise believe count
-    use do send follow swear attest defend support suggest bank carry run perform mean say know
-    assume propose want"
-);
-
-/// What the author would prefer to the answer.
-const PREFERRING: &[&str] =
-    words!("rather sooner prefer opt hold wait leave skip want love start begin");
-
-/// Orders that stop what is going on, whatever follows them.
-const HALTS: &[&str] = words!(
-    "wait stop pause halt abort postpone delay defer refrain desist freeze reconsider rethink replan retake rescan
-    remeasure recheck recalibrate rewind"
-);
-
-/// The same as verbal nouns.
-const HALTINGS: &[&str] = words!(
-    "waiting stopping pausing halting aborting postponing delaying deferring refraining reconsidering rethinking
-    replanning holding skipping cancelling canceling leaving discarding ignoring against another not
-    something otherwise instead caution patience"
-);
-
-/// Orders that dismiss or change what they name.
-const DISMISSALS: &[&str] = words!(
-    "skip ignore discard disregard scrap toss bin drop forget reject delete erase strike scratch cancel void overwrite
-    undo redo revert treat consider regard take view see verify check confirm double-check adjust correct fix shift swap
-    change replace revise nudge raise lower reverse mirror flip abandon shelve dismiss trash dump revisit repeat ditch
-    distrust mistrust doubt question unsee rub suspend hold refuse veto override round scale rotate invert exchange
-    interchange switch turn drop bump tweak modify amend edit reinterpret reread keep call file postpone strike burn"
-);
-
-/// Orders that may name the answer without dismissing it: `Keep it flat`, `Check it in the next image`.
-const HARMLESS_ORDERS: &[&str] =
-    words!("take see view keep call lower raise turn repeat check verify confirm consider hold");
-
-/// Orders that carry something out, which are doubt where they are forbidden.
-const ACTS: &[&str] = words!(
-    "read act execute move do go run use follow trust rely send start try pick grasp grab grip fold lift apply perform carry
-    believe proceed take count put pull drag touch begin place tackle choose select commit fire press rush bother
-    unfold smooth flatten flip turn stack straighten"
-);
-
-/// The same, of the answer alone.
-const EXECUTING: &[&str] =
-    words!("act execute run use trust rely apply perform proceed believe commit");
-
-/// Orders that are no business of the robot.
-const CALMING: &[&str] = words!("worry mind hesitate forget need want think let be expect");
-
-/// What a later look would do to the answer.
-const REVISED: &[&str] = words!(
-    "determined found located recomputed redetermined ignored discarded skipped scrapped checked verified confirmed measured treated taken adjusted corrected shifted
-    moved swapped raised lowered nudged rounded increased decreased reduced extended shortened flipped reversed rotated
-    scaled replaced changed revised reconsidered rechecked double-checked re-measured reviewed disregarded dismissed
-    dropped deleted cancelled canceled overwritten redone revisited mirrored exchanged inverted doubled halved
-    subtracted added multiplied divided offset approved validated remeasured refined postponed delayed amended retaken
-    turned tweaked trimmed bumped put interpreted considered regarded viewed seen higher further farther
-    smaller larger bigger shorter longer closer left"
-);
-
-/// What is done to an answer that is meant.
-const USED: &[&str] = words!(
-    "used executed trusted followed carried relied taken run performed sent believed considered acted treated applied
-    tried done read counted attempted quoted implemented happen counted"
-);
-
-/// What an answer may demand instead of being carried out.
-const DEMANDING: &[&str] =
-    words!("need needs require requires want wants deserve deserves call calls");
-const DEMANDED: &[&str] = words!(
-    "checking measuring verification review confirmation adjusting turning correcting approval supervision testing
-    validation shifting care caution rethinking work revision adjustment correction double-checking refinement another
-    attention salt"
-);
-
-/// What an answer may do that makes it unfit.
-const FAILING: &[&str] = words!(
-    "ruin ruins wreck wrecks damage damages spoil spoils lack lacks fail fails misses backfire backfires mislead
-    misleads clash clashes contradict contradicts violate violates defeat defeats undermine destroy destroys hurt harm
-    harms worsen worsens collide collides"
-);
-
-/// What an answer does that is meant.
-const WORKING: &[&str] = words!(
-    "solve solves suffice suffices satisfy satisfies qualify fit fits comply please work works hold holds count counts matter matters apply applies stand stands exist convince convinces represent reflect mean help helps add make makes"
-);
-
-/// What a fold does to a cloth, and an answer to its task; stems.
-const EFFECTS: &[&str] = words!(
-    "level eas squar trim bur shield wrap seal press squeez pin relax loosen orient steer guid reposition relocat transfer transport sweep glid head travel pivot nest track trac replicat recreat shrink grow thin crumpl wrinkl pleat gain accomplish progress pav lock secur stabili settl untwist bring brought move mov fold unfold lay laid lie lying put place plac pull lift open clos turn spread stretch
-    reach end stop stopp go goes gone come came get gets make made making take took taking align match cover uncover
-    reveal expos flatten smooth straighten leav left keep kept give gave giv reduc increas improv creat form avoid
-    allow let complet finish result produc yield maximi minimi cross meet met overlap coincid land rest sit start
-    begin began follow lead led run point correspond fit fall fell halv doubl shorten lengthen tuck hid undo unroll
-    roll repeat mirror preserv restor remov clear carr drag slid touch caus show remain stay cent agree satisf respect
-    fulfil achiev advanc free releas separat connect join extend lower rais shift bend bent creas hang hung drop
-    gather stack requir need us set fix correct resolv solv help continu work serv mark defin determin narrow widen
-    tighten loosen unwrap swing rotat reflect depict represent indicat refer describ say tell mean impl ensur
-    prevent protect hold held support prepar enabl simplif add count contribut equal total span measur differ look
-    seem appear becom have has had do does target aim address handl divid split pair pass approach exploit balanc
-    even mimic imitat reproduc resembl consist contain includ apply appl belong assum suppos presuppos presum
-    depend hing los tidy tid sav expand bound suffic favo combin concern flip push pinch grasp grip grab hit
-    underl build built tak invert revers unti release guid"
-);
-
-/// What a judgement of the answer may say without doubting it.
-const FIT: &[&str] = words!(
-    "corner corners edge edges hem sleeve sleeves cuff cuffs collar fold folds crease creases line lines middle middles
-    center centre half quarter side sides end ends tip point points place pick pixel pixels coordinates coordinate image
-    picture frame cloth fabric towel shirt garment layer layers outline border boundary mask table gripper robot answer
-    choice move step action target goal instruction instructions task demonstration way direction angle distance grip
-    degrees deg listed offered allowed free visible flat clear close near nearest closest far farthest furthest same equal
-    mirrored opposite parallel perpendicular diagonal diagonally vertical horizontal up down left right top bottom upper
-    lower inside within on at in along above below between under over to from enough sufficient necessary needed
-    best good ideal optimal correct exact exactly symmetric symmetrical aligned because why what where how due based
-    chosen given measured estimated taken counted read used made done meant first second last only next one two three
-    length width part portion spot region area location position motion pull path mirror image's result reverse
-    inverse continuation counterpart important safe stable reachable about roughly approximately around identical
-    consistent complete final straight wrinkle wrinkles shape triangle rectangle square strip midpoint mean average
-    tightest largest smallest longest shortest outermost innermost topmost lowest highest leftmost rightmost deepest
-    expected similar common typical usual standard simple simplest quick short long small large big gentle slight
-    enough all both with without of out back ready going able like as so most more less fully completely just
-    already still now then also there possible"
-);
-
-/// What the author may be.
-const COMPOSED: &[&str] = words!(
-    "confident sure certain happy glad able ready aware convinced pleased here aiming going assuming"
-);
-
-/// What the author would do without preferring something else.
-const POLITE: &[&str] =
-    words!("expect say call keep hope be like love describe estimate also continue still");
-
-/// What the author does with an answer that is meant.
-const AUTHORED: &[&str] = words!(
-    "choose chose chosen pick picked select selected verify verified check checked estimate estimated measure measured
-    compute computed calculate calculated derive derived read take took base based mark marked find found determine
-    determined confirm confirmed place placed use used set believe think expect prefer preferred recommend suggest
-    propose decide decided double-checked doublechecked traced trace follow followed consider considered see saw
-    identify identified locate located obtain obtained got infer inferred settle settled compare compared need make
-    made did do want keep kept adjust adjusted move moved fold folded hope write wrote rounded round convert converted
-    lift lifted pull pulled put get left leave let count counted describe described repeat repeated give gave given
-    copied answered answer went go tested test reflected mirrored projected matched aligned reached drew mapped"
-);
-
-/// How the author may have come by values that mean nothing.
-const CARELESSLY: &[&str] = words!(
-    "blindly randomly arbitrarily hastily carelessly wildly merely haphazardly sloppily unthinkingly"
-);
-
-/// What gives an answer weight, which it may lack.
-const WEIGHTS: &[&str] = words!(
-    "weight meaning basis validity substance foundation merit significance bearing value sense point truth"
-);
-
-/// What opens a sentence that takes something back.
-const DISCLOSING: &[&str] = &[
-    "to be honest",
-    "to be fair",
-    "to be frank",
-    "in truth",
-    "truth be told",
-    "truthfully",
-    "frankly",
-    "honestly",
-    "mind you",
-    "nope",
-    "nah",
-    "sigh",
-    "ugh",
-    "argh",
-    "nevertheless",
-    "nonetheless",
-    "but",
-    "having said that",
-    "in reality",
-    "in fairness",
-    "that being said",
-    "regrettably",
-    "alas",
-    "whoops",
-    "oops",
-    "yikes",
-    "except",
-    "come to think",
-    "then again",
-    "oh",
-    "dear",
-    "darn",
-    "ouch",
-    "uh",
-    "hm",
-    "good grief",
-];
-
-/// What takes back or doubts, in languages that models drift into; stems.
-const FOREIGN: &[&str] = words!(
-    "ejecutes ejecute falsch verwechselt vertauscht vertan ausführen geraten erfunden platzhalter unsicher ignorier verwerf ungültig
-    entschuldigung verworfen vermutung zweifel abwarten
-    perdón equivoqu inventad adivin ignora dudos duda descart aleatori
-    équivoqu erreur désolé trompé inversé inventé ignorez exécut hasard devin deviné
-    sbagliato scusa scusate inventat ignorate invertit eseguir
-    errado errei desculpe chutei inventei
-    неверн ошиб случайн выдуман игнориру"
-);
-
-/// The same as phrases; separated by `|`.
-const FOREIGN_SAYINGS: &str = "stimmt nicht|stimmt so nicht|nicht richtig|nicht sicher|bitte nicht|no estoy|no uses|pas sûr|pas certain|pas fiable|n'est pas|ne pas|não tenho|não use|não estou|non sono|non usare|non usate|bitte warten|por favor espere|me trompe";
-
-/// The same, in languages without blanks between words.
-const FOREIGN_WITHIN: &[&str] = words!(
-    "信頼でき 不可靠 不可信 不准 存疑 待确认 未确认 不对 错 等等 参考 不要 不确定 随便 瞎 编的 占位 忽略 猜 作废 別 别用 無視 推測 実行しない 仮の 間違 自信が わかりません
-    適当 违 違 잘못 무시 추측 실행하지 확실하지"
-);
-
-/// What makes the line above the values an introduction of what is right elsewhere, later or in somebody else's words.
-const LATER: &[&str] =
-    words!("later if unless once until could might had were said wrote answered");
-
-/// What an answer of another turn, or of another picture, is introduced with.
-const OTHER: &[&str] = words!("last previous earlier first other former old");
-const OTHERS: &[&str] = words!(
-    "message answer reply response step turn picture image photo photograph frame scene cloth demonstration example"
-);
-
-/// What introduces values that are not meant; separated by `|`.
-const FORMALITIES: &str = "since i have to answer|because i have to answer|since i must answer|because i must answer|have to say something|for the sake of|satisfy the|to comply|that parses|it parses|here is something|here are some|for completeness\
-    |for form|pro forma|formally|nominally|are worth|is worth|if only to|if i had to|if i were|were i|if forced|if pressed\
-    |if you insist|just to have|so as not to|to keep the parser|to please";
-
-/// What makes an answer conditional.
-const PRESUPPOSING: &[&str] = words!(
-    "presuppose presupposes presume presumes assume assumes suppose supposes hinge hinges depend depends hold holds
-    apply applies work works count counts"
-);
-
-/// Verbs that tell where an answer is from or what it is for.
-const ORIGINATING: &[&str] = words!(
-    "belong belongs refer refers stem stems come comes date dates meant intended taken copied borrowed left from for
-    lifted quoted cribbed pertain pertains describe describes correspond corresponds apply applies concern concerns"
-);
-
-/// What is not this answer's picture, step or robot.
-const ELSEWHERE: &[&str] = words!(
-    "neighbouring neighboring similar once previous earlier another other old different second example examples format prompt template tomorrow later
-    demonstration yesterday somebody someone memory nowhere wrong previous"
-);
-
-/// What praises another way: `It would be wiser to`.
-const BETTER: &[&str] = words!(
-    "better best wise wiser prudent sensible advisable preferable good safer smarter smart cleverer nicer easier
-    simpler saner sounder preferred worthwhile reasonable appropriate fairer ideal more worth"
-);
-
-/// What the author offers in place of the answer.
-const COUNSELS: &[&str] = words!(
-    "advice recommendation suggestion preference gut instinct hunch vote bet counsel hope wish request plea intuition
-    inclination urge feeling worry concern fear doubt verdict warning"
-);
-
-/// What another choice is called.
-const RIVALS: &[&str] = words!(
-    "better real true proper actual safer smarter wiser other opposite intended alternative cleverer"
-);
-
-/// Sayings that doubt or halt, whatever they are said of; separated by `|`.
-const SAYINGS: &str = "stand in for|stands in for|should rather|must rather|ought rather|could be that|may be that|might be that|could well be|may well be|might well be|more good|will want to|may want to|might want to|place to start|place to begin|more promising|more urgent|more sensible|more suitable|seems better|looks better|came to mind|chance of success|no point in|no sense in|no use in|no guarantee|no hope|no certainty|too early|too late|from nothing|on balance|wanted to say|meant to say|would benefit|should come first|must come first|needs to come first|has to come first|ought to come first|the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
-    |coin flip|coin toss|flip of a coin|toss of a coin|second opinion|need a closer look|needs a closer look|deserves a closer look\
-    |take it back|take that back|take this back|strike that|my gut|top of my head|at face value|this one out|stay put\
-    |staying put|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
-    |drawing board|not so fast|too soon|think twice|think again|who knows|your guess|no way to know|own risk|no promises\
-    |no guarantee|no guarantees|no warranty|for what it is worth|made up|made it up|made them up|making this up|making it up\
-    |had better|would better|best left|better left|up to you|your call|your discretion|never said|never happened|out of thin air\
-    |on a whim|on a hunch|not mine|not my|do nothing|strikes me|do not act|not act on|not act upon|better not|rather not|best not\
-    |of no use|good for nothing|blind guess|filled in the blanks|fill in the blanks|i see now|now i see|i now see|i realise now\
-    |i now realise|i realize now|i now realize|i just noticed|i just realised|i just realized|i notice now|i now notice|out of reach\
-    |ask me again|ask again|try again|start over|start afresh|come back later|another photo|another picture|another image|new photo\
-    |sharper photo|better photo|clearer photo|sharper image|better image|clearer image|sharper picture|better picture\
-    |clearer picture|fresh photo|fresh image|fresh picture|closer photo|higher resolution|leave well alone|leave it alone\
-    |leave it be|leave everything|leave things|do not trust|do not rely|not rely on|do not quote|with caution|to be safe\
-    |in hindsight|in retrospect|changed my mind|change my mind\
-    |for lack of|for want of|just in case|not this one|not this time|not this corner|not these|not this|not that|over this|over these\
-    |instead of this|instead of these|rather than this|rather than these|than this|than these|before any of|before this|before that\
-    |before doing this|before anything|before you|on condition|as long as|so long as|provided that|providing that|only valid\
-    |valid only|valid provided|only works if|in case of doubt|contingent on|subject to\
-    |purely to|merely to|only to satisfy|just to satisfy|satisfy the format|satisfy the parser|satisfy the schema|to fill the\
-    |because i had to|because you insist|you insist|against my better|second thoughts|cold feet";
-
-/// Sayings with a word that otherwise begins a clause.
-const CONDITIONS: &str = "before the arm|before the robot|than stated|than given|than written|than listed|than i|look closer|on second viewing|on second look|on closer look|on closer inspection|executed only|execute only|used only|use only|out only|proceed only|valid only if|if you do this|if you do that|if you do so|if this is done|if executed|i should have said|i should have written|i should have picked|should have been|give or take|is rough|impossible with|before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
-    |not what i meant|on condition|as long as|so long as|provided that|providing that|valid provided|works if\
-    |if you ask me|if i am honest|not where|rather than this|rather than these|rather than that|might as well|may as well|unless i|until i|until it is|until you|until this|until they|before i";
-
-/// What the author sees and remembers with.
-const FACULTIES: &[&str] = words!(
-    "eyes eye camera feed vision view sight sensor memory input perception depth confidence certainty"
-);
+/// Returns the language of an answer that consists of these sentences.
+pub(super) fn language(sentences: &[&[Token<'_>]]) -> Language {
+    let is_foreign = |sentence: &&[Token<'_>]| {
+        let text = plain(sentence);
+        known::is_foreign(&text.split_whitespace().collect::<Vec<_>>())
+    };
+    match sentences.iter().any(is_foreign) {
+        true => Language::Other,
+        false => Language::English,
+    }
+}
 
 /// Returns why a sentence puts the answer in doubt, if it does.
-pub(super) fn cast_by(sentence: &[Token<'_>], place: Place) -> Option<&'static str> {
+pub(super) fn cast_by(
+    sentence: &[Token<'_>],
+    place: Place,
+    language: Language,
+) -> Option<&'static str> {
     let text = plain(sentence);
     let words: Vec<&str> = text.split_whitespace().collect();
     let said = format!(" {} ", words.join(" "));
     if let Some(why) = whole(sentence, &words, &said, place) {
         return Some(why);
     }
-    let mut start = 0;
-    let mut joint = "";
-    let mut is_sequel = false;
+    let clauses = clauses(&words, place);
+    let is_of_answer = |clause: &Clause<'_>| {
+        let named = &clause.words[..clause.words.len() - clause.predicate.len()];
+        clause.subject == Subject::Answer && refers_forward(named)
+    };
+    // A member of an object with one or two words is a name or a level.
+    let may_be_strange = match place {
+        Place::Before => clauses.iter().any(is_of_answer),
+        Place::Beside => words.len() > 4,
+        Place::After => true,
+    };
+    let is_courtesy = COURTESIES.iter().any(|it| words.starts_with(it));
+    let is_strange = language == Language::English && may_be_strange && !is_courtesy;
+    let doubted = clauses.iter().find_map(Clause::doubt);
+    doubted
+        .or_else(|| weighing::favours_another(&clauses))
+        .or_else(|| (is_strange && known::has_strange_word(&words)).then_some(STRANGE))
+}
+
+/// Cuts a sentence at its signs and conjunctions.
+fn clauses<'a>(words: &'a [&'a str], place: Place) -> Vec<Clause<'a>> {
+    let mut found: Vec<Clause<'_>> = Vec::new();
+    let (mut start, mut joint, mut is_sequel) = (0, "", false);
     for end in 0..=words.len() {
         let word = words.get(end).copied().unwrap_or(".");
         let is_sign = word != "@" && word.len() <= 3 && !word.starts_with(char::is_alphanumeric);
@@ -480,14 +93,11 @@ pub(super) fn cast_by(sentence: &[Token<'_>], place: Place) -> Option<&'static s
             continue;
         }
         let clause = Clause::new(&words[start..end], joint, place, is_sequel);
-
-        if let Some(why) = clause.doubt() {
-            return Some(why);
-        }
-        is_sequel |= clause.opens_sequel();
+        is_sequel |= clause.is_sequel;
+        found.push(clause);
         (start, joint) = (end + 1, if is_sign { "" } else { word });
     }
-    None
+    found
 }
 
 /// Returns why a sentence as a whole puts the answer in doubt.
@@ -507,7 +117,13 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         if announces && said.contains(" i would ") && said.contains(" but ") {
             return Some(OTHERWISE);
         }
-        if introduces_another(words) {
+        // `I can offer no better than chance here:`
+        let denies = words.rsplit(|it| *it == ",").next().is_some_and(|last| {
+            last.iter().any(|it| NEGATIONS.contains(it))
+                && (words!("i we here").iter().any(|it| last.contains(it))
+                    || last.contains(&"yet") && (PARTS.contains(first) || PRONOUNS.contains(first)))
+        });
+        if introduces_another(words) || announces && denies {
             return Some(DOUBTED);
         }
         let idle = words.windows(2).any(|pair| {
@@ -553,6 +169,9 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         || said.contains(" in doubt ")
         || place == Place::After && says(CONDITIONS)
     {
+        return Some(DOUBTED);
+    }
+    if says(UNCERTAIN) {
         return Some(DOUBTED);
     }
     // `too blurry to tell`
@@ -718,7 +337,6 @@ struct Clause<'a> {
     place: Place,
     /// Whether it tells of a later step.
     is_sequel: bool,
-
     subject: Subject,
     /// What is said of the subject.
     predicate: &'a [&'a str],
@@ -736,6 +354,12 @@ impl<'a> Clause<'a> {
             ["in", "my", _, rest @ ..] | ["to", "me" | "my", rest @ ..] => rest,
             _ => words,
         };
+        // `With this light I see no corner`
+        let begins = words
+            .iter()
+            .position(|it| *it == "i")
+            .filter(|_| words.first().is_some_and(|it| PREPOSITIONS.contains(it)));
+        let words = &words[begins.unwrap_or(0)..];
         let is_sequel = was_sequel
             || words.first().is_some_and(|it| SEQUEL.contains(it))
             || SEQUEL.contains(&joint)
@@ -749,15 +373,10 @@ impl<'a> Clause<'a> {
             joint,
             place,
             is_sequel,
-
             subject,
             predicate: &words[length..],
             is_none: words[..length].iter().any(|it| NEGATIONS.contains(it)),
         }
-    }
-
-    fn opens_sequel(&self) -> bool {
-        self.is_sequel
     }
 
     fn is_explaining(&self) -> bool {
@@ -947,6 +566,9 @@ impl<'a> Clause<'a> {
                 .any(|it| words!("other another different either").contains(it));
         let corrects = self.predicate.iter().take(3).any(|it| *it == "actually")
             && BE.contains(&verb)
+            && !rest
+                .iter()
+                .any(|it| words!("last first same only").contains(it))
             && self.place == Place::After;
         if (unreal || turned || other || corrects) && !denies && !self.is_explaining() {
             return Some(DOUBTED);
@@ -989,7 +611,11 @@ impl<'a> Clause<'a> {
                     .any(|it| DIMINISHING.contains(it))
             };
             let is_doubt = judgement.iter().enumerate().any(|(at, it)| {
-                let is_slight = *it == "off" && rest.get(at + 1) == Some(&"by");
+                let is_slight = *it == "off"
+                    && rest.get(at + 1) == Some(&"by")
+                    && rest[at + 1..].iter().any(|it| {
+                        words!("pixel pixels few little couple small bit hair").contains(it)
+                    });
                 let is_weak = is_it && WEAK_DOUBTS.contains(it);
                 DOUBTS.contains(it) && !(denied(at) || is_slight || is_weak)
             });
@@ -1183,6 +809,19 @@ impl<'a> Clause<'a> {
         if denies_sight {
             return Some(DOUBTED);
         }
+        let sees_none = words!("see find detect recognise recognize").contains(&verb)
+            && matches!(
+                rest,
+                [
+                    "no",
+                    "corner" | "corners" | "cloth" | "edge" | "edges" | "hem" | "sleeve" | "towel",
+                    ..
+                ]
+            )
+            && self.place == Place::After;
+        if sees_none {
+            return Some(DOUBTED);
+        }
         let unread = denies
             && self.place == Place::After
             && words!(
@@ -1289,7 +928,10 @@ impl<'a> Clause<'a> {
 
     /// `Nothing should be moved`
     fn rests(&self) -> Option<&'static str> {
-        let duty = self.predicate.first().is_some_and(|it| DUTIES.contains(it));
+        // `Nothing has been folded` is no duty.
+        let is_perfect =
+            matches!(self.predicate, ["has" | "have" | "had", next, ..] if *next != "to");
+        let duty = self.predicate.first().is_some_and(|it| DUTIES.contains(it)) && !is_perfect;
         let other = self
             .words
             .iter()
