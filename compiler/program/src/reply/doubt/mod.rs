@@ -6,6 +6,7 @@
 //! the cloth and the picture is free.
 
 mod known;
+mod sayings;
 mod vocabulary;
 mod weighing;
 
@@ -78,6 +79,7 @@ pub(super) fn cast_by(
     let is_strange = language == Language::English && may_be_strange && !is_courtesy;
     let doubted = clauses.iter().find_map(Clause::doubt);
     doubted
+        .or_else(|| clauses.iter().find_map(sayings::why))
         .or_else(|| weighing::favours_another(&clauses))
         .or_else(|| (is_strange && known::has_strange_word(&words)).then_some(STRANGE))
 }
@@ -95,7 +97,7 @@ fn clauses<'a>(words: &'a [&'a str], place: Place) -> Vec<Clause<'a>> {
         let clause = Clause::new(&words[start..end], joint, place, is_sequel);
         is_sequel |= clause.is_sequel;
         found.push(clause);
-        (start, joint) = (end + 1, if is_sign { "" } else { word });
+        (start, joint) = (end + 1, if is_sign && word != ":" { "" } else { word });
     }
     found
 }
@@ -123,7 +125,12 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                 && (words!("i we here").iter().any(|it| last.contains(it))
                     || last.contains(&"yet") && (PARTS.contains(first) || PRONOUNS.contains(first)))
         });
-        if introduces_another(words) || announces && denies {
+        let is_elsewhere = words.windows(3).any(|near| {
+            words!("these they those values points numbers").contains(&near[0])
+                && BE.contains(&near[1])
+                && words!("on from of for").contains(&near[2])
+        });
+        if introduces_another(words) || announces && (denies || is_elsewhere) {
             return Some(DOUBTED);
         }
         let idle = words.windows(2).any(|pair| {
@@ -195,6 +202,10 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         return Some(DOUBTED);
     }
     if place == Place::After {
+        let sees_other = words.starts_with(&["i", "see"]) && words.contains(&"not");
+        if sees_other || words!("perhaps maybe possibly").contains(first) {
+            return Some(DOUBTED);
+        }
         if DISCLOSING.iter().any(|it| {
             said.strip_prefix(' ')
                 .is_some_and(|it2| it2.starts_with(it) && it2[it.len()..].starts_with(' '))
@@ -807,19 +818,6 @@ impl<'a> Clause<'a> {
                 words!("better other wrinkle any more need reason").contains(it)
             });
         if denies_sight {
-            return Some(DOUBTED);
-        }
-        let sees_none = words!("see find detect recognise recognize").contains(&verb)
-            && matches!(
-                rest,
-                [
-                    "no",
-                    "corner" | "corners" | "cloth" | "edge" | "edges" | "hem" | "sleeve" | "towel",
-                    ..
-                ]
-            )
-            && self.place == Place::After;
-        if sees_none {
             return Some(DOUBTED);
         }
         let unread = denies
@@ -1583,6 +1581,9 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         at += 1;
     }
     let is_named = at > begins;
+    if is_named && words!("below above").contains(&word(at + 1)) {
+        return (Subject::Answer, at + 2);
+    }
     for index in at..at + 4 {
         let it = word(index);
         if is_named && PEOPLE.contains(&it) {

@@ -458,3 +458,37 @@ pub(super) const COURTESIES: &[&[&str]] = &[
     words!("thank you"),
     words!("thanks"),
 ];
+
+/// What names another way to act.
+pub(super) const ANOTHER: &[&str] = words!(
+    "other others another different alternative alternatives opposite anything instead rest"
+);
+
+/// What shows how to act, and is no way to act itself.
+pub(super) const SHOWN: &[&str] = words!("arrow picture image instruction demonstration example");
+
+/// What is said of a way that is better than the answer, unless it is compared with yet another: `easier than`.
+pub(super) const SUPERIOR: &[&str] = words!(
+    "better safer wiser smarter easier cleaner neater tidier firmer stronger smoother flatter faster simpler nicer
+    quicker sounder surer clearer"
+);
+
+/// What is done to the place where an action begins.
+pub(super) const CHOSEN: &[&str] = words!(
+    "picked chosen grasped grabbed gripped selected used taken pulled tackled addressed handled flattened
+    straightened smoothed unfolded opened preferred done tried dealt"
+);
+
+/// Parts of a cloth that an action may begin at.
+pub(super) const PLACES: &[&str] = words!(
+    "one thing part place spot corner corners edge side sleeve hem collar cuff flap wrinkle fold layer half point"
+);
+
+/// Motions that an answer asks for.
+pub(super) const MOTIONS: &[&str] = words!(
+    "pull pulls pulling fold folding action actions move motion step grasp pick flattening smoothing"
+);
+
+/// What is folded or smoothed.
+pub(super) const CLOTHS: &[&str] =
+    words!("cloth towel shirt garment fabric napkin scarf blanket sheet textile");

@@ -15,16 +15,8 @@ const CIRCUMSTANCES: &[&str] =
 /// Conjunctions that set a drawback against a gain: `the collar would do, but it is further away`.
 const CONTRASTS: &[&str] = words!("but although though however yet while whereas which");
 
-/// What names another way to act.
-const ANOTHER: &[&str] = words!(
-    "other others another different alternative alternatives opposite anything instead rest"
-);
-
 /// What tells of something that may happen, or that would.
 const CONCEIVED: &[&str] = words!("would could might may");
-
-/// What shows how to act, and is no way to act itself.
-const SHOWN: &[&str] = words!("arrow picture image instruction demonstration example");
 
 /// Ways to act that are as good as the answer's.
 const EQUAL: &[&str] = words!("same either equal equally equivalent alike");
@@ -36,12 +28,6 @@ const GAINS: &[&str] = words!(
     gain fewer effect efficien promis profit benefi win sense prefer serv fit deserv merit recommend advis reliabl
     accura more most maxim reach succe fulfil achiev satisf justif favo matter pay count faster quick simpl finish
     complet straighten sooner warrant worth"
-);
-
-/// What is said of a way that is better than the answer, unless it is compared with yet another: `easier than`.
-const SUPERIOR: &[&str] = words!(
-    "better safer wiser smarter easier cleaner neater tidier firmer stronger smoother flatter faster simpler nicer
-    quicker sounder surer clearer"
 );
 
 /// Drawbacks, and what tells that nothing needs to be done there; stems.
@@ -64,28 +50,9 @@ const HARMS: &[&str] =
 /// What is no part of the cloth.
 const NO_CLOTH: &[&str] = words!("shadow shadows tabletop background reflection glare");
 
-/// What is done to the place where an action begins.
-const CHOSEN: &[&str] = words!(
-    "picked chosen grasped grabbed gripped selected used taken pulled held tackled addressed handled flattened
-    straightened smoothed unfolded opened preferred done tried dealt"
-);
-
 /// What the person who carries an answer out may do without acting otherwise.
 const WATCHING: &[&str] =
     words!("see notice find expect verify check repeat want like need ask observe hear continue");
-
-/// Parts of a cloth that an action may begin at.
-const PLACES: &[&str] = words!(
-    "one thing part place spot corner corners edge side sleeve hem collar cuff flap wrinkle fold layer half point"
-);
-
-/// Verbs that begin an action.
-const BEGINNING: &[&str] = words!("start begin go come");
-
-/// Motions that an answer asks for.
-const MOTIONS: &[&str] = words!(
-    "pull pulls pulling fold folding action actions move motion step grasp pick flattening smoothing"
-);
 
 /// Returns why the clauses of a sentence favour something else than the answer.
 pub(super) fn favours_another(clauses: &[Clause<'_>]) -> Option<&'static str> {
@@ -96,9 +63,8 @@ pub(super) fn favours_another(clauses: &[Clause<'_>]) -> Option<&'static str> {
         .find_map(|(at, clause)| {
             let favours = clause.tells_of_another() && !is_drawn_back(clause, &clauses[at + 1..]);
             match () {
-                () if favours || clause.points_elsewhere() => Some(super::OTHERWISE),
+                () if favours => Some(super::OTHERWISE),
                 () if clause.harms() => Some(super::DOUBTED),
-                () if clause.is_needless() => Some(super::HALTED),
                 () if clauses[..at]
                     .iter()
                     .any(|it| it.asks_for_another_side(clause)) =>
@@ -113,7 +79,7 @@ pub(super) fn favours_another(clauses: &[Clause<'_>]) -> Option<&'static str> {
 /// Returns whether a drawback stands against another way to act.
 fn is_drawn_back(clause: &Clause<'_>, later: &[Clause<'_>]) -> bool {
     // `The cuff is easier to grasp than the elbow`
-    let compares = clause.words.iter().any(|it| SUPERIOR.contains(it));
+    let compares = clause.compares();
     if compares
         && later
             .first()
@@ -125,7 +91,7 @@ fn is_drawn_back(clause: &Clause<'_>, later: &[Clause<'_>]) -> bool {
     if is_equal(clause) || later.iter().any(is_equal) {
         return true;
     }
-    let gains = gains(clause.words);
+    let gains = compares || gains(clause.words);
     let is_drawback = says(clause.words, DRAWBACKS)
         || clause.words.last() == Some(&"more")
         || clause.words.contains(&"@");
@@ -207,68 +173,22 @@ impl Clause<'_> {
             .windows(2)
             .any(|pair| pair[0] == "instead" && pair[1] != "of")
             || words.last() == Some(&"instead");
-        let compares = self.subject == Subject::World
-            && !words!("because since as so which").contains(&self.joint)
-            && words.iter().any(|it| SUPERIOR.contains(it));
         is_subject
             || instead
-            || compares
+            || self.compares()
             || conceives
             || CONCEIVED.contains(&words[words.len() - 1])
     }
 
-    /// Returns whether the clause says where an action ought to begin: `the sleeve is the one to pick`.
-    fn points_elsewhere(&self) -> bool {
+    /// Returns whether the clause calls something better than the answer: `the cuff is easier to grasp`.
+    fn compares(&self) -> bool {
         let words = self.words;
-        // `It is the top edge that has to go down`, `this is where the fold ought to begin`
-        let is_cleft = words.starts_with(&["it", "is", "the"]) || self.joint == "where";
-        let speaks_of_answer = self.subject == Subject::Answer && !is_cleft;
-        if self.place != Place::After || self.is_sequel || speaks_of_answer {
-            return false;
-        }
-        let is_one = (self.subject == Subject::World || is_cleft)
-            && words.iter().enumerate().any(|(at, it)| {
-                PLACES.contains(it)
-                    && match words[at + 1..] {
-                        ["to", verb, ..] => ACTS.contains(&verb),
-                        ["that", "has", "to", ..] => true,
-                        ["that", verb, ..] => {
-                            words!("should must needs matters counts wants ought deserves")
-                                .contains(&verb)
-                        }
-                        _ => false,
-                    }
-            })
-            && words.iter().any(|it| BE.contains(it));
-        let Predicate {
-            modal, head, rest, ..
-        } = Predicate::of(self.predicate);
-        let verb = head.unwrap_or_default();
-        let is_owed = (self.subject == Subject::World || self.joint == "where")
-            && self.joint != "because"
-            && modal.is_some_and(|it| words!("should must ought").contains(&it))
-            && (BE.contains(&verb) && rest.iter().take(2).any(|it| CHOSEN.contains(it))
-                || BEGINNING.contains(&verb) && !rest.is_empty());
-        let next = words.get(1).copied().unwrap_or_default();
-        let begins = self.subject == Subject::Nobody
-            && (words!("start begin").contains(&words[0])
-                && words!("with at from on").contains(&next)
-                || words!("take choose use try select prefer opt go").contains(&words[0])
-                    && words!("the a an that another with for").contains(&next)
-                    && !words.contains(&"@"));
-        // `What the shirt needs is a fold at the waist`
-        let is_what = words[0] == "what"
-            && words
+        self.subject == Subject::World
+            && !words!("because since as so which").contains(&self.joint)
+            && words.iter().any(|it| SUPERIOR.contains(it))
+            && !words
                 .iter()
-                .any(|it| words!("needs wants matters helps deserves requires").contains(it))
-            && words.iter().any(|it| BE.contains(it));
-        let goes_first = self.subject == Subject::World
-            && words.last() == Some(&"first")
-            && words
-                .iter()
-                .any(|it| words!("goes comes moves").contains(it));
-        let deserved = self.subject == Subject::World && says(words, words!("deserv merit"));
-        is_one || is_owed || begins || is_what || goes_first || deserved
+                .any(|it| CONCEIVED.contains(it) || words!("not no never nor too").contains(it))
     }
 
     /// Returns whether the clause tells of a harm that the answer does, or that it misses the cloth.
@@ -276,15 +196,8 @@ impl Clause<'_> {
         let words = self.words;
         let is_here = words[0].ends_with("ing") && words.get(1) == Some(&"here");
         if !(self.subject == Subject::Answer || is_here) || self.is_sequel {
-            // `The order is reversed`
-            let is_crossed = words.windows(3).take(4).any(|near| {
-                words!("order roles sequence").contains(&near[0])
-                    && BE.contains(&near[1])
-                    && words!("reversed swapped switched wrong exchanged").contains(&near[2])
-            });
             // `The instruction asks for a diagonal pull, which 90 deg is not`
-            return is_crossed
-                || self.joint == "which" && matches!(words, [.., "is" | "are", "not"]);
+            return self.joint == "which" && matches!(words, [.., "is" | "are", "not"]);
         }
         let denied = |at: usize| {
             words[..at].iter().rev().take(4).any(|it| {
@@ -340,21 +253,6 @@ impl Clause<'_> {
                     && !says(self, opposite)
                     && says(answer, opposite)
                     && !says(answer, side)
-            })
-    }
-
-    /// Returns whether the clause says that the cloth is as it should be: `the cloth needs no pull`.
-    fn is_needless(&self) -> bool {
-        let words = self.words;
-        let more = words
-            .iter()
-            .any(|it| words!("more further other second additional extra").contains(it));
-        !more
-            && !self.is_sequel
-            && words.windows(3).any(|near| {
-                words!("needs need requires require").contains(&near[0])
-                    && near[1] == "no"
-                    && MOTIONS.contains(&near[2])
             })
     }
 }

@@ -1,0 +1,209 @@
+//! Clauses that take an answer back or point elsewhere, whatever else they say: one row for each way to say it.
+//!
+//! A pattern is a row of words. `a|b` stands for either, a name in capitals for a list of words, `pick*` for words that
+//! begin so, `*` for up to five words. `^` stands for the beginning of a clause, and `$` for its end.
+
+use super::vocabulary::*;
+use super::{CHANGED, Clause, DOUBTED, HALTED, OTHERWISE, Place, Subject, refers_forward};
+use std::sync::LazyLock;
+
+/// The most words for which `*` stands.
+const MAX_GAP: usize = 5;
+
+/// The lists of words that patterns name.
+const LISTS: [(&str, &[&str]); 10] = [
+    ("ACT", ACTS),
+    ("ANOTHER", ANOTHER),
+    ("BE", BE),
+    ("CHOSEN", CHOSEN),
+    ("CLOTH", CLOTHS),
+    ("MOTION", MOTIONS),
+    ("PART", PARTS),
+    ("PLACE", PLACES),
+    ("SHOWN", SHOWN),
+    ("SUPERIOR", SUPERIOR),
+];
+
+/// Where a clause stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum When {
+    After,
+    /// After the values or beside them.
+    Later,
+    /// Anywhere; before the values only if it speaks of what follows.
+    Always,
+}
+
+/// Of whom a clause speaks.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Of {
+    Anything,
+    Answer,
+    Author,
+    World,
+    /// An order, or a clause without a verb.
+    Nobody,
+}
+
+struct Row {
+    when: When,
+    of: Of,
+    says: &'static str,
+    unless: &'static str,
+    why: &'static str,
+}
+
+const fn row(
+    when: When,
+    of: Of,
+    says: &'static str,
+    unless: &'static str,
+    why: &'static str,
+) -> Row {
+    Row {
+        when,
+        of,
+        says,
+        unless,
+        why,
+    }
+}
+
+use Of::{Answer, Anything, Author, Nobody, World};
+use When::{After, Always, Later};
+
+#[rustfmt::skip]
+const ROWS: &[Row] = &[
+    // Where an action ought to begin.
+    row(Later, World, "BE * PLACE to ACT", "", OTHERWISE),
+    row(Later, World, "PLACE that should|must|needs|matters|counts|wants|ought|deserves", "", OTHERWISE),
+    row(Later, World, "PLACE that has to", "", OTHERWISE),
+    row(After, Answer, "^ it is the * that needs|should|must|ought", "", OTHERWISE),
+    row(After, Answer, "^ it is the * that has to", "", OTHERWISE),
+    row(Later, World, "ANOTHER * BE needed|required|due|called", "not", OTHERWISE),
+    row(After, World, "should|must|ought be|to * CHOSEN", "", OTHERWISE),
+    row(After, World, "should|must|ought to|be|start|begin|go|come start|begin|go|come|with|at|first|from", "", OTHERWISE),
+    row(After, Answer, "fold|pick|pull ought|should to|begin|start", "", OTHERWISE),
+    row(After, Nobody, "^ start|begin with|at|from|on", "", OTHERWISE),
+    row(After, Nobody, "^ take|choose|use|try|select|prefer|opt|go the|a|an|that|another|with|for", "@", OTHERWISE),
+    row(After, Nobody, "^ pull|fold|pick|grasp|drag|move|grab the|a|an|its * by|to|onto|over|up|down|outward|inward", "@|then|slow*|gent*", OTHERWISE),
+    row(After, Anything, "^ what * needs|wants|matters|helps|deserves|requires * BE", "", OTHERWISE),
+    row(After, World, "goes|comes|moves first $", "", OTHERWISE),
+    row(Later, World, "deserv*|merit*", "", OTHERWISE),
+    row(Later, World, "BE what the|this|our SHOWN", "^ BE", OTHERWISE),
+    row(Later, World, "needs|requires|wants * SUPERIOR", "", OTHERWISE),
+    // Nothing is to be done.
+    row(Later, Anything, "need|needs|require|requires no MOTION", "more|further|other|second|additional|extra", HALTED),
+    row(Later, World, "CLOTH is|looks smooth|done|finished|complete $", "not|then|almost", HALTED),
+    // The answer is not what it should be.
+    row(Always, Answer, "BE not $", "", DOUBTED),
+    row(Always, Answer, "BE not for|from|meant|of|at|what", "", DOUBTED),
+    row(Later, Anything, "BE not * this|these PART|place|corner", "", DOUBTED),
+    row(Later, Anything, "BE not the one|step|right|fold|move|action|way", "ANOTHER", DOUBTED),
+    row(Later, Answer, "was|were for|from|right|good|meant", "", DOUBTED),
+    row(Later, Answer, "the|a wrong", "not|no|never|avoid*|instead|would|could", DOUBTED),
+    row(Later, Answer, "more crumpled|wrinkled|bunched|tangled|folded|hidden|covered", "not|no|less", DOUBTED),
+    row(Later, Answer, "presses|pinches * onto the table", "not", DOUBTED),
+    row(Later, Anything, "out of * reach", "ANOTHER|not", DOUBTED),
+    row(After, Anything, "can not be picked|grasped|reached|gripped|lifted|pulled|executed|carried|used", "ANOTHER|remaining", DOUBTED),
+    row(Later, World, "falls|slides|slips|drops|ends off the table|cloth", "ANOTHER|larger|longer|further", DOUBTED),
+    row(After, Author, "see|find|detect|recognise|recognize no CLOTH|corner|corners|edge|edges|hem|sleeve", "", DOUBTED),
+    row(Always, World, "image|picture|photo shows|has|contains no cloth|towel|shirt|fabric|corner|corners", "", DOUBTED),
+    row(After, Nobody, "^ read|interpret|take|treat|count the|this|that|it * as", "", CHANGED),
+    row(Later, World, "order|roles|sequence BE reversed|swapped|switched|wrong|exchanged", "", CHANGED),
+];
+
+/// A word of a pattern: one of several that fit, or a gap.
+enum Piece {
+    Words(Vec<Fit>),
+    Gap,
+    Start,
+    End,
+}
+
+enum Fit {
+    Word(&'static str),
+    Stem(&'static str),
+    List(&'static [&'static str]),
+}
+
+static PATTERNS: LazyLock<Vec<(Vec<Piece>, Vec<Piece>)>> = LazyLock::new(|| {
+    let read = |row: &Row| (pieces(row.says), pieces(row.unless));
+    ROWS.iter().map(read).collect()
+});
+
+fn pieces(pattern: &'static str) -> Vec<Piece> {
+    let fit = |word: &'static str| match (
+        word.strip_suffix('*'),
+        LISTS.iter().find(|(name, _)| *name == word),
+    ) {
+        (Some(stem), _) => Fit::Stem(stem),
+        (None, Some((_, list))) => Fit::List(list),
+        (None, None) => Fit::Word(word),
+    };
+    let piece = |word: &'static str| match word {
+        "*" => Piece::Gap,
+        "^" => Piece::Start,
+        "$" => Piece::End,
+        _ => Piece::Words(word.split('|').map(fit).collect()),
+    };
+    pattern.split_whitespace().map(piece).collect()
+}
+
+/// Returns why a clause cannot stand beside an answer that is meant, if a row says so.
+pub(super) fn why(clause: &Clause<'_>) -> Option<&'static str> {
+    if clause.is_sequel {
+        return None;
+    }
+    let named = &clause.words[..clause.words.len() - clause.predicate.len()];
+    let found = ROWS
+        .iter()
+        .zip(PATTERNS.iter())
+        .find(|(row, (says, unless))| {
+            let is_then = match row.when {
+                When::After => clause.place == Place::After,
+                When::Later => clause.place != Place::Before,
+                When::Always => {
+                    clause.place != Place::Before || row.of == World || refers_forward(named)
+                }
+            };
+            let is_of_it = match row.of {
+                Anything => true,
+                Answer => clause.subject == Subject::Answer,
+                Author => clause.subject == Subject::Author,
+                World => clause.subject == Subject::World,
+                // `Reason: fold the hem up` is no order.
+                Nobody => clause.subject == Subject::Nobody && clause.joint != ":",
+            };
+            is_then
+                && is_of_it
+                && says_pattern(clause.words, says)
+                && !says_pattern(clause.words, unless)
+        });
+    found.map(|(row, _)| row.why)
+}
+
+fn says_pattern(words: &[&str], pattern: &[Piece]) -> bool {
+    !pattern.is_empty() && (0..words.len()).any(|at| fits(words, at, pattern))
+}
+
+fn fits(words: &[&str], at: usize, pattern: &[Piece]) -> bool {
+    let Some((piece, rest)) = pattern.split_first() else {
+        return true;
+    };
+    match piece {
+        Piece::Start => at == 0 && fits(words, at, rest),
+        Piece::End => at == words.len() && fits(words, at, rest),
+        Piece::Gap => (at..=at + MAX_GAP).any(|at| fits(words, at, rest)),
+        Piece::Words(any) => {
+            let fits_word = |word: &&str| {
+                any.iter().any(|fit| match fit {
+                    Fit::Word(wanted) => wanted == word,
+                    Fit::Stem(stem) => word.starts_with(stem),
+                    Fit::List(list) => list.contains(word),
+                })
+            };
+            words.get(at).is_some_and(|word| fits_word(word)) && fits(words, at + 1, rest)
+        }
+    }
+}
