@@ -89,9 +89,16 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         .min()
         .map(|first| {
             let last = claims.iter().map(|claim| claim.span.start).max();
+            let firsts = (0..reader.fields.len()).map(|field| {
+                let own = claims.iter().filter(|claim| claim.field == field);
+                own.map(|claim| claim.span.start)
+                    .min()
+                    .unwrap_or(usize::MAX)
+            });
             let end = claims.iter().map(|claim| claim.span.end).max();
             remarks::Stated {
                 first,
+                settled: firsts.max().unwrap_or(usize::MAX),
                 last: last.unwrap_or(first),
                 end: end.unwrap_or(first),
             }

@@ -25,7 +25,10 @@ const CONTAINERS: &[&str] = words!(
 const LABELS: [&str; 7] = ["label", "name", "role", "field", "type", "action", "kind"];
 
 /// Keys whose text is a thought: it may say anything.
-const NO_REMARKS: [&str; 6] = [
+const NO_REMARKS: [&str; 9] = [
+    "thinking",
+    "observation",
+    "scratchpad",
     "thought",
     "thoughts",
     "reasoning",

@@ -150,6 +150,8 @@ const MAX_SENTENCE: usize = 300;
 pub(super) struct Stated {
     /// Where the first one begins.
     pub first: usize,
+    /// Where the last field is stated first: what follows has the whole answer above it.
+    pub settled: usize,
     /// Where the last one begins.
     pub last: usize,
     /// Where the last one ends.
@@ -230,10 +232,21 @@ pub(super) fn doubt(
         .collect();
     let language = doubt::language(&spoken);
     spoken.into_iter().find_map(|sentence| {
-        let Some(Stated { first, last, end }) = stated else {
+        let Some(Stated {
+            first,
+            settled,
+            last,
+            end,
+        }) = stated
+        else {
             return doubt::cast_by(sentence, place, language);
         };
         let (begins, ends) = (sentence.first()?.at, sentence.last()?.at);
+        if begins > settled
+            && let Some(why) = doubt::cast_by(sentence, Place::After, language)
+        {
+            return Some(why);
+        }
         // `Draft, to be checked:` above the first value
         if begins < first && first <= ends {
             let above = sentence.partition_point(|token| token.at < first);

@@ -122,7 +122,7 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         // `I can offer no better than chance here:`
         let denies = words.rsplit(|it| *it == ",").next().is_some_and(|last| {
             last.iter().any(|it| NEGATIONS.contains(it))
-                && (words!("i we here").iter().any(|it| last.contains(it))
+                && (words!("i we here you").iter().any(|it| last.contains(it))
                     || last.contains(&"yet") && (PARTS.contains(first) || PRONOUNS.contains(first)))
         });
         let is_elsewhere = words.windows(3).any(|near| {
@@ -177,6 +177,14 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         || place == Place::After && says(CONDITIONS)
     {
         return Some(DOUBTED);
+    }
+    // `I would pick the collar if it were offered`
+    let wishes = said.contains(" i would ")
+        && words.windows(3).any(|near| {
+            near[0] == "if" && near[1..].iter().any(|it| words!("were had").contains(it))
+        });
+    if wishes {
+        return Some(CONDITIONAL);
     }
     if says(UNCERTAIN) {
         return Some(DOUBTED);
@@ -677,6 +685,7 @@ impl<'a> Clause<'a> {
         if DEMANDING.contains(&verb)
             && (has(DEMANDED) || (has(REVISED) && rest.first() == Some(&"to")))
             && !denies
+            && !has(&["no"])
             && !is_it
         {
             return Some(CHANGED);
@@ -1108,7 +1117,7 @@ impl<'a> Clause<'a> {
         if DISMISSALS.contains(&first) {
             let object_refers = rest.iter().take(4).position(|it| {
                 PRONOUNS.contains(it)
-                    || words!("above everything answer values numbers coordinates lines both all")
+                    || words!("above below following everything answer values numbers coordinates line lines both all")
                         .contains(it)
             });
             let harmless = HARMLESS_ORDERS.contains(&first)
@@ -1211,7 +1220,7 @@ impl<'a> Clause<'a> {
             && !slowly
             || first == "make" && words!("it this that them both these").contains(&next)
             || first == "make" && next == "the" && rest.get(1).is_some_and(|it| PARTS.contains(it));
-        if makes && self.place == Place::After {
+        if makes && self.place == Place::After && self.joint != "and" {
             return Some(CHANGED);
         }
         let asks_leave = words!("get obtain seek await request").contains(&first)
@@ -1581,6 +1590,9 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         at += 1;
     }
     let is_named = at > begins;
+    if is_named && words!("chosen selected picked proposed").contains(&word(at)) {
+        return (Subject::Answer, at + 2);
+    }
     if is_named && words!("below above").contains(&word(at + 1)) {
         return (Subject::Answer, at + 2);
     }

@@ -1,23 +1,24 @@
 //! Clauses that take an answer back or point elsewhere, whatever else they say: one row for each way to say it.
 //!
 //! A pattern is a row of words. `a|b` stands for either, a name in capitals for a list of words, `pick*` for words that
-//! begin so, `*` for up to five words. `^` stands for the beginning of a clause, and `$` for its end.
+//! begin so and `*ly` for words that end so, `*` for up to six words. `^` stands for the beginning of a clause, and `$` for its end.
 
 use super::vocabulary::*;
 use super::{CHANGED, Clause, DOUBTED, HALTED, OTHERWISE, Place, Subject, refers_forward};
 use std::sync::LazyLock;
 
 /// The most words for which `*` stands.
-const MAX_GAP: usize = 5;
+const MAX_GAP: usize = 6;
 
 /// The lists of words that patterns name.
-const LISTS: [(&str, &[&str]); 10] = [
+const LISTS: [(&str, &[&str]); 11] = [
     ("ACT", ACTS),
     ("ANOTHER", ANOTHER),
     ("BE", BE),
     ("CHOSEN", CHOSEN),
     ("CLOTH", CLOTHS),
     ("MOTION", MOTIONS),
+    ("ORDER", ORDERS),
     ("PART", PARTS),
     ("PLACE", PLACES),
     ("SHOWN", SHOWN),
@@ -85,10 +86,17 @@ const ROWS: &[Row] = &[
     row(After, World, "should|must|ought to|be|start|begin|go|come start|begin|go|come|with|at|first|from", "", OTHERWISE),
     row(After, Answer, "fold|pick|pull ought|should to|begin|start", "", OTHERWISE),
     row(After, Nobody, "^ start|begin with|at|from|on", "", OTHERWISE),
-    row(After, Nobody, "^ take|choose|use|try|select|prefer|opt|go the|a|an|that|another|with|for", "@", OTHERWISE),
-    row(After, Nobody, "^ pull|fold|pick|grasp|drag|move|grab the|a|an|its * by|to|onto|over|up|down|outward|inward", "@|then|slow*|gent*", OTHERWISE),
+    row(After, Nobody, "^ choose|select|opt|prefer|use the|a|an|that|another|with|for", "@", OTHERWISE),
+    row(After, Nobody, "^ try", "", OTHERWISE),
+    row(After, Nobody, "^ ORDER the|a|an|its|it|both|another|that|me|us", "@|then|slow*|gent*|*ly|again|flat|low|about", OTHERWISE),
     row(After, Anything, "^ what * needs|wants|matters|helps|deserves|requires * BE", "", OTHERWISE),
     row(After, World, "goes|comes|moves first $", "", OTHERWISE),
+    row(After, Anything, "i would rather|prefer|sooner", "than", OTHERWISE),
+    row(After, World, "^ the correct|real|true|proper|better", "not", OTHERWISE),
+    row(After, World, "BE the correct|real one $", "not", OTHERWISE),
+    row(Later, World, "the other way|direction", "not|no|would|could|second|next|then|will", OTHERWISE),
+    row(Later, World, "BE what the CLOTH", "^ BE", OTHERWISE),
+    row(After, Answer, "should|must lie|sit|go|be|move|point * left|right|lower|higher|above|below|further", "now|then|after|so", CHANGED),
     row(Later, World, "deserv*|merit*", "", OTHERWISE),
     row(Later, World, "BE what the|this|our SHOWN", "^ BE", OTHERWISE),
     row(Later, World, "needs|requires|wants * SUPERIOR", "", OTHERWISE),
@@ -100,8 +108,11 @@ const ROWS: &[Row] = &[
     row(Always, Answer, "BE not for|from|meant|of|at|what", "", DOUBTED),
     row(Later, Anything, "BE not * this|these PART|place|corner", "", DOUBTED),
     row(Later, Anything, "BE not the one|step|right|fold|move|action|way", "ANOTHER", DOUBTED),
+    row(After, Anything, "^ not the one", "", DOUBTED),
+    row(Later, World, "hole|gap|table|floor at|under|below|beneath the pick|place|point", "not|no", DOUBTED),
     row(Later, Answer, "was|were for|from|right|good|meant", "", DOUBTED),
-    row(Later, Answer, "the|a wrong", "not|no|never|avoid*|instead|would|could", DOUBTED),
+    row(Later, Answer, "out of the", "not|no|never|avoid*|keep*|bring*|without|would", DOUBTED),
+    row(Later, Anything, "wrong", "not|no|never|avoid*|instead|would|could|ANOTHER|if|undo*|up|would|make", DOUBTED),
     row(Later, Answer, "more crumpled|wrinkled|bunched|tangled|folded|hidden|covered", "not|no|less", DOUBTED),
     row(Later, Answer, "presses|pinches * onto the table", "not", DOUBTED),
     row(Later, Anything, "out of * reach", "ANOTHER|not", DOUBTED),
@@ -124,6 +135,7 @@ enum Piece {
 enum Fit {
     Word(&'static str),
     Stem(&'static str),
+    Ending(&'static str),
     List(&'static [&'static str]),
 }
 
@@ -133,13 +145,14 @@ static PATTERNS: LazyLock<Vec<(Vec<Piece>, Vec<Piece>)>> = LazyLock::new(|| {
 });
 
 fn pieces(pattern: &'static str) -> Vec<Piece> {
-    let fit = |word: &'static str| match (
-        word.strip_suffix('*'),
-        LISTS.iter().find(|(name, _)| *name == word),
-    ) {
-        (Some(stem), _) => Fit::Stem(stem),
-        (None, Some((_, list))) => Fit::List(list),
-        (None, None) => Fit::Word(word),
+    let fit = |word: &'static str| {
+        let list = LISTS.iter().find(|(name, _)| *name == word);
+        match (word.strip_suffix('*'), word.strip_prefix('*'), list) {
+            (Some(stem), ..) => Fit::Stem(stem),
+            (None, Some(ending), _) => Fit::Ending(ending),
+            (None, None, Some((_, list))) => Fit::List(list),
+            (None, None, None) => Fit::Word(word),
+        }
     };
     let piece = |word: &'static str| match word {
         "*" => Piece::Gap,
@@ -173,7 +186,9 @@ pub(super) fn why(clause: &Clause<'_>) -> Option<&'static str> {
                 Author => clause.subject == Subject::Author,
                 World => clause.subject == Subject::World,
                 // `Reason: fold the hem up` is no order.
-                Nobody => clause.subject == Subject::Nobody && clause.joint != ":",
+                Nobody => {
+                    clause.subject == Subject::Nobody && ![":", "and", "or"].contains(&clause.joint)
+                }
             };
             is_then
                 && is_of_it
@@ -200,6 +215,7 @@ fn fits(words: &[&str], at: usize, pattern: &[Piece]) -> bool {
                 any.iter().any(|fit| match fit {
                     Fit::Word(wanted) => wanted == word,
                     Fit::Stem(stem) => word.starts_with(stem),
+                    Fit::Ending(ending) => word.ends_with(ending),
                     Fit::List(list) => list.contains(word),
                 })
             };

@@ -461,7 +461,7 @@ pub(super) const COURTESIES: &[&[&str]] = &[
 
 /// What names another way to act.
 pub(super) const ANOTHER: &[&str] = words!(
-    "other others another different alternative alternatives opposite anything instead rest"
+    "neighbour neighbours neighbor neighbors other others another different alternative alternatives opposite anything rest"
 );
 
 /// What shows how to act, and is no way to act itself.
@@ -469,7 +469,7 @@ pub(super) const SHOWN: &[&str] = words!("arrow picture image instruction demons
 
 /// What is said of a way that is better than the answer, unless it is compared with yet another: `easier than`.
 pub(super) const SUPERIOR: &[&str] = words!(
-    "better safer wiser smarter easier cleaner neater tidier firmer stronger smoother flatter faster simpler nicer
+    "straighter gentler better safer wiser smarter easier cleaner neater tidier firmer stronger smoother flatter faster simpler nicer
     quicker sounder surer clearer"
 );
 
@@ -487,6 +487,12 @@ pub(super) const PLACES: &[&str] = words!(
 /// Motions that an answer asks for.
 pub(super) const MOTIONS: &[&str] = words!(
     "pull pulls pulling fold folding action actions move motion step grasp pick flattening smoothing"
+);
+
+/// Verbs that tell somebody to do something else than the answer.
+pub(super) const ORDERS: &[&str] = words!(
+    "pull fold pick grasp drag move grab grip lift place put take carry bring roll flip turn rotate swap have give shift
+    reverse exchange tuck unfold smooth flatten"
 );
 
 /// What is folded or smoothed.

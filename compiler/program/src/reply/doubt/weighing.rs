@@ -43,6 +43,19 @@ const DRAWBACKS: &[&str] = words!(
     need costs inaccess back smear middle bruise overkill scratch leav strain worthless pucker waste spoil ruin wreck"
 );
 
+/// What denies a whole clause.
+const DENYING: &[&str] = words!("not no never nothing none nobody hardly barely scarcely");
+
+/// What a good answer does not do, and what does not happen to the rest of the cloth; stems.
+const UNWANTED: &[&str] = words!(
+    "drag wrinkl crease slip disturb touch move moving moved cross collid lift overlap cover hid hang leav stick poke interfer block
+    chang affect need necess requir involv matter else yet only fold pinned stack tuck skew tilt distort shift reach
+    displac visibl other another cloth left say lie mark slid flip hand wrong normal correction help
+    surpris worry hesitat exceed lose lost undo loose pass bother damag tear bunch open separat extra visible further
+    more than just merely alone perfect exact quite all entire always ideal long large far strong fully tension
+    slack gap risk problem obstacle doubt fall hesit bend stretch"
+);
+
 /// What an action does that makes it unfit; stems.
 const HARMS: &[&str] =
     words!("tear tore rips ripp snag overshoot undershoot topple collaps overkill");
@@ -64,7 +77,7 @@ pub(super) fn favours_another(clauses: &[Clause<'_>]) -> Option<&'static str> {
             let favours = clause.tells_of_another() && !is_drawn_back(clause, &clauses[at + 1..]);
             match () {
                 () if favours => Some(super::OTHERWISE),
-                () if clause.harms() => Some(super::DOUBTED),
+                () if clause.harms() || clause.denies_without_need() => Some(super::DOUBTED),
                 () if clauses[..at]
                     .iter()
                     .any(|it| it.asks_for_another_side(clause)) =>
@@ -166,9 +179,12 @@ impl Clause<'_> {
             .position(|it| BE.contains(it) || MODALS.contains(it))
             .unwrap_or(words.len());
         let names_another = ARTICLES.contains(&words[0]) || ANOTHER.contains(&words[0]);
+        let is_early =
+            words.len() > 3 && words[..2.min(verb)].iter().any(|it| ANOTHER.contains(it));
         let is_subject = names_another
-            && verb < words.len()
-            && words[..verb].iter().take(5).any(|it| ANOTHER.contains(it));
+            && (is_early
+                || verb < words.len()
+                    && words[..verb].iter().take(5).any(|it| ANOTHER.contains(it)));
         let instead = words
             .windows(2)
             .any(|pair| pair[0] == "instead" && pair[1] != "of")
@@ -183,7 +199,12 @@ impl Clause<'_> {
     /// Returns whether the clause calls something better than the answer: `the cuff is easier to grasp`.
     fn compares(&self) -> bool {
         let words = self.words;
-        self.subject == Subject::World
+        let acts = self.subject == Subject::Nobody
+            && words[0].ends_with("ing")
+            && words
+                .get(1)
+                .is_some_and(|it| !words!("it this here there").contains(it));
+        (self.subject == Subject::World || acts)
             && !words!("because since as so which").contains(&self.joint)
             && words.iter().any(|it| SUPERIOR.contains(it))
             && !words
@@ -226,6 +247,32 @@ impl Clause<'_> {
                 .any(|pair| matches!(pair, ["need" | "have", "to"]))
             && head.is_some_and(|it| REVISED.contains(&it) || it == "move");
         harms || misses || lacks
+    }
+
+    /// Returns whether the clause denies something that nobody would want to deny of an answer that is meant.
+    fn denies_without_need(&self) -> bool {
+        let words = self.words;
+        // `Firm, not soft`, `why not 90 deg?`, `(1, 2) does not help`
+        let is_contrast = words[0] == "not" && !words[1..].starts_with(&["much"])
+            || words[0] == "why"
+            || BE.contains(&words[0])
+            || words.len() == 1
+            || words.contains(&"@");
+        let is_excused = self.is_sequel
+            || is_contrast
+            || CIRCUMSTANCES.contains(&self.joint)
+            || words!("because since which").contains(&self.joint)
+            || self.subject == Subject::Author
+            || words[0].starts_with(|letter: char| letter.is_ascii_digit())
+            || words.iter().take(4).any(|it| ANOTHER.contains(it))
+            || words.iter().any(|it| CONCEIVED.contains(it));
+        let denied = words.iter().position(|it| DENYING.contains(it));
+        let exceeds = words
+            .iter()
+            .position(|it| *it == "too")
+            .filter(|at| at + 1 < words.len());
+        let harmless = |at: usize| says(&words[at + 1..], UNWANTED);
+        !is_excused && (denied.is_some_and(|at| !harmless(at)) || exceeds.is_some())
     }
 
     /// Returns whether a later clause says that the answer takes another side than this clause says is asked for.
