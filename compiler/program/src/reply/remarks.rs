@@ -103,7 +103,8 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_ORDER, &["row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], NOT),
-    anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|from the goal image|from the depth|in the depth image|half the resolution|half resolution"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|from the goal image|from the depth|half the resolution|half resolution"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["in the depth image|in the goal image", "coordinates|coordinate|pixels|values"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["image|picture", "be mirrored|upside down|turned it|rotated it|rotated by|is mirrored"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["image|picture|photo", "rotated|turned|flipped|mirrored|resized|scaled|shrunk|downscaled|downsampled", "before reading|to read|when reading|before i read|then read|for reading"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["i rescaled|i resized|i downscaled|i upscaled|i shrank|i enlarged|i cropped|i rotated|i flipped|i mirrored", "image|picture|photo|it|everything"], "not|no|without|back|cloth|fold|original"),
@@ -179,12 +180,7 @@ pub(super) fn of(
             found.retain(|(about, _)| *about != Pixels);
             continue;
         }
-        let rows = ROWS.iter().filter(|row| {
-            (!row.is_after || is_after)
-                && row.says.iter().all(|group| says(&words, group))
-                && !says(&words, row.unless)
-        });
-        found.extend(rows.map(|row| (row.about, row.why.to_owned())));
+        found.extend(rows_of(&words, is_after).map(|row| (row.about, row.why.to_owned())));
         found.extend(another_size(sentence, notation).map(|why| (Pixels, why)));
         if !says(&words, NOT) && another_order(sentence, notation) {
             found.push((Pixels, OTHER_ORDER.to_owned()));
@@ -195,6 +191,25 @@ pub(super) fn of(
         found.push((Action, "the answer holds only under a condition".to_owned()));
     }
     found
+}
+
+fn rows_of(words: &str, is_after: bool) -> impl Iterator<Item = &'static Row> {
+    ROWS.iter().filter(move |row| {
+        (!row.is_after || is_after)
+            && row.says.iter().all(|group| says(words, group))
+            && !says(words, row.unless)
+    })
+}
+
+/// Returns why sentences before or after a text say that it is not to be carried out.
+pub(super) fn of_text(tokens: &[Token<'_>], place: Place) -> Option<&'static str> {
+    let sentences = sentences(tokens, None).into_iter();
+    let mut short = sentences.filter(|sentence| sentence.len() <= MAX_SENTENCE);
+    short.find_map(|sentence| {
+        let words = spoken(sentence);
+        let mut rows = rows_of(&words, place == Place::After);
+        rows.find(|row| row.about == Action).map(|row| row.why)
+    })
 }
 
 /// Cuts a text into sentences; the last value ends with its line.

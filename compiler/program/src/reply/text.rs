@@ -151,7 +151,7 @@ fn doubt(text: &str, label: &str, found: &[Found]) -> Option<&'static str> {
     let plain = aside::blanked(text, &spans);
     let around = |part: Option<&str>, place| {
         let tokens = lexer::tokens(part.unwrap_or_default());
-        remarks::doubt(&tokens, None, place)
+        remarks::doubt(&tokens, None, place).or_else(|| remarks::of_text(&tokens, place))
     };
     let is_field = |key: &str| is_label(key, label) || ANSWERS.contains(&&*letters(key));
     around(plain.get(..first), Place::Before)

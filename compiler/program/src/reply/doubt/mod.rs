@@ -91,13 +91,16 @@ fn clauses<'a>(words: &'a [&'a str], place: Place) -> Vec<Clause<'a>> {
     for end in 0..=words.len() {
         let word = words.get(end).copied().unwrap_or(".");
         let is_sign = word != "@" && word.len() <= 3 && !word.starts_with(char::is_alphanumeric);
-        if !(is_sign || EXPLAINING.contains(&word) || JOINING.contains(&word)) {
+        let is_not_yet = word == "yet" && end > 0 && words[end - 1] == "not";
+        if !(is_sign || EXPLAINING.contains(&word) || JOINING.contains(&word)) || is_not_yet {
             continue;
         }
         let clause = Clause::new(&words[start..end], joint, place, is_sequel);
         is_sequel |= clause.is_sequel;
         found.push(clause);
-        (start, joint) = (end + 1, if is_sign && word != ":" { "" } else { word });
+        // `Reason: …`; a longer clause before a colon is no label.
+        let is_label = word == ":" && end - start < 3;
+        (start, joint) = (end + 1, if is_sign && !is_label { "" } else { word });
     }
     found
 }
@@ -442,7 +445,8 @@ impl<'a> Clause<'a> {
                 .iter()
                 .take(4)
                 .any(|it| matches!(*it, "free" | "welcome"));
-        if (mine || welcomes) && self.place == Place::After && !self.is_explaining() {
+        let is_told = self.place == Place::After || mine && refers_forward(self.words);
+        if (mine || welcomes) && is_told && !self.is_explaining() {
             return Some(DOUBTED);
         }
         // `We ought to unfold it before any of this`
@@ -630,11 +634,15 @@ impl<'a> Clause<'a> {
                     .any(|it| DIMINISHING.contains(it))
             };
             let is_doubt = judgement.iter().enumerate().any(|(at, it)| {
+                let next = rest.get(at + 1).copied().unwrap_or_default();
+                let is_near = rest
+                    .iter()
+                    .skip(at + 1)
+                    .any(|it| words!("pixel pixels few little couple small bit hair").contains(it));
+                // `off by a pixel`, `read off the grid`
                 let is_slight = *it == "off"
-                    && rest.get(at + 1) == Some(&"by")
-                    && rest[at + 1..].iter().any(|it| {
-                        words!("pixel pixels few little couple small bit hair").contains(it)
-                    });
+                    && (next == "by" && is_near
+                        || at > 0 && matches!(rest[at - 1], "read" | "taken"));
                 let is_weak = is_it && WEAK_DOUBTS.contains(it);
                 DOUBTS.contains(it) && !(denied(at) || is_slight || is_weak)
             });

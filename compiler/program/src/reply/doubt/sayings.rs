@@ -4,7 +4,9 @@
 //! begin so and `*ly` for words that end so, `*` for up to six words. `^` stands for the beginning of a clause, and `$` for its end.
 
 use super::vocabulary::*;
-use super::{CHANGED, Clause, DOUBTED, HALTED, OTHERWISE, Place, Subject, refers_forward};
+use super::{
+    CHANGED, CONDITIONAL, Clause, DOUBTED, HALTED, OTHERWISE, Place, Subject, refers_forward,
+};
 use std::sync::LazyLock;
 
 /// The most words for which `*` stands.
@@ -33,6 +35,8 @@ enum When {
     Later,
     /// Anywhere; before the values only if it speaks of what follows.
     Always,
+    /// Anywhere, whatever it speaks of.
+    Ever,
 }
 
 /// Of whom a clause speaks.
@@ -71,7 +75,7 @@ const fn row(
 }
 
 use Of::{Answer, Anything, Author, Nobody, World};
-use When::{After, Always, Later};
+use When::{After, Always, Ever, Later};
 
 #[rustfmt::skip]
 const ROWS: &[Row] = &[
@@ -88,7 +92,7 @@ const ROWS: &[Row] = &[
     row(After, Nobody, "^ start|begin with|at|from|on", "", OTHERWISE),
     row(After, Nobody, "^ choose|select|opt|prefer|use the|a|an|that|another|with|for", "@", OTHERWISE),
     row(After, Nobody, "^ try", "", OTHERWISE),
-    row(After, Nobody, "^ ORDER the|a|an|its|it|both|another|that|me|us", "@|then|slow*|gent*|*ly|again|flat|low|about", OTHERWISE),
+    row(After, Nobody, "^ ORDER from|at|the|a|an|its|it|both|another|that|me|us", "@|then|slow*|gent*|*ly|again|flat|low|about|high|enough|above", OTHERWISE),
     row(After, Anything, "^ what * needs|wants|matters|helps|deserves|requires * BE", "", OTHERWISE),
     row(After, World, "goes|comes|moves first $", "", OTHERWISE),
     row(After, Anything, "i would rather|prefer|sooner", "than", OTHERWISE),
@@ -105,7 +109,18 @@ const ROWS: &[Row] = &[
     row(Later, World, "CLOTH is|looks smooth|done|finished|complete $", "not|then|almost", HALTED),
     // The answer is not what it should be.
     row(Always, Answer, "BE not $", "", DOUBTED),
-    row(Always, Answer, "BE not for|from|meant|of|at|what", "", DOUBTED),
+    row(Always, Answer, "BE not for|from|meant|of|at|what", "very|exactly|quite|directly|right|only", DOUBTED),
+    row(Later, Anything, "^ neither the|my PART", "", DOUBTED),
+    row(Later, Anything, "corner|edge|hem|sleeve|point might|may|could be a|an|the|part|something|another", "same|also|off|few|slightly", DOUBTED),
+    row(Later, Answer, "likely|bound|prone to", "open|flatten|unfold|smooth|expose|reveal|reach|improve|increase|align|give|remove|uncover|bring", DOUBTED),
+    row(Later, Answer, "less effective|suitable|efficient|useful|helpful|reliable|stable|clean|good|direct", "not|no", DOUBTED),
+    row(Later, Anything, "^ not on|at|in|near * corner|edge|hem|cloth|fabric|sleeve|mask|outline", "only|just", DOUBTED),
+    row(Later, Nobody, "^ rejected|refused|declined|denied|failed|vetoed", "", HALTED),
+    row(After, Nobody, "^ do|run|execute|use|perform|apply this|it|that only", "", CONDITIONAL),
+    row(Later, Anything, "finished|done|complete|completed * ago", "ANOTHER", HALTED),
+    row(After, Anything, "^ any|every|anything|everything PART|corner|direction $", "", OTHERWISE),
+    row(After, World, "has|have|offers|offer|gives|needs more", "than", OTHERWISE),
+    row(Later, Anything, "^ should|must be the|a", "", OTHERWISE),
     row(Later, Anything, "BE not * this|these PART|place|corner", "", DOUBTED),
     row(Later, Anything, "BE not the one|step|right|fold|move|action|way", "ANOTHER", DOUBTED),
     row(After, Anything, "^ not the one", "", DOUBTED),
@@ -119,6 +134,8 @@ const ROWS: &[Row] = &[
     row(After, Anything, "can not be picked|grasped|reached|gripped|lifted|pulled|executed|carried|used", "ANOTHER|remaining", DOUBTED),
     row(Later, World, "falls|slides|slips|drops|ends off the table|cloth", "ANOTHER|larger|longer|further", DOUBTED),
     row(After, Author, "see|find|detect|recognise|recognize no CLOTH|corner|corners|edge|edges|hem|sleeve", "", DOUBTED),
+    row(Ever, Author, "can|could not see the|any|a|your picture|image|photo", "", DOUBTED),
+    row(Ever, Author, "can|could not see the|a first|second|third|last|other picture|image|photo", "", DOUBTED),
     row(Always, World, "image|picture|photo shows|has|contains no cloth|towel|shirt|fabric|corner|corners", "", DOUBTED),
     row(After, Nobody, "^ read|interpret|take|treat|count the|this|that|it * as", "", CHANGED),
     row(Later, World, "order|roles|sequence BE reversed|swapped|switched|wrong|exchanged", "", CHANGED),
@@ -176,6 +193,7 @@ pub(super) fn why(clause: &Clause<'_>) -> Option<&'static str> {
             let is_then = match row.when {
                 When::After => clause.place == Place::After,
                 When::Later => clause.place != Place::Before,
+                When::Ever => true,
                 When::Always => {
                     clause.place != Place::Before || row.of == World || refers_forward(named)
                 }
@@ -185,9 +203,10 @@ pub(super) fn why(clause: &Clause<'_>) -> Option<&'static str> {
                 Answer => clause.subject == Subject::Answer,
                 Author => clause.subject == Subject::Author,
                 World => clause.subject == Subject::World,
-                // `Reason: fold the hem up` is no order.
+                // `Reason: fold the hem up` is no order, and neither is `this lifts the hem and moves it`.
                 Nobody => {
-                    clause.subject == Subject::Nobody && ![":", "and", "or"].contains(&clause.joint)
+                    let goes_on = row.when == After && [":", "and", "or"].contains(&clause.joint);
+                    clause.subject == Subject::Nobody && !goes_on
                 }
             };
             is_then

@@ -7,7 +7,7 @@ pub(super) const PRONOUNS: &[&str] = words!("this that it these those they them"
 
 /// What names the answer or a part of it.
 pub(super) const PARTS: &[&str] = words!(
-    "grasp answer answers value values number numbers coordinate coordinates coords pixels point points pick place
+    "grasp answer answers value values number numbers coordinate coordinates coords pixels point points pick place pull
     direction distance grip angle action move choice result output entry entries estimate estimates pair suggestion
     proposal response json fold plan figures data spot lines two three above following x y"
 );
@@ -368,7 +368,7 @@ pub(super) const OTHERS: &[&str] = words!(
 );
 
 /// What introduces values that are not meant; separated by `|`.
-pub(super) const FORMALITIES: &str = "since i have to answer|because i have to answer|since i must answer|because i must answer|have to say something|for the sake of|satisfy the|to comply|that parses|it parses|here is something|here are some|for completeness\
+pub(super) const FORMALITIES: &str = "as long as|so long as|provided that|on condition|since i have to answer|because i have to answer|since i must answer|because i must answer|have to say something|for the sake of|satisfy the|to comply|that parses|it parses|here is something|here are some|for completeness\
     |for form|pro forma|formally|nominally|are worth|is worth|if only to|if i had to|if i were|were i|if forced|if pressed\
     |if you insist|just to have|so as not to|to keep the parser|to please";
 

@@ -50,7 +50,7 @@ const DENYING: &[&str] = words!("not no never nothing none nobody hardly barely 
 const UNWANTED: &[&str] = words!(
     "drag wrinkl crease slip disturb touch move moving moved cross collid lift overlap cover hid hang leav stick poke interfer block
     chang affect need necess requir involv matter else yet only fold pinned stack tuck skew tilt distort shift reach
-    displac visibl other another cloth left say lie mark slid flip hand wrong normal correction help
+    displac visibl very other another cloth left say lie mark slid flip hand wrong normal correction help
     surpris worry hesitat exceed lose lost undo loose pass bother damag tear bunch open separat extra visible further
     more than just merely alone perfect exact quite all entire always ideal long large far strong fully tension
     slack gap risk problem obstacle doubt fall hesit bend stretch"
@@ -271,7 +271,10 @@ impl Clause<'_> {
             .iter()
             .position(|it| *it == "too")
             .filter(|at| at + 1 < words.len());
-        let harmless = |at: usize| says(&words[at + 1..], UNWANTED);
+        let harmless = |at: usize| {
+            let next = words.get(at + 1).copied().unwrap_or_default();
+            says(&words[at + 1..], UNWANTED) || words!("pull push press").contains(&next)
+        };
         !is_excused && (denied.is_some_and(|at| !harmless(at)) || exceeds.is_some())
     }
 
