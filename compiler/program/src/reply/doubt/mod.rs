@@ -119,9 +119,6 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         if announces && matches!(*first, "were" | "had") && words.get(1) != Some(&"to") {
             return Some(CONDITIONAL);
         }
-        if announces && said.contains(" i would ") && said.contains(" but ") {
-            return Some(OTHERWISE);
-        }
         // `I can offer no better than chance here:`
         let denies = words.rsplit(|it| *it == ",").next().is_some_and(|last| {
             last.iter().any(|it| NEGATIONS.contains(it))
@@ -133,7 +130,16 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                 && BE.contains(&near[1])
                 && words!("on from of for").contains(&near[2])
         });
-        if introduces_another(words) || announces && (denies || is_elsewhere) {
+        let is_formal = announces
+            && (words!("just only merely purely").contains(first)
+                && words!("to for").contains(&words[1])
+                || *first == "not" && !words.contains(&"but"));
+        let dismisses = is_formal
+            || announces
+                && words
+                    .iter()
+                    .any(|it| words!("delete ignore discard disregard skip").contains(it));
+        if dismisses || introduces_another(words) || announces && (denies || is_elsewhere) {
             return Some(DOUBTED);
         }
         let idle = words.windows(2).any(|pair| {
@@ -149,9 +155,6 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         let is_label = words!("a an values numbers").contains(first);
         if idle && !said.contains(" else ") || announces && from && is_label {
             return Some(HALTED);
-        }
-        if announces && *first == "what" && said.contains(" would ") {
-            return Some(DOUBTED);
         }
         let hedges = announces
             && words!("take treat regard consider read")
@@ -213,8 +216,10 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         return Some(DOUBTED);
     }
     if place == Place::After {
+        let corrects =
+            words.starts_with(&["no", ","]) && !words[1..].iter().any(|it| NEGATIONS.contains(it));
         let sees_other = words.starts_with(&["i", "see"]) && words.contains(&"not");
-        if sees_other || words!("perhaps maybe possibly").contains(first) {
+        if corrects || sees_other || words!("perhaps maybe possibly").contains(first) {
             return Some(DOUBTED);
         }
         if DISCLOSING.iter().any(|it| {
@@ -229,19 +234,6 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                 .any(|it| words!("use try take prefer").contains(it));
         if offers_other {
             return Some(CONDITIONAL);
-        }
-        let asks = words.last() == Some(&"?") && (MODALS.contains(first) || BE.contains(first));
-        let offers = [
-            "you like",
-            "you want",
-            "i continue",
-            "i proceed",
-            "next",
-            "want me",
-            "anything else",
-        ];
-        if asks && !offers.iter().any(|it| said.contains(it)) {
-            return Some(DOUBTED);
         }
     }
     None
@@ -368,8 +360,15 @@ struct Clause<'a> {
 
 impl<'a> Clause<'a> {
     fn new(words: &'a [&'a str], joint: &'a str, place: Place, was_sequel: bool) -> Clause<'a> {
-        let opened = words.iter().take_while(|it| {
-            OPENING.contains(it) || it.ends_with("ly") && !DOUBTS.contains(it) && **it != "only"
+        let is_subject = |at: usize| {
+            words[at] == "that"
+                && words
+                    .get(at + 1)
+                    .is_some_and(|it| BE.contains(it) || MODALS.contains(it))
+        };
+        let opened = words.iter().enumerate().take_while(|(at, it)| {
+            OPENING.contains(it) && !is_subject(*at)
+                || it.ends_with("ly") && !DOUBTS.contains(it) && **it != "only"
         });
         let words = &words[opened.count()..];
         let words = match words {
@@ -416,22 +415,6 @@ impl<'a> Clause<'a> {
                 return Some(DOUBTED);
             }
         }
-        let like = |at: usize| {
-            at > 0
-                && self.words[..at]
-                    .iter()
-                    .rev()
-                    .take(3)
-                    .any(|it| matches!(*it, "like" | "as"))
-        };
-        let people = self
-            .words
-            .iter()
-            .enumerate()
-            .any(|(at, it)| PEOPLE.contains(it) && !like(at));
-        if people && self.place != Place::Before {
-            return Some(HALTED);
-        }
         let mine = self.words[0] == "my"
             && self
                 .words
@@ -448,17 +431,6 @@ impl<'a> Clause<'a> {
         let is_told = self.place == Place::After || mine && refers_forward(self.words);
         if (mine || welcomes) && is_told && !self.is_explaining() {
             return Some(DOUBTED);
-        }
-        // `We ought to unfold it before any of this`
-        let names_only = self.words.iter().all(|it| {
-            PRONOUNS.contains(it) || QUANTIFIERS.contains(it) || matches!(*it, "of" | "doing")
-        });
-        if self.joint == "before"
-            && self.place == Place::After
-            && names_only
-            && !self.words.contains(&"it")
-        {
-            return Some(OTHERWISE);
         }
         if self.place == Place::Before
             && self.words.iter().any(|it| NEGATIONS.contains(it))
@@ -480,19 +452,7 @@ impl<'a> Clause<'a> {
             {
                 self.rests()
             }
-            Subject::World if matches!(self.words[0], "a" | "an") => {
-                let rival = self
-                    .words
-                    .get(1)
-                    .is_some_and(|it| words!("better safer smarter wiser").contains(it));
-                let offered = rival
-                    && self
-                        .words
-                        .get(2)
-                        .is_some_and(|it| PARTS.contains(it) || *it == "way");
-                let is_offer = offered && self.place == Place::After && !self.is_explaining();
-                self.labels().or(is_offer.then_some(OTHERWISE))
-            }
+            Subject::World if matches!(self.words[0], "a" | "an") => self.labels(),
             Subject::World => None,
             Subject::Nobody => self
                 .orders(self.words)
@@ -501,7 +461,6 @@ impl<'a> Clause<'a> {
         };
         judged
             .or_else(|| self.embeds())
-            .or_else(|| self.proposes())
             .or_else(|| self.quotes_saying())
     }
 
@@ -510,6 +469,8 @@ impl<'a> Clause<'a> {
         let said = self.words.join(" ");
         [
             "comes next",
+            "comes below",
+            "that follows",
             "what follows",
             "the following",
             "next line",
@@ -548,30 +509,6 @@ impl<'a> Clause<'a> {
             return None;
         }
         let has = |table: &[&str]| rest.iter().any(|it| table.contains(it));
-        let moved = words!("sit lie be go").contains(&verb)
-            && is_duty(modal)
-            && rest
-                .iter()
-                .take(6)
-                .any(|it| words!("lower higher further farther").contains(it));
-        if moved && !denies && !is_it {
-            return Some(CHANGED);
-        }
-        let shaky = rest
-            .iter()
-            .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it));
-        let past = verb == "was"
-            && matches!(self.words[0], "that")
-            && self.place == Place::After
-            && self.words.len() - self.predicate.len() == 1;
-        let hollow =
-            WORKING.contains(&verb) && matches!(rest.first(), Some(&"nothing" | &"little"));
-        if (shaky && !denies && !is_it && !rest.iter().any(|it| DIMINISHING.contains(it)))
-            || past
-            || hollow
-        {
-            return Some(DOUBTED);
-        }
         let named = self.words[..length].last().copied().unwrap_or_default();
         let supposed = modal.is_some_and(|it| SUPPOSING.contains(&it)) && BE.contains(&verb);
         let unreal = supposed
@@ -612,12 +549,6 @@ impl<'a> Clause<'a> {
         if is_duty(modal) && BE.contains(&verb) && grows && !denies && !is_it {
             return Some(CHANGED);
         }
-        let lacks = rest
-            .windows(2)
-            .any(|pair| matches!(pair[0], "no" | "little" | "zero") && WEIGHTS.contains(&pair[1]));
-        if lacks {
-            return Some(DOUBTED);
-        }
         // `This should only be carried out with the table cleared`
         let only = self.predicate.iter().take(3).any(|it| *it == "only");
         if only && is_duty(modal) && rest.first().is_some_and(|it| USED.contains(it)) {
@@ -657,10 +588,6 @@ impl<'a> Clause<'a> {
             if revised && !denies && modal.is_some_and(|it| DUTIES.contains(&it)) && !is_it {
                 return Some(CHANGED);
             }
-            let used = judgement.iter().any(|it| USED.contains(it));
-            if used && denies && modal.is_some() {
-                return Some(HALTED);
-            }
             let from = rest.iter().position(|it| ORIGINATING.contains(it));
             if from.is_some_and(|at| rest[at..].iter().take(6).any(|it| ELSEWHERE.contains(it)))
                 && !denies
@@ -670,24 +597,9 @@ impl<'a> Clause<'a> {
             }
             return self.is_unknown(rest).then_some(DOUBTED);
         }
-        if FAILING.contains(&verb) && !denies && !self.is_explaining() {
-            return Some(DOUBTED);
-        }
-        if WORKING.contains(&verb) && denies && !is_it {
-            return Some(DOUBTED);
-        }
-        if PRESUPPOSING.contains(&verb)
-            && (has(&["only", "if", "provided"])
-                || verb.starts_with("presup")
-                || verb.starts_with("presum")
-                || verb.starts_with("assum")
-                || verb.starts_with("depend")
-                || verb.starts_with("hinge"))
-            && !denies
-        {
-            return Some(CONDITIONAL);
-        }
-        if ORIGINATING.contains(&verb) && has(ELSEWHERE) && !denies {
+        // `This corresponds to the third picture of the demonstration`
+        let is_shown = verb.starts_with("correspond") && has(SHOWN);
+        if ORIGINATING.contains(&verb) && has(ELSEWHERE) && !denies && !is_shown {
             return Some(DOUBTED);
         }
         if DEMANDING.contains(&verb)
@@ -696,13 +608,6 @@ impl<'a> Clause<'a> {
             && !has(&["no"])
             && !is_it
         {
-            return Some(CHANGED);
-        }
-        // `it needs to move up`, `both want raising`
-        if USED.contains(&verb) && denies {
-            return Some(HALTED);
-        }
-        if is_duty(modal) && REVISED.contains(&verb) && !denies && !is_it {
             return Some(CHANGED);
         }
         let is_effect = EFFECTS.iter().any(|stem| verb.starts_with(stem));
@@ -772,12 +677,6 @@ impl<'a> Clause<'a> {
         }
         let verb = head?;
         let refers = refers(rest);
-        if words!("suppose guess presume reckon imagine fear").contains(&verb)
-            && rest.is_empty()
-            && self.place == Place::After
-        {
-            return Some(DOUBTED);
-        }
         let first = rest.first().copied().unwrap_or_default();
         if BE.contains(&verb) || verb == "feel" || verb == "felt" {
             let would_feel =
@@ -799,24 +698,12 @@ impl<'a> Clause<'a> {
             return ((feels && !denies || trusts && denies || is_other) && !weighs)
                 .then_some(DOUBTED);
         }
-        if verb == "have" && rest.contains(&"wrong") && !denies && self.place == Place::After {
-            return Some(DOUBTED);
-        }
-        if verb == "have" || verb == "had" {
-            let lacks = rest.iter().take(4).any(|it| NEGATIONS.contains(it)) || denies;
-            let lacking = lacks && rest.iter().take(5).any(|it| AUTHOR_LACKS.contains(it));
-            let has = !lacks && rest.iter().take(4).any(|it| AUTHOR_HAS.contains(it));
-            return (lacking || has).then_some(DOUBTED);
-        }
         if AUTHOR_DOUBTS.contains(&verb) && !denies {
             let is_free =
                 words!("apologise apologize suspect worry fear question misplaced object")
                     .contains(&verb)
                     && self.place == Place::Before;
             return (!is_free).then_some(DOUBTED);
-        }
-        if matches!(verb, "made" | "make" | "making") && rest.contains(&"up") && !denies {
-            return Some(DOUBTED);
         }
         if COMMITTING.contains(&verb)
             && denies
@@ -837,17 +724,6 @@ impl<'a> Clause<'a> {
         if denies_sight {
             return Some(DOUBTED);
         }
-        let unread = denies
-            && self.place == Place::After
-            && words!(
-                "understood understand read seen looked checked verified measured tested tried"
-            )
-            .contains(&verb)
-            && !self.is_explaining();
-        let stops = self.place == Place::Before && modal == Some("would") && HALTS.contains(&verb);
-        if unread || stops {
-            return Some(DOUBTED);
-        }
         let crossed = words!("mirrored swapped switched flipped exchanged inverted")
             .contains(&verb)
             && (words!("left right x y them both pick place").contains(&first)
@@ -856,11 +732,6 @@ impl<'a> Clause<'a> {
                     .any(|it| words!("pairs points values coordinates").contains(it)));
         if crossed && !denies && self.place == Place::After {
             return Some(CHANGED);
-        }
-        let careless =
-            self.words.contains(&"mixing") || self.words.iter().any(|it| CARELESSLY.contains(it));
-        if careless && self.place != Place::Before {
-            return Some(DOUBTED);
         }
         let instead = self.place == Place::Beside
             && modal == Some("would")
@@ -896,28 +767,7 @@ impl<'a> Clause<'a> {
         {
             return Some(OTHERWISE);
         }
-        let recants = would
-            && verb == "like"
-            && rest.iter().any(|it| {
-                AUTHOR_DOUBTS.contains(it)
-                    || HALTS.contains(it)
-                    || words!("hear know see ask check").contains(it)
-            });
-        if recants {
-            return Some(DOUBTED);
-        }
-        let counsels = words!(
-            "recommend suggest advise propose urge advocate vote prefer ask request insist plead"
-        )
-        .contains(&verb);
-        let otherwise = rest.iter().take(3).any(|it| {
-            HALTINGS.contains(it)
-                || HALTS.contains(it)
-                || words!("instead first else rather").contains(it)
-        }) || rest
-            .iter()
-            .any(|it| matches!(*it, "instead" | "else" | "otherwise"));
-        (counsels && otherwise && !self.is_sequel && !denies).then_some(OTHERWISE)
+        None
     }
 
     /// `Sorry to say this does not solve it`
@@ -989,16 +839,6 @@ impl<'a> Clause<'a> {
         } = Predicate::of(self.predicate);
         let verb = head?;
         let denies = denies || self.is_none;
-        let cannot = denies
-            && modal == Some("can")
-            && words!("reach get go grasp grab execute perform do").contains(&verb)
-            || BE.contains(&verb)
-                && rest
-                    .first()
-                    .is_some_and(|it| words!("unable incapable").contains(it));
-        if cannot && self.place != Place::Before {
-            return Some(HALTED);
-        }
         if modal.is_none_or(|it| words!("do does did have has").contains(&it)) {
             return None;
         }
@@ -1019,19 +859,7 @@ impl<'a> Clause<'a> {
         if may && (HALTS.contains(&verb) || rests) {
             return Some(HALTED);
         }
-        if may && verb == "better" {
-            return Some(OTHERWISE);
-        }
-        if may && DISMISSALS.contains(&verb) && !HARMLESS_ORDERS.contains(&verb) && refers(rest) {
-            return Some(CHANGED);
-        }
-        let other = rest
-            .windows(2)
-            .any(|pair| pair[0] == "instead" && pair[1] != "of")
-            || rest
-                .last()
-                .is_some_and(|it| matches!(*it, "instead" | "first" | "else"));
-        (may && other && self.place == Place::After).then_some(OTHERWISE)
+        None
     }
 
     /// `A human should look at this`, `until the operator nods`
@@ -1064,7 +892,7 @@ impl<'a> Clause<'a> {
                 || refers(object)
                 || object
                     .iter()
-                    .any(|it| words!("yet anything today now").contains(it));
+                    .any(|it| words!("yet anything today now all").contains(it));
             let executes = self.place != Place::Before && EXECUTING.contains(&verb);
             let is_order = lets
                 || executes
@@ -1077,7 +905,8 @@ impl<'a> Clause<'a> {
         if self.place == Place::Before && !refers_forward(rest) {
             return None;
         }
-        if self.is_sequel {
+        let is_halt = HALTS.contains(&first) && self.joint.is_empty();
+        if self.is_sequel && !is_halt {
             return None;
         }
         if HALTS.contains(&first)
@@ -1089,16 +918,6 @@ impl<'a> Clause<'a> {
         if is_refused || first == "do" && words!("as with what whatever nothing").contains(&next) {
             return Some(HALTED);
         }
-        if first == "hold"
-            && words!("on off back fire your everything it that until").contains(&next)
-        {
-            return Some(HALTED);
-        }
-        let summons =
-            matches!(first, "ask" | "consult" | "contact") && !matches!(next, "" | "for" | "if");
-        if summons || first == "call" && rest.iter().any(|it| PEOPLE.contains(it)) {
-            return Some(HALTED);
-        }
         let whole = words!("it this that everything things them be").contains(&next)
             || rest.iter().take(2).any(|it| {
                 words!("cloth fabric garment towel shirt textile arm robot gripper").contains(it)
@@ -1106,21 +925,11 @@ impl<'a> Clause<'a> {
         if matches!(first, "leave" | "let" | "keep")
             && whole
             && rest.iter().skip(1).any(|it| {
-                words!("alone be as settle rest dry untouched cool parked still where").contains(it)
+                words!("alone lie be as settle rest dry untouched cool parked still where")
+                    .contains(it)
             })
         {
             return Some(HALTED);
-        }
-        if first == "let"
-            && (PEOPLE.contains(&next) || rest.iter().take(2).any(|it| PEOPLE.contains(it)))
-        {
-            return Some(HALTED);
-        }
-        if first == "let" && next == "us" && self.place == Place::After {
-            let verb = rest.get(1).copied().unwrap_or_default();
-            let object = rest.get(2..).unwrap_or_default();
-            let own = refers(object) || words!("see fold bring say").contains(&verb);
-            return (!own || matches!(verb, "not") || HALTS.contains(&verb)).then_some(OTHERWISE);
         }
         if DISMISSALS.contains(&first) {
             let object_refers = rest.iter().take(4).position(|it| {
@@ -1156,63 +965,6 @@ impl<'a> Clause<'a> {
         {
             return Some(OTHERWISE);
         }
-        let other = words
-            .windows(2)
-            .any(|pair| pair[0] == "instead" && pair[1] != "of")
-            || words
-                .last()
-                .is_some_and(|it| matches!(*it, "instead" | "else"))
-            || rest
-                .iter()
-                .take(2)
-                .any(|it| matches!(*it, "something" | "somewhere" | "another"));
-        if (ACTS.contains(&first) || HARMLESS_ORDERS.contains(&first) || first == "consider")
-            && other
-            && self.place == Place::After
-        {
-            return Some(OTHERWISE);
-        }
-        let is_verbal = !ACTS.contains(&first)
-            && !EXECUTING.contains(&first)
-            && !FIT.contains(&first)
-            && !AUTHORED.contains(&first)
-            && !EFFECTS.iter().any(|stem| first.starts_with(stem))
-            && !["ing", "ed", "s", "ly"]
-                .iter()
-                .any(|end| first.ends_with(end))
-            && !ARTICLES.contains(&first)
-            && !EXPLAINING.contains(&first)
-            && !JOINING.contains(&first)
-            && !OPENING.contains(&first)
-            && !CALMING.contains(&first)
-            && !NEGATIONS.contains(&first);
-        let object = rest
-            .iter()
-            .find(|it| !words!("about off out on with to up all of").contains(*it));
-        let names_answer =
-            object.is_some_and(|it| words!("this that these those it them").contains(it));
-        if is_verbal
-            && names_answer
-            && self.place == Place::After
-            && rest.len() < 8
-            && !words!("hope enjoy see with by in for from after during let note make is do does did at under through").contains(&first)
-        {
-            return Some(DOUBTED);
-        }
-        let invites = first == "feel"
-            && next == "free"
-            && !rest.iter().take(4).any(|it| {
-                words!("ask send share let reach contact upload request tell").contains(it)
-            });
-        if invites && self.place == Place::After {
-            return Some(DOUBTED);
-        }
-        if first == "what" && self.place == Place::After {
-            return Some(OTHERWISE);
-        }
-        if matches!(first, "pretend" | "imagine" | "suppose") {
-            return Some(DOUBTED);
-        }
         let use_that = words!("use take do pick try choose").contains(&first)
             && matches!(next, "that" | "those")
             && rest.len() == 1;
@@ -1231,38 +983,7 @@ impl<'a> Clause<'a> {
         if makes && self.place == Place::After && self.joint != "and" {
             return Some(CHANGED);
         }
-        let asks_leave = words!("get obtain seek await request").contains(&first)
-            && rest.iter().any(|it| {
-                words!(
-                    "confirmation approval permission clearance help advice feedback input consent"
-                )
-                .contains(it)
-            });
-        if asks_leave {
-            return Some(HALTED);
-        }
-        if first == "let" && !words!("us me it this that").contains(&next) && refers(rest) {
-            return Some(OTHERWISE);
-        }
-        if first == "consider"
-            && words!("this that it these them").contains(&next)
-            && rest.len() > 1
-        {
-            return Some(DOUBTED);
-        }
-        if first == "only"
-            && words!("to for if once when after go proceed act execute run").contains(&next)
-        {
-            return Some(CONDITIONAL);
-        }
-        let photo = |it: &&str| words!("photo image picture view shot angle").contains(it);
-        (words!("show send give provide take upload share get shoot").contains(&first)
-            && !rest
-                .iter()
-                .any(|it| words!("resulting updated latest new").contains(it))
-            && rest.iter().any(photo)
-            && self.place == Place::After)
-            .then_some(HALTED)
+        None
     }
 
     /// `a wild guess`, `not a real answer`
@@ -1304,90 +1025,6 @@ impl<'a> Clause<'a> {
             MODALS.contains(&self.words[0]) && self.words[0] != "do" || BE.contains(&self.words[0]);
         (is_elided && !self.is_explaining() && self.place != Place::Before)
             .then(|| self.judges_answer())?
-    }
-
-    /// `It would be wiser to`, `The left sleeve might be better`, `My advice is to`, `The better pick is`
-    fn proposes(&self) -> Option<&'static str> {
-        if self.place != Place::After || self.is_sequel || self.is_explaining() {
-            return None;
-        }
-        let words = self.words;
-        let be = words.iter().position(|it| BE.contains(it));
-        if let Some(at) = be {
-            let supposes = words[at.saturating_sub(3)..at]
-                .iter()
-                .any(|it| SUPPOSING.contains(it));
-            let denies = words[at.saturating_sub(2)..at].contains(&"not");
-            let praise = words[at + 1..]
-                .iter()
-                .take(4)
-                .position(|it| BETTER.contains(it));
-            let to = words[at + 1..]
-                .iter()
-                .take(8)
-                .any(|it| matches!(*it, "to" | "if"));
-            let is_it = words[0] == "it";
-            let advises = words[at + 1..].iter().take(2).any(|it| {
-                words!("better best wiser smarter safer prudent sensible advisable preferable")
-                    .contains(it)
-            });
-            let halts = advises
-                || words[at + 1..]
-                    .iter()
-                    .any(|it| HALTS.contains(it) || matches!(*it, "not" | "leave" | "skip"));
-            if praise.is_some()
-                && !denies
-                && (supposes
-                    && (to && is_it || self.subject == Subject::World || words[0] == "there")
-                    || is_it && to && halts)
-            {
-                return Some(OTHERWISE);
-            }
-        }
-        let supposes = words.iter().any(|it| SUPPOSING.contains(it));
-        let duty = words
-            .iter()
-            .any(|it| words!("should must ought").contains(it));
-        let world = self.subject == Subject::World;
-        if world
-            && (supposes && words.contains(&"better")
-                || duty && (words.contains(&"first") || words.contains(&"beforehand")))
-        {
-            return Some(OTHERWISE);
-        }
-        let speaks = |it: &&str| {
-            BE.contains(it) || words!("tells says goes would remains lies sits stands").contains(it)
-        };
-        if ARTICLES.contains(&words[0])
-            && let Some(noun) = words[1..]
-                .iter()
-                .take(3)
-                .position(|it| COUNSELS.contains(it))
-        {
-            let behind = &words[noun + 2..];
-            let own = behind
-                .iter()
-                .any(|it| matches!(*it, "based" | "follows" | "matches"))
-                || refers(behind) && !behind.contains(&"leave");
-            let mine = matches!(words[0], "my" | "our");
-            if mine && (behind.first().is_some_and(speaks) || behind.is_empty()) && !own {
-                return Some(OTHERWISE);
-            }
-        }
-        let rival = words[0] == "the"
-            && RIVALS.contains(words.get(1).unwrap_or(&""))
-            && words[2..]
-                .iter()
-                .take(2)
-                .any(|it| PARTS.contains(it) || *it == "corner")
-            && words.iter().skip(3).take(3).any(|it| BE.contains(it));
-        if rival && words[1] != "other" && words[1] != "opposite" {
-            return Some(OTHERWISE);
-        }
-        let deserves = words
-            .iter()
-            .any(|it| words!("deserves deserve merits beckons").contains(it));
-        deserves.then_some(OTHERWISE)
     }
 }
 
@@ -1475,6 +1112,7 @@ fn refers(words: &[&str]) -> bool {
                     || PARTS.contains(&next)
                     || words!("one instead yet now before at as for on way corner").contains(&next)
             }
+            "either" => next == "point" || next == "of",
             "above" => at > 0 && matches!(words[at - 1], "the" | "all"),
             "answer" | "answers" | "values" | "numbers" | "coordinates" | "pixels" => true,
             _ => false,
@@ -1609,7 +1247,7 @@ fn subject(words: &[&str]) -> (Subject, usize) {
         if is_named && PEOPLE.contains(&it) {
             return (Subject::Person, index + 1);
         }
-        if is_named && AGENTS.contains(&it) {
+        if is_named && AGENTS.contains(&it) && !matches!(words[begins], "a" | "an") {
             return (Subject::Agent, index + 1);
         }
         if is_named && index > at && matches!(it, "above" | "below") {

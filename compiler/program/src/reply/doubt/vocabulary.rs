@@ -129,15 +129,6 @@ pub(super) const AUTHOR_FEELINGS: &[&str] = words!(
     speculating inventing wrong mistaken retracting withdrawing dubious nervous unwilling unable"
 );
 
-/// What the author may lack.
-pub(super) const AUTHOR_LACKS: &[&str] = words!(
-    "idea clue faith confidence trust inkling basis evidence way grounds certainty conviction"
-);
-
-/// What the author may have too much of.
-pub(super) const AUTHOR_HAS: &[&str] =
-    words!("doubts doubt misgivings reservations qualms concerns second hunch suspicion");
-
 /// What the author does with an answer that is meant.
 pub(super) const COMMITTING: &[&str] = words!(
     "trust vouch guarantee recommend rely stand advise endorse bet go risk execute act commit promise believe count
@@ -153,13 +144,6 @@ pub(super) const PREFERRING: &[&str] =
 pub(super) const HALTS: &[&str] = words!(
     "wait stop pause halt abort postpone delay defer refrain desist freeze reconsider rethink replan retake rescan
     remeasure recheck recalibrate rewind"
-);
-
-/// The same as verbal nouns.
-pub(super) const HALTINGS: &[&str] = words!(
-    "waiting stopping pausing halting aborting postponing delaying deferring refraining reconsidering rethinking
-    replanning holding skipping cancelling canceling leaving discarding ignoring against another not
-    something otherwise instead caution patience"
 );
 
 /// Orders that dismiss or change what they name.
@@ -214,18 +198,6 @@ pub(super) const DEMANDED: &[&str] = words!(
     "checking measuring verification review confirmation adjusting turning correcting approval supervision testing
     validation shifting care caution rethinking work revision adjustment correction double-checking refinement another
     attention salt"
-);
-
-/// What an answer may do that makes it unfit.
-pub(super) const FAILING: &[&str] = words!(
-    "ruin ruins wreck wrecks damage damages spoil spoils lack lacks fail fails misses backfire backfires mislead
-    misleads clash clashes contradict contradicts violate violates defeat defeats undermine destroy destroys hurt harm
-    harms worsen worsens collide collides"
-);
-
-/// What an answer does that is meant.
-pub(super) const WORKING: &[&str] = words!(
-    "solve solves suffice suffices satisfy satisfies qualify fit fits comply please work works hold holds count counts matter matters apply applies stand stands exist convince convinces represent reflect mean help helps add make makes"
 );
 
 /// What a fold does to a cloth, and an answer to its task; stems.
@@ -285,16 +257,6 @@ pub(super) const AUTHORED: &[&str] = words!(
     made did do want keep kept adjust adjusted move moved fold folded hope write wrote rounded round convert converted
     lift lifted pull pulled put get left leave let count counted describe described repeat repeated give gave given
     copied answered answer went go tested test reflected mirrored projected matched aligned reached drew mapped"
-);
-
-/// How the author may have come by values that mean nothing.
-pub(super) const CARELESSLY: &[&str] = words!(
-    "blindly randomly arbitrarily hastily carelessly wildly merely haphazardly sloppily unthinkingly"
-);
-
-/// What gives an answer weight, which it may lack.
-pub(super) const WEIGHTS: &[&str] = words!(
-    "weight meaning basis validity substance foundation merit significance bearing value sense point truth"
 );
 
 /// What opens a sentence that takes something back.
@@ -372,12 +334,6 @@ pub(super) const FORMALITIES: &str = "as long as|so long as|provided that|on con
     |for form|pro forma|formally|nominally|are worth|is worth|if only to|if i had to|if i were|were i|if forced|if pressed\
     |if you insist|just to have|so as not to|to keep the parser|to please";
 
-/// What makes an answer conditional.
-pub(super) const PRESUPPOSING: &[&str] = words!(
-    "presuppose presupposes presume presumes assume assumes suppose supposes hinge hinges depend depends hold holds
-    apply applies work works count counts"
-);
-
 /// Verbs that tell where an answer is from or what it is for.
 pub(super) const ORIGINATING: &[&str] = words!(
     "belong belongs refer refers stem stems come comes date dates meant intended taken copied borrowed left from for
@@ -388,23 +344,6 @@ pub(super) const ORIGINATING: &[&str] = words!(
 pub(super) const ELSEWHERE: &[&str] = words!(
     "neighbouring neighboring similar once previous earlier another other old different second example examples format prompt template tomorrow later
     demonstration yesterday somebody someone memory nowhere wrong previous"
-);
-
-/// What praises another way: `It would be wiser to`.
-pub(super) const BETTER: &[&str] = words!(
-    "better best wise wiser prudent sensible advisable preferable good safer smarter smart cleverer nicer easier
-    simpler saner sounder preferred worthwhile reasonable appropriate fairer ideal more worth"
-);
-
-/// What the author offers in place of the answer.
-pub(super) const COUNSELS: &[&str] = words!(
-    "advice recommendation suggestion preference gut instinct hunch vote bet counsel hope wish request plea intuition
-    inclination urge feeling worry concern fear doubt verdict warning"
-);
-
-/// What another choice is called.
-pub(super) const RIVALS: &[&str] = words!(
-    "better real true proper actual safer smarter wiser other opposite intended alternative cleverer"
 );
 
 /// Sayings that doubt or halt, whatever they are said of; separated by `|`.

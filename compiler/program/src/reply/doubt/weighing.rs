@@ -50,7 +50,7 @@ const DENYING: &[&str] = words!("not no never nothing none nobody hardly barely 
 const UNWANTED: &[&str] = words!(
     "drag wrinkl crease slip disturb touch move moving moved cross collid lift overlap cover hid hang leav stick poke interfer block
     chang affect need necess requir involv matter else yet only fold pinned stack tuck skew tilt distort shift reach
-    displac visibl very other another cloth left say lie mark slid flip hand wrong normal correction help
+    displac visibl very other another cloth smooth say lie mark slid flip hand wrong normal correction help
     surpris worry hesitat exceed lose lost undo loose pass bother damag tear bunch open separat extra visible further
     more than just merely alone perfect exact quite all entire always ideal long large far strong fully tension
     slack gap risk problem obstacle doubt fall hesit bend stretch"
@@ -61,7 +61,7 @@ const HARMS: &[&str] =
     words!("tear tore rips ripp snag overshoot undershoot topple collaps overkill");
 
 /// What is no part of the cloth.
-const NO_CLOTH: &[&str] = words!("shadow shadows tabletop background reflection glare");
+const NO_CLOTH: &[&str] = words!("shadow shadows tabletop background glare");
 
 /// What the person who carries an answer out may do without acting otherwise.
 const WATCHING: &[&str] =
@@ -72,7 +72,10 @@ pub(super) fn favours_another(clauses: &[Clause<'_>]) -> Option<&'static str> {
     clauses
         .iter()
         .enumerate()
-        .filter(|(_, clause)| clause.place != Place::Before && !clause.words.is_empty())
+        .filter(|(_, clause)| {
+            !clause.words.is_empty()
+                && (clause.place != Place::Before || clause.speaks_of_what_follows())
+        })
         .find_map(|(at, clause)| {
             let favours = clause.tells_of_another() && !is_drawn_back(clause, &clauses[at + 1..]);
             match () {
@@ -152,6 +155,11 @@ fn gains(words: &[&str]) -> bool {
 }
 
 impl Clause<'_> {
+    fn speaks_of_what_follows(&self) -> bool {
+        let named = &self.words[..self.words.len() - self.predicate.len()];
+        self.subject == Subject::Answer && super::refers_forward(named)
+    }
+
     /// Returns whether the clause tells of another way to act: `the collar would`, `the other corner`.
     fn tells_of_another(&self) -> bool {
         let words = self.words;
@@ -249,6 +257,15 @@ impl Clause<'_> {
         harms || misses || lacks
     }
 
+    /// Returns whether the clause says of the cloth what it is not: `the cloth is not centred`.
+    fn describes(&self) -> bool {
+        let speaks_of_answer =
+            |it: &&str| words!("this these here there at pick place point for").contains(it);
+        self.subject == Subject::World
+            && self.words.contains(&"not")
+            && !self.words.iter().any(|it| speaks_of_answer(&it))
+    }
+
     /// Returns whether the clause denies something that nobody would want to deny of an answer that is meant.
     fn denies_without_need(&self) -> bool {
         let words = self.words;
@@ -263,6 +280,7 @@ impl Clause<'_> {
             || CIRCUMSTANCES.contains(&self.joint)
             || words!("because since which").contains(&self.joint)
             || self.subject == Subject::Author
+            || self.describes()
             || words[0].starts_with(|letter: char| letter.is_ascii_digit())
             || words.iter().take(4).any(|it| ANOTHER.contains(it))
             || words.iter().any(|it| CONCEIVED.contains(it));
