@@ -77,7 +77,7 @@ const MAX_EFFECT: usize = 8;
 const MOVING: &[&str] = words!("takes pulls drags carries brings moves lifts puts");
 
 /// Verbs for what a fitting value does not do.
-const HARMING: &[&str] = words!("slips slip tears crushes loses");
+const HARMING: &[&str] = words!("slips slip tears crushes loses lose");
 
 /// What begins another clause.
 const JOINING: &[&str] = words!("and but while whereas so because");

@@ -125,15 +125,25 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                 && (words!("i we here you").iter().any(|it| last.contains(it))
                     || last.contains(&"yet") && (PARTS.contains(first) || PRONOUNS.contains(first)))
         });
-        let is_elsewhere = words.windows(3).any(|near| {
-            words!("these they those values points numbers").contains(&near[0])
-                && BE.contains(&near[1])
-                && words!("on from of for").contains(&near[2])
-        });
-        let is_formal = announces
-            && (words!("just only merely purely").contains(first)
-                && words!("to for").contains(&words[1])
-                || *first == "not" && !words.contains(&"but"));
+        let is_elsewhere = words.contains(&"memory")
+            || words.windows(3).any(|near| {
+                words!("these they those values points numbers").contains(&near[0])
+                    && BE.contains(&near[1])
+                    && words!("on from of for").contains(&near[2])
+            });
+        let is_doubtful = announces
+            && words
+                .iter()
+                .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it))
+            && !words
+                .iter()
+                .any(|it| NEGATIONS.contains(it) || *it == "but");
+        let is_formal = is_doubtful
+            || announces
+                && (words!("example sample template").contains(first)
+                    || words!("just only merely purely").contains(first)
+                        && words!("to for").contains(&words[1])
+                    || *first == "not" && !words.contains(&"but"));
         let dismisses = is_formal
             || announces
                 && words
@@ -1110,7 +1120,8 @@ fn refers(words: &[&str]) -> bool {
             "this" | "that" => {
                 next.is_empty()
                     || PARTS.contains(&next)
-                    || words!("one instead yet now before at as for on way corner").contains(&next)
+                    || words!("one instead yet now before at as for on to way corner")
+                        .contains(&next)
             }
             "either" => next == "point" || next == "of",
             "above" => at > 0 && matches!(words[at - 1], "the" | "all"),

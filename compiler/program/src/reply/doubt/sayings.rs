@@ -106,12 +106,21 @@ const ROWS: &[Row] = &[
     row(Later, World, "deserv*|merit*", "", OTHERWISE),
     row(Later, World, "BE what the|this|our SHOWN", "^ BE", OTHERWISE),
     row(Later, World, "needs|requires|wants * SUPERIOR", "", OTHERWISE),
+    row(Later, Nobody, "^ BE a|the|much SUPERIOR", "not", OTHERWISE),
     row(Later, Anything, "i should have", "", CHANGED),
     row(Later, World, "PLACE * needs|wants|requires|deserves the|a|its MOTION|attention|care", "not|no", OTHERWISE),
     row(After, Answer, "^ this|the * has|have|needs|ought to go|be|start|begin|come|point", "then|now", CHANGED),
     row(Later, Anything, "was better|right|best|correct", "not|no", OTHERWISE),
     row(After, Author, "^ i mean|meant the|to|another|up|down|left|right", "", CHANGED),
     row(After, Nobody, "^ leave|let it|this|everything|that $", "", HALTED),
+    row(Later, Anything, "calls|call for a|an|the|more", "SHOWN|not", OTHERWISE),
+    row(Later, World, "shows|means|wants|needs|is something|somebody|somewhere else", "not", DOUBTED),
+    row(Later, Anything, "point|pick|place BE off the CLOTH|mask|table", "not", DOUBTED),
+    row(Later, Answer, "make|makes the|this|it * deeper|bigger|worse|tighter|thicker", "not|no", DOUBTED),
+    row(Ever, Author, "made an|a|some error|mistake|slip", "", DOUBTED),
+    row(Ever, Author, "^ i am guessing", "", DOUBTED),
+    row(Later, Answer, "against|contrary|violates the|to|its SHOWN|goal|rule|rules", "not", DOUBTED),
+    row(Ever, Author, "would rather not", "", HALTED),
     // Nothing is to be done.
     row(After, Nobody, "^ hold|park|stop|halt the robot|arm|gripper|motion", "", HALTED),
     row(Later, Nobody, "^ confirm|review|approve|delete|replace|adjust $", "", HALTED),
@@ -253,7 +262,7 @@ fn fits(words: &[&str], at: usize, pattern: &[Piece]) -> bool {
                     Fit::List(list) => list.contains(word),
                 })
             };
-            words.get(at).is_some_and(|word| fits_word(word)) && fits(words, at + 1, rest)
+            words.get(at).is_some_and(fits_word) && fits(words, at + 1, rest)
         }
     }
 }

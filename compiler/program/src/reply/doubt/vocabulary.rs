@@ -370,12 +370,12 @@ pub(super) const SAYINGS: &str = "stand in for|stands in for|should rather|must 
     |because i had to|because you insist|you insist|against my better|second thoughts|cold feet";
 
 /// Sayings with a word that otherwise begins a clause.
-pub(super) const CONDITIONS: &str = "before the arm|before the robot|than stated|than given|than written|than listed|than i|is called for|are called for|since the picture was|since the image was|since the photo was|only because|merely because|just because|simply because|after all|look closer|on second viewing|on second look|on closer look|on closer inspection|executed only|execute only|used only|use only|out only|proceed only|valid only if|if you do this|if you do that|if you do so|if this is done|if executed|i should have said|i should have written|i should have picked|should have been|give or take|is rough|impossible with|before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
+pub(super) const CONDITIONS: &str = "before the arm|before the robot|than stated|than given|than written|than listed|than i|on second thought , i|is called for|are called for|since the picture was|since the image was|since the photo was|only because|merely because|just because|simply because|after all|look closer|on second viewing|on second look|on closer look|on closer inspection|executed only|execute only|used only|use only|out only|proceed only|valid only if|if you do this|if you do that|if you do so|if this is done|if executed|i should have said|i should have written|i should have picked|should have been|give or take|is rough|impossible with|before this|before that|before these|before doing this|before any|before anything|that is not how|this is not how|that is not what i|this is not what i|not what i want\
     |not what i meant|on condition|as long as|so long as|provided that|providing that|valid provided|works if\
     |if you ask me|if i am honest|not where|rather than this|rather than these|rather than that|might as well|may as well|unless i|until i|until it is|until you|until this|until they|before i";
 
 /// What a report says of an answer that is hardly believed; separated by `|`.
-pub(super) const UNCERTAIN: &str = "low confidence|confidence low|confidence : low|confidence is low|very low confidence|confidence : none|confidence : zero|zero confidence";
+pub(super) const UNCERTAIN: &str = "low confidence|confidence low|confidence very low|confidence : low|confidence is low|very low confidence|confidence : none|confidence : zero|zero confidence";
 
 /// What the author sees and remembers with.
 pub(super) const FACULTIES: &[&str] = words!(

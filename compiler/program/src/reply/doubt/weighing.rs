@@ -242,7 +242,7 @@ impl Clause<'_> {
         };
         let misses = words.iter().any(|it| NO_CLOTH.contains(it))
             || words.windows(4).any(|near| {
-                lies(&&near[0])
+                lies(&near[0])
                     && words!("on in at").contains(&near[1])
                     && near[2..]
                         .iter()
@@ -263,7 +263,7 @@ impl Clause<'_> {
             |it: &&str| words!("this these here there at pick place point for").contains(it);
         self.subject == Subject::World
             && self.words.contains(&"not")
-            && !self.words.iter().any(|it| speaks_of_answer(&it))
+            && !self.words.iter().any(|it| speaks_of_answer(it))
     }
 
     /// Returns whether the clause denies something that nobody would want to deny of an answer that is meant.
