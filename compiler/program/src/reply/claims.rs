@@ -7,6 +7,7 @@ use super::aside::{self, Aside, Cleared};
 use super::data;
 use super::doubt::Place;
 use super::lexer::{self, Kind, Token};
+use super::names;
 use super::remarks;
 use super::sentences::{Claim, Claimed, Reader};
 use std::ops::Range;
@@ -68,7 +69,8 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let mut claims = Vec::new();
     let points = data::tagged_points(reader, &text, &mut claims);
     text = aside::blanked(&text, &points);
-    let beside = data::beside(reader, &text);
+    let is_field = |key: &str| names::labelled(reader.fields, &lexer::tokens(key)).is_some();
+    let beside = data::beside(&text, &is_field);
     let objects = data::objects(reader, &text, &mut claims);
     text = aside::blanked(&text, &objects);
     let tables = data::tables(reader, &text, &mut claims);
@@ -87,18 +89,24 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         .min()
         .map(|first| {
             let last = claims.iter().map(|claim| claim.span.start).max();
+            let firsts = (0..reader.fields.len()).map(|field| {
+                let own = claims.iter().filter(|claim| claim.field == field);
+                own.map(|claim| claim.span.start)
+                    .min()
+                    .unwrap_or(usize::MAX)
+            });
             let end = claims.iter().map(|claim| claim.span.end).max();
             remarks::Stated {
                 first,
+                settled: firsts.max().unwrap_or(usize::MAX),
                 last: last.unwrap_or(first),
                 end: end.unwrap_or(first),
             }
         });
     let at = reply.len();
-    let (beside, thought) = (lexer::tokens(&beside.said), lexer::tokens(&beside.thought));
-    let doubt = remarks::doubt(&tokens, stated, Place::Before)
-        .or_else(|| remarks::doubt(&beside, None, Place::Beside))
-        .or_else(|| remarks::doubt(&thought, None, Place::Before));
+    let doubt =
+        remarks::doubt(&tokens, stated, Place::Before).or_else(|| remarks::doubt_beside(&beside));
+    let beside = lexer::tokens(&beside.said);
     let remarks = remarks::of(&tokens, reader.notation, stated);
     let remarks = remarks
         .into_iter()

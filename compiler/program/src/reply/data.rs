@@ -25,7 +25,10 @@ const CONTAINERS: &[&str] = words!(
 const LABELS: [&str; 7] = ["label", "name", "role", "field", "type", "action", "kind"];
 
 /// Keys whose text is a thought: it may say anything.
-const NO_REMARKS: [&str; 6] = [
+const NO_REMARKS: [&str; 9] = [
+    "thinking",
+    "observation",
+    "scratchpad",
     "thought",
     "thoughts",
     "reasoning",
@@ -83,7 +86,9 @@ pub(super) struct Beside {
 }
 
 /// Returns what objects say beside the fields.
-pub(super) fn beside(reader: &Reader<'_>, text: &str) -> Beside {
+///
+/// - `is_field`: whether a key names a field, so that its member is no remark.
+pub(super) fn beside(text: &str, is_field: &dyn Fn(&str) -> bool) -> Beside {
     let mut beside = Beside::default();
     for node in object::objects(text) {
         for line in text[node.span.clone()].lines() {
@@ -91,24 +96,24 @@ pub(super) fn beside(reader: &Reader<'_>, text: &str) -> Beside {
                 beside.said.push_str(&format!("// {comment}\n\n"));
             }
         }
-        aside_members(reader, &node, 0, &mut beside);
+        aside_members(is_field, &node, 0, &mut beside);
     }
     beside
 }
 
-fn aside_members(reader: &Reader<'_>, node: &Node, depth: usize, beside: &mut Beside) {
+fn aside_members(is_field: &dyn Fn(&str) -> bool, node: &Node, depth: usize, beside: &mut Beside) {
     let Shape::Object(found) = &node.shape else {
         return;
     };
     let mut sides = [None, None];
     for object::Member { key, value, .. } in found {
-        if names::labelled(reader.fields, &lexer::tokens(key)).is_some() {
+        if is_field(key) {
             continue;
         }
         let is_reason = NO_REMARKS.iter().any(|name| key.eq_ignore_ascii_case(name));
         match &value.shape {
             Shape::Object(_) if depth < MAX_STRINGS => {
-                aside_members(reader, value, depth + 1, beside);
+                aside_members(is_field, value, depth + 1, beside);
             }
             // `"warnings": ["do not execute"]`
             Shape::List(items) => {

@@ -3,8 +3,9 @@
 //! In: the sentences of an answer, and where its last claim stands. Out: for each kind of field, why its values are not
 //! those that the answer means. Each remark is a row of a table.
 
+use super::data::Beside;
 use super::doubt::{self, Place};
-use super::lexer::{Gap, Kind, Token};
+use super::lexer::{self, Gap, Kind, Token};
 use super::point;
 use super::value;
 use crate::data::actions::{ActionField, Choices};
@@ -102,7 +103,8 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_ORDER, &["row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], NOT),
-    anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|from the goal image|from the depth|in the depth image|half the resolution|half resolution"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|from the goal image|from the depth|half the resolution|half resolution"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["in the depth image|in the goal image", "coordinates|coordinate|pixels|values"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["image|picture", "be mirrored|upside down|turned it|rotated it|rotated by|is mirrored"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["image|picture|photo", "rotated|turned|flipped|mirrored|resized|scaled|shrunk|downscaled|downsampled", "before reading|to read|when reading|before i read|then read|for reading"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["i rescaled|i resized|i downscaled|i upscaled|i shrank|i enlarged|i cropped|i rotated|i flipped|i mirrored", "image|picture|photo|it|everything"], "not|no|without|back|cloth|fold|original"),
@@ -130,7 +132,7 @@ const ROWS: &[Row] = &[
     after(WITHDRAWN, &["cancel that|cancel this|cancel it|never mind|undo this|undo that|undo it|undo these|start again|start over|start anew"], NOT),
     after("the answer names another value under a condition", &["^ if|^ should|^ otherwise", "use|take|try|choose|pick", "instead"], ""),
     after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
-    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked"),
+    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked|mirror image"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
     after(CHANGED, &["^ sorry|^ oops|^ hold on|^ wait|^ apologies|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ double - check|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience"),
     after(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
@@ -149,6 +151,8 @@ const MAX_SENTENCE: usize = 300;
 pub(super) struct Stated {
     /// Where the first one begins.
     pub first: usize,
+    /// Where the last field is stated first: what follows has the whole answer above it.
+    pub settled: usize,
     /// Where the last one begins.
     pub last: usize,
     /// Where the last one ends.
@@ -176,12 +180,7 @@ pub(super) fn of(
             found.retain(|(about, _)| *about != Pixels);
             continue;
         }
-        let rows = ROWS.iter().filter(|row| {
-            (!row.is_after || is_after)
-                && row.says.iter().all(|group| says(&words, group))
-                && !says(&words, row.unless)
-        });
-        found.extend(rows.map(|row| (row.about, row.why.to_owned())));
+        found.extend(rows_of(&words, is_after).map(|row| (row.about, row.why.to_owned())));
         found.extend(another_size(sentence, notation).map(|why| (Pixels, why)));
         if !says(&words, NOT) && another_order(sentence, notation) {
             found.push((Pixels, OTHER_ORDER.to_owned()));
@@ -192,6 +191,25 @@ pub(super) fn of(
         found.push((Action, "the answer holds only under a condition".to_owned()));
     }
     found
+}
+
+fn rows_of(words: &str, is_after: bool) -> impl Iterator<Item = &'static Row> {
+    ROWS.iter().filter(move |row| {
+        (!row.is_after || is_after)
+            && row.says.iter().all(|group| says(words, group))
+            && !says(words, row.unless)
+    })
+}
+
+/// Returns why sentences before or after a text say that it is not to be carried out.
+pub(super) fn of_text(tokens: &[Token<'_>], place: Place) -> Option<&'static str> {
+    let sentences = sentences(tokens, None).into_iter();
+    let mut short = sentences.filter(|sentence| sentence.len() <= MAX_SENTENCE);
+    short.find_map(|sentence| {
+        let words = spoken(sentence);
+        let mut rows = rows_of(&words, place == Place::After);
+        rows.find(|row| row.about == Action).map(|row| row.why)
+    })
 }
 
 /// Cuts a text into sentences; the last value ends with its line.
@@ -223,45 +241,66 @@ pub(super) fn doubt(
     place: Place,
 ) -> Option<&'static str> {
     let last = stated.map(|stated| stated.last);
-    let spoken = sentences(tokens, last).into_iter();
-    spoken
+    let spoken: Vec<_> = sentences(tokens, last)
+        .into_iter()
         .filter(|sentence| sentence.len() <= MAX_SENTENCE)
-        .find_map(|sentence| {
-            let Some(Stated { first, last, end }) = stated else {
-                return doubt::cast_by(sentence, place);
-            };
-            let (begins, ends) = (sentence.first()?.at, sentence.last()?.at);
-            // `Draft, to be checked:` above the first value
-            if begins < first && first <= ends {
-                let above = sentence.partition_point(|token| token.at < first);
-                let is_heading = above > 0 && sentence[above - 1].is_sign(':');
-                if is_heading && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before) {
-                    return Some(why);
-                }
+        .collect();
+    let language = doubt::language(&spoken);
+    spoken.into_iter().find_map(|sentence| {
+        let Some(Stated {
+            first,
+            settled,
+            last,
+            end,
+        }) = stated
+        else {
+            return doubt::cast_by(sentence, place, language);
+        };
+        let (begins, ends) = (sentence.first()?.at, sentence.last()?.at);
+        if begins > settled
+            && let Some(why) = doubt::cast_by(sentence, Place::After, language)
+        {
+            return Some(why);
+        }
+        // `Draft, to be checked:` above the first value
+        if begins < first && first <= ends {
+            let above = sentence.partition_point(|token| token.at < first);
+            let is_heading = above > 0 && sentence[above - 1].is_sign(':');
+            if is_heading
+                && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before, language)
+            {
+                return Some(why);
             }
-            // A remark on the lines below the first value, before the next one.
-            if begins <= first && first <= ends && ends <= last {
-                let below = sentence
-                    .iter()
-                    .position(|token| token.at > first && token.gap >= Gap::Line);
-                if let Some(why) =
-                    below.and_then(|at| doubt::cast_by(&sentence[at..], Place::Beside))
-                {
-                    return Some(why);
-                }
+        }
+        // A remark on the lines below the first value, before the next one.
+        if begins <= first && first <= ends && ends <= last {
+            let below = sentence
+                .iter()
+                .position(|token| token.at > first && token.gap >= Gap::Line);
+            if let Some(why) =
+                below.and_then(|at| doubt::cast_by(&sentence[at..], Place::Beside, language))
+            {
+                return Some(why);
             }
-            let place = match () {
-                () if ends > last => Place::After,
-                () if begins > first => Place::Beside,
-                () => Place::Before,
-            };
-            let behind = if begins > last || place != Place::After {
-                0
-            } else {
-                sentence.partition_point(|token| token.at < end)
-            };
-            doubt::cast_by(&sentence[behind..], place)
-        })
+        }
+        let place = match () {
+            () if ends > last => Place::After,
+            () if begins > first => Place::Beside,
+            () => Place::Before,
+        };
+        let behind = if begins > last || place != Place::After {
+            0
+        } else {
+            sentence.partition_point(|token| token.at < end)
+        };
+        doubt::cast_by(&sentence[behind..], place, language)
+    })
+}
+
+/// Returns why what objects say beside the values puts the answer in doubt.
+pub(super) fn doubt_beside(beside: &Beside) -> Option<&'static str> {
+    doubt(&lexer::tokens(&beside.said), None, Place::Beside)
+        .or_else(|| doubt(&lexer::tokens(&beside.thought), None, Place::Before))
 }
 
 /// Returns whether a line such as `If it has to be pulled:` stands above a claim.

@@ -70,6 +70,18 @@ impl Named {
     }
 }
 
+/// The most words between a value and what is said of its effect.
+const MAX_EFFECT: usize = 8;
+
+/// Verbs that move a cloth, perhaps too far.
+const MOVING: &[&str] = words!("takes pulls drags carries brings moves lifts puts");
+
+/// Verbs for what a fitting value does not do.
+const HARMING: &[&str] = words!("slips slip tears crushes loses lose");
+
+/// What begins another clause.
+const JOINING: &[&str] = words!("and but while whereas so because");
+
 /// How far a direction in words may be from the angle that it describes, degrees.
 const WORDED_DEG: f64 = 67.5;
 
@@ -935,6 +947,23 @@ impl<'a> Sentences<'a> {
                 at,
             };
             if cursor.eat_any(&["exceeds", "overshoots", "violates"]) {
+                return true;
+            }
+            // `90 deg takes the cloth off the table`, `with a soft grip the hem slips`
+            let clause = cursor.rest().iter().take(MAX_EFFECT);
+            let clause = clause.take_while(|it| {
+                it.kind == Kind::Word && it.gap < Gap::Line && !it.is_any(JOINING)
+            });
+            let (mut moves, mut harms, mut denies) = (false, false, false);
+            for word in clause {
+                harms |=
+                    word.is_any(HARMING) || moves && word.is_any(&["off", "outside", "beyond"]);
+                moves |= word.is_any(MOVING);
+                denies |= word.is_any(&[
+                    "not", "no", "never", "without", "would", "could", "might", "may",
+                ]);
+            }
+            if harms && !denies {
                 return true;
             }
             let is_verb = cursor.eat_any(&["is", "was", "would", "seems", "looks"]);

@@ -4,8 +4,12 @@
 //! texts are refused, as two values of a field are.
 
 use super::aside;
+use super::data;
+use super::doubt::Place;
+use super::lexer;
 use super::object::{self, Node, Shape};
 use super::reading::{MAX_TEXT_CHARS, Malformed, Reading, Stated, bounded, quoted};
+use super::remarks;
 use super::wordlist::words;
 use std::ops::Range;
 
@@ -30,6 +34,9 @@ const DENYING: &[&str] = words!(
     "your following these those given sample example e.g. format template not instead previous previously earlier wrote
     rejected refused wrong old draft asked"
 );
+
+/// Keys whose member may hold the answer.
+const ANSWERS: &[&str] = words!("answer response output result text content final message");
 
 /// The most bytes of a text; one character has at most four.
 const MAX_LENGTH: usize = 4 * MAX_TEXT_CHARS;
@@ -101,6 +108,9 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
     if rest.and_then(|at| reply.get(at..)).is_some_and(takes_back) {
         return Err(wrong("Your answer takes back its text.".to_owned()));
     }
+    if let Some(why) = doubt(&cleared.text, before, &found) {
+        return Err(wrong(format!("Your answer cannot be used: {why}.")));
+    }
     let Some(first) = found.first() else {
         return Err(wrong(match is_named {
             true => format!("Nothing follows \"{before}\" in your answer."),
@@ -130,6 +140,33 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
     })
 }
 
+/// Returns why an answer puts its texts in doubt: in what stands before the first, after the last, or beside them.
+fn doubt(text: &str, label: &str, found: &[Found]) -> Option<&'static str> {
+    let first = found.iter().map(|it| it.span.start).min()?;
+    let last = found.iter().map(|it| it.span.end).max()?;
+    let spans: Vec<Range<usize>> = object::objects(text)
+        .into_iter()
+        .map(|it| it.span)
+        .collect();
+    let plain = aside::blanked(text, &spans);
+    let around = |part: Option<&str>, place| {
+        let tokens = lexer::tokens(part.unwrap_or_default());
+        remarks::doubt(&tokens, None, place).or_else(|| remarks::of_text(&tokens, place))
+    };
+    let is_field = |key: &str| is_label(key, label) || ANSWERS.contains(&&*letters(key));
+    around(plain.get(..first), Place::Before)
+        .or_else(|| around(plain.get(last..), Place::After))
+        .or_else(|| remarks::doubt_beside(&data::beside(text, &is_field)))
+}
+
+/// Returns whether a key of an object is the words before a text.
+fn is_label(key: &str, before: &str) -> bool {
+    let (key, wanted) = (letters(key), letters(before));
+    key == wanted
+        || key.strip_suffix('s') == Some(&wanted)
+        || wanted.strip_suffix('s') == Some(&key)
+}
+
 /// Returns only the letters and digits of a label, in lower case.
 fn letters(text: &str) -> String {
     let kept = text.chars().filter(|letter| letter.is_alphanumeric());
@@ -144,10 +181,7 @@ fn members(node: &Node, before: &str, after: &str, found: &mut Vec<Found>) {
             .for_each(|item| members(item, before, after, found)),
         Shape::Object(members_of) => {
             for object::Member { key, value, .. } in members_of {
-                let (key, wanted) = (letters(key), letters(before));
-                let is_label = key == wanted
-                    || key.strip_suffix('s') == Some(&wanted)
-                    || wanted.strip_suffix('s') == Some(&key);
+                let (is_label, key) = (is_label(key, before), letters(key));
                 let is_aside = [
                     "example",
                     "examples",
@@ -199,12 +233,9 @@ fn strings(node: &Node) -> Vec<(&str, Range<usize>)> {
         Shape::Text(text) => vec![(text, node.span.clone())],
         Shape::List(items) => items.iter().flat_map(strings).collect(),
         Shape::Object(members) => {
-            let answers = members.iter().filter(|member| {
-                [
-                    "answer", "response", "output", "result", "text", "content", "final", "message",
-                ]
-                .contains(&&*letters(&member.key))
-            });
+            let answers = members
+                .iter()
+                .filter(|member| ANSWERS.contains(&&*letters(&member.key)));
             answers.flat_map(|member| strings(&member.value)).collect()
         }
         Shape::Bare(_) => Vec::new(),

@@ -1,0 +1,268 @@
+//! Clauses that take an answer back or point elsewhere, whatever else they say: one row for each way to say it.
+//!
+//! A pattern is a row of words. `a|b` stands for either, a name in capitals for a list of words, `pick*` for words that
+//! begin so and `*ly` for words that end so, `*` for up to six words. `^` stands for the beginning of a clause, and `$` for its end.
+
+use super::vocabulary::*;
+use super::{
+    CHANGED, CONDITIONAL, Clause, DOUBTED, HALTED, OTHERWISE, Place, Subject, refers_forward,
+};
+use std::sync::LazyLock;
+
+/// The most words for which `*` stands.
+const MAX_GAP: usize = 6;
+
+/// The lists of words that patterns name.
+const LISTS: [(&str, &[&str]); 11] = [
+    ("ACT", ACTS),
+    ("ANOTHER", ANOTHER),
+    ("BE", BE),
+    ("CHOSEN", CHOSEN),
+    ("CLOTH", CLOTHS),
+    ("MOTION", MOTIONS),
+    ("ORDER", ORDERS),
+    ("PART", PARTS),
+    ("PLACE", PLACES),
+    ("SHOWN", SHOWN),
+    ("SUPERIOR", SUPERIOR),
+];
+
+/// Where a clause stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum When {
+    After,
+    /// After the values or beside them.
+    Later,
+    /// Anywhere; before the values only if it speaks of what follows.
+    Always,
+    /// Anywhere, whatever it speaks of.
+    Ever,
+}
+
+/// Of whom a clause speaks.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Of {
+    Anything,
+    Answer,
+    Author,
+    World,
+    /// An order, or a clause without a verb.
+    Nobody,
+}
+
+struct Row {
+    when: When,
+    of: Of,
+    says: &'static str,
+    unless: &'static str,
+    why: &'static str,
+}
+
+const fn row(
+    when: When,
+    of: Of,
+    says: &'static str,
+    unless: &'static str,
+    why: &'static str,
+) -> Row {
+    Row {
+        when,
+        of,
+        says,
+        unless,
+        why,
+    }
+}
+
+use Of::{Answer, Anything, Author, Nobody, World};
+use When::{After, Always, Ever, Later};
+
+#[rustfmt::skip]
+const ROWS: &[Row] = &[
+    // Where an action ought to begin.
+    row(Later, World, "BE * PLACE to ACT", "", OTHERWISE),
+    row(Later, World, "PLACE i mean|meant|want|wanted", "", OTHERWISE),
+    row(Later, World, "^ a|the|some *er PART|PLACE|grip|pull|hold|stroke|step BE needed|required|necessary|due|called", "not|lower|upper|outer|inner|other|latter", OTHERWISE),
+    row(Later, World, "PLACE that should|must|needs|matters|counts|wants|ought|deserves", "", OTHERWISE),
+    row(Later, World, "PLACE that has to", "", OTHERWISE),
+    row(After, Answer, "^ it is the * that needs|should|must|ought", "", OTHERWISE),
+    row(After, Answer, "^ it is the * that has to", "", OTHERWISE),
+    row(Later, World, "ANOTHER * BE needed|required|due|called", "not", OTHERWISE),
+    row(After, World, "should|must|ought be|to * CHOSEN", "", OTHERWISE),
+    row(After, World, "should|must|ought to|be|start|begin|go|come start|begin|go|come|with|at|first|from", "", OTHERWISE),
+    row(After, Answer, "fold|pick|pull ought|should to|begin|start", "", OTHERWISE),
+    row(After, Nobody, "^ start|begin with|at|from|on", "", OTHERWISE),
+    row(After, Nobody, "^ choose|select|opt|prefer|use the|a|an|that|another|with|for", "@", OTHERWISE),
+    row(After, Nobody, "^ try", "", OTHERWISE),
+    row(After, Nobody, "^ ORDER from|at|the|a|an|its|it|both|another|that|me|us", "@|then|slow*|gent*|*ly|again|flat|low|about|high|enough|above", OTHERWISE),
+    row(After, Anything, "^ what * needs|needed|required|missing|wants|matters|helps|deserves|requires * BE", "", OTHERWISE),
+    row(After, World, "goes|comes|moves first $", "", OTHERWISE),
+    row(After, Anything, "i would rather|prefer|sooner", "than", OTHERWISE),
+    row(After, World, "^ the correct|real|true|proper|better", "not", OTHERWISE),
+    row(After, World, "BE the correct|real one $", "not", OTHERWISE),
+    row(Later, World, "the other way|direction", "not|no|would|could|second|next|then|will", OTHERWISE),
+    row(Later, World, "BE what the CLOTH", "^ BE", OTHERWISE),
+    row(After, Answer, "should|must lie|sit|go|be|move|point * left|right|lower|higher|above|below|further", "now|then|after|so", CHANGED),
+    row(Later, World, "deserv*|merit*", "", OTHERWISE),
+    row(Later, World, "BE what the|this|our SHOWN", "^ BE", OTHERWISE),
+    row(Later, World, "needs|requires|wants * SUPERIOR", "", OTHERWISE),
+    row(Later, Nobody, "^ BE a|the|much SUPERIOR", "not", OTHERWISE),
+    row(Later, Anything, "i should have", "", CHANGED),
+    row(Later, World, "PLACE * needs|wants|requires|deserves the|a|its MOTION|attention|care", "not|no", OTHERWISE),
+    row(After, Answer, "^ this|the * has|have|needs|ought to go|be|start|begin|come|point", "then|now", CHANGED),
+    row(Later, Anything, "was better|right|best|correct", "not|no", OTHERWISE),
+    row(After, Author, "^ i mean|meant the|to|another|up|down|left|right", "", CHANGED),
+    row(After, Nobody, "^ leave|let it|this|everything|that $", "", HALTED),
+    row(Later, Anything, "calls|call for a|an|the|more", "SHOWN|not", OTHERWISE),
+    row(Later, World, "shows|means|wants|needs|is something|somebody|somewhere else", "not", DOUBTED),
+    row(Later, Anything, "point|pick|place BE off the CLOTH|mask|table", "not", DOUBTED),
+    row(Later, Answer, "make|makes the|this|it * deeper|bigger|worse|tighter|thicker", "not|no", DOUBTED),
+    row(Ever, Author, "made an|a|some error|mistake|slip", "", DOUBTED),
+    row(Ever, Author, "^ i am guessing", "", DOUBTED),
+    row(Later, Answer, "against|contrary|violates the|to|its SHOWN|goal|rule|rules", "not", DOUBTED),
+    row(Ever, Author, "would rather not", "", HALTED),
+    // Nothing is to be done.
+    row(After, Nobody, "^ hold|park|stop|halt the robot|arm|gripper|motion", "", HALTED),
+    row(Later, Nobody, "^ confirm|review|approve|delete|replace|adjust $", "", HALTED),
+    row(Later, Anything, "without this|these $", "", HALTED),
+    row(Later, Anything, "need|needs|require|requires no MOTION", "more|further|other|second|additional|extra", HALTED),
+    row(Later, World, "CLOTH is|looks smooth|done|finished|complete $", "not|then|almost", HALTED),
+    // The answer is not what it should be.
+    row(Always, Answer, "BE not $", "", DOUBTED),
+    row(Always, Answer, "BE not for|from|meant|of|at|what", "very|exactly|quite|directly|right|only", DOUBTED),
+    row(Later, Anything, "^ neither the|my PART", "", DOUBTED),
+    row(Later, Answer, "would be right|correct|fine|good|valid|true", "", CONDITIONAL),
+    row(Later, Answer, "without|no any|visible|real|much effect|success|result|gain|use", "", DOUBTED),
+    row(Later, Anything, "arm|robot|gripper will|would|may|might|could hit|miss|collide|bump|fail|lose", "", DOUBTED),
+    row(Later, Anything, "more|closer|second|another|fresh look|glance|check", "", DOUBTED),
+    row(Later, Anything, "corner|edge|hem|sleeve|point might|may|could be a|an|the|part|something|another", "same|also|off|few|slightly", DOUBTED),
+    row(Later, Answer, "likely|bound|prone to", "open|flatten|unfold|smooth|expose|reveal|reach|improve|increase|align|give|remove|uncover|bring", DOUBTED),
+    row(Later, Answer, "less effective|suitable|efficient|useful|helpful|reliable|stable|clean|good|direct", "not|no", DOUBTED),
+    row(Later, Anything, "^ not on|at|in|near * corner|edge|hem|cloth|fabric|sleeve|mask|outline", "only|just", DOUBTED),
+    row(Later, Nobody, "^ rejected|refused|declined|denied|failed|vetoed", "", HALTED),
+    row(After, Nobody, "^ do|run|execute|use|perform|apply this|it|that only", "", CONDITIONAL),
+    row(Later, Anything, "finished|done|complete|completed * ago", "ANOTHER", HALTED),
+    row(After, Anything, "^ any|every|anything|everything PART|corner|direction $", "", OTHERWISE),
+    row(After, World, "has|have|offers|offer|gives|needs more", "than", OTHERWISE),
+    row(Later, Anything, "^ should|must be the|a", "", OTHERWISE),
+    row(Later, Anything, "BE not * this|these PART|place|corner", "", DOUBTED),
+    row(Later, Anything, "BE not the one|step|right|fold|move|action|way", "ANOTHER", DOUBTED),
+    row(After, Anything, "^ not the one", "", DOUBTED),
+    row(Later, World, "hole|gap|table|floor at|under|below|beneath the pick|place|point", "not|no", DOUBTED),
+    row(Later, Answer, "was|were for|from|right|good|meant", "", DOUBTED),
+    row(Later, Answer, "out of the", "not|no|never|avoid*|keep*|bring*|without|would", DOUBTED),
+    row(Later, Anything, "wrong", "not|no|never|avoid*|instead|would|could|ANOTHER|if|undo*|up|would|make", DOUBTED),
+    row(Later, Answer, "more crumpled|wrinkled|bunched|tangled|folded|hidden|covered", "not|no|less", DOUBTED),
+    row(Later, Answer, "presses|pinches * onto the table", "not", DOUBTED),
+    row(Later, Anything, "out of * reach", "ANOTHER|not", DOUBTED),
+    row(After, Anything, "can not be picked|grasped|reached|gripped|lifted|pulled|executed|carried|used", "ANOTHER|remaining", DOUBTED),
+    row(Later, World, "falls|slides|slips|drops|ends off the table|cloth", "ANOTHER|larger|longer|further", DOUBTED),
+    row(After, Author, "see|find|detect|recognise|recognize no CLOTH|corner|corners|edge|edges|hem|sleeve", "", DOUBTED),
+    row(Ever, Author, "can|could not see the|any|a|your picture|image|photo", "", DOUBTED),
+    row(Ever, Author, "can|could not see the|a first|second|third|last|other picture|image|photo", "", DOUBTED),
+    row(Always, World, "image|picture|photo shows|has|contains no cloth|towel|shirt|fabric|corner|corners", "", DOUBTED),
+    row(After, Nobody, "^ read|interpret|take|treat|count the|this|that|it * as", "", CHANGED),
+    row(Later, World, "order|roles|sequence BE reversed|swapped|switched|wrong|exchanged", "", CHANGED),
+];
+
+/// A word of a pattern: one of several that fit, or a gap.
+enum Piece {
+    Words(Vec<Fit>),
+    Gap,
+    Start,
+    End,
+}
+
+enum Fit {
+    Word(&'static str),
+    Stem(&'static str),
+    Ending(&'static str),
+    List(&'static [&'static str]),
+}
+
+static PATTERNS: LazyLock<Vec<(Vec<Piece>, Vec<Piece>)>> = LazyLock::new(|| {
+    let read = |row: &Row| (pieces(row.says), pieces(row.unless));
+    ROWS.iter().map(read).collect()
+});
+
+fn pieces(pattern: &'static str) -> Vec<Piece> {
+    let fit = |word: &'static str| {
+        let list = LISTS.iter().find(|(name, _)| *name == word);
+        match (word.strip_suffix('*'), word.strip_prefix('*'), list) {
+            (Some(stem), ..) => Fit::Stem(stem),
+            (None, Some(ending), _) => Fit::Ending(ending),
+            (None, None, Some((_, list))) => Fit::List(list),
+            (None, None, None) => Fit::Word(word),
+        }
+    };
+    let piece = |word: &'static str| match word {
+        "*" => Piece::Gap,
+        "^" => Piece::Start,
+        "$" => Piece::End,
+        _ => Piece::Words(word.split('|').map(fit).collect()),
+    };
+    pattern.split_whitespace().map(piece).collect()
+}
+
+/// Returns why a clause cannot stand beside an answer that is meant, if a row says so.
+pub(super) fn why(clause: &Clause<'_>) -> Option<&'static str> {
+    if clause.is_sequel {
+        return None;
+    }
+    let named = &clause.words[..clause.words.len() - clause.predicate.len()];
+    let found = ROWS
+        .iter()
+        .zip(PATTERNS.iter())
+        .find(|(row, (says, unless))| {
+            let is_then = match row.when {
+                When::After => clause.place == Place::After,
+                When::Later => clause.place != Place::Before,
+                When::Ever => true,
+                When::Always => {
+                    clause.place != Place::Before || row.of == World || refers_forward(named)
+                }
+            };
+            let is_of_it = match row.of {
+                Anything => true,
+                Answer => clause.subject == Subject::Answer,
+                Author => clause.subject == Subject::Author,
+                World => clause.subject == Subject::World,
+                // `Reason: fold the hem up` is no order, and neither is `this lifts the hem and moves it`.
+                Nobody => {
+                    let goes_on = row.when == After && [":", "and", "or"].contains(&clause.joint);
+                    clause.subject == Subject::Nobody && !goes_on
+                }
+            };
+            is_then
+                && is_of_it
+                && says_pattern(clause.words, says)
+                && !says_pattern(clause.words, unless)
+        });
+    found.map(|(row, _)| row.why)
+}
+
+fn says_pattern(words: &[&str], pattern: &[Piece]) -> bool {
+    !pattern.is_empty() && (0..words.len()).any(|at| fits(words, at, pattern))
+}
+
+fn fits(words: &[&str], at: usize, pattern: &[Piece]) -> bool {
+    let Some((piece, rest)) = pattern.split_first() else {
+        return true;
+    };
+    match piece {
+        Piece::Start => at == 0 && fits(words, at, rest),
+        Piece::End => at == words.len() && fits(words, at, rest),
+        Piece::Gap => (at..=at + MAX_GAP).any(|at| fits(words, at, rest)),
+        Piece::Words(any) => {
+            let fits_word = |word: &&str| {
+                any.iter().any(|fit| match fit {
+                    Fit::Word(wanted) => wanted == word,
+                    Fit::Stem(stem) => word.starts_with(stem),
+                    Fit::Ending(ending) => word.ends_with(ending),
+                    Fit::List(list) => list.contains(word),
+                })
+            };
+            words.get(at).is_some_and(fits_word) && fits(words, at + 1, rest)
+        }
+    }
+}
