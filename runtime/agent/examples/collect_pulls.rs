@@ -1,12 +1,14 @@
-//! Tries pulls of crumpled cloths in the simulator: what a search among them reaches, and data for the stand-in's estimate.
+//! Tries pulls of crumpled cloths in the simulator, to search among them or to fit the stand-in's estimate.
 //!
-//! `cargo run --release -p fab-agent --example collect_pulls -- SEARCH FIRST_SEED COUNT ACTIONS TRIES FOLDER`
+//! `cargo run -p fab-agent --example collect_pulls -- SEARCH FIRST_SEED COUNT ACTIONS FOLDER`
 //!
-//! In: seeds of crumpled starts, and SEARCH, a name of [`Search`]: which pulls are tried before each action. The best of
-//! them is executed. Out: the improvement of each start after each action, as the smoothing suite measures it, on
-//! stdout. FOLDER gets each question's picture and words, and a line per tried pull in `pulls.csv`: start, step, coverage before,
-//! gain, pick, direction, distance. `describe_pulls` describes them by the stand-in's features, and
-//! `scripts/fit-pulls.py` fits the estimate.
+//! In: seeds of crumpled starts, and what to try before each action beside the stand-in's own pull. SEARCH is `each`, `fit`, or a
+//! list such as `offered:12,elsewhere:12` of [`KINDS`] with numbers of pulls. `each` tries some of every kind and
+//! executes the stand-in's own pull half of the time, `fit` tries the likely ones and executes it mostly; a list executes the
+//! best that was tried. Out: on stdout, each start's improvement after each action, as the smoothing suite measures it.
+//! FOLDER gets each question's picture and words, and `pulls.csv` with a line per pull: start, step, true coverage before, gain,
+//! pick, direction, distance, kind. `describe_pulls` turns it into what `scripts/fit-pulls.py` reads, and
+//! `scripts/compare-pulls.py` compares the kinds of `each`.
 
 use fab_agent::action::Action;
 use fab_agent::examples::Examples;
@@ -40,34 +42,71 @@ type Failure = Box<dyn Error + Send + Sync>;
 
 const TASK: &str = "tasks/smoothing.fab";
 
-/// Which pulls are tried. All end where the check `centered` allows.
+/// Which pulls are tried beside the stand-in's own. All end where the check `centered` allows.
 #[derive(Clone, Copy, PartialEq)]
-enum Search {
-    /// The stand-in's own pull.
+enum Kind {
+    /// None.
     Own,
-    /// The stand-in's pick with every direction that the check `outward` allows.
+    /// Of the stand-in's own pick, where the check `outward` allows.
     Pick,
-    /// Offered corners with such directions.
+    /// The next ones by the stand-in's estimate.
+    Next,
+    /// Of offered corners, where `outward` allows.
     Offered,
-    /// Offered corners with all directions.
+    /// Picks that are not offered, where `outward` allows: the cloth's true corners, its rim, extremes of its outline.
+    Elsewhere,
+    /// Of offered corners, in all directions.
     Inward,
-    /// Like `Offered`, and picks at the cloth's true corners, on its rim, and at the extremes of its outline.
-    Anywhere,
-    /// Like `Offered`, but executes the stand-in's own pull half of the time.
-    Mixed,
 }
 
-const SEARCHES: [(&str, Search); 6] = [
-    ("own", Search::Own),
-    ("pick", Search::Pick),
-    ("offered", Search::Offered),
-    ("inward", Search::Inward),
-    ("anywhere", Search::Anywhere),
-    ("mixed", Search::Mixed),
+const KINDS: [(&str, Kind); 6] = [
+    ("own", Kind::Own),
+    ("pick", Kind::Pick),
+    ("next", Kind::Next),
+    ("offered", Kind::Offered),
+    ("elsewhere", Kind::Elsewhere),
+    ("inward", Kind::Inward),
 ];
 
-/// How many of the pulls tried are the stand-in's next ones by its estimate; others are drawn.
-const NEXT: usize = 3;
+/// What is tried before each action, and how often the stand-in's own pull is executed.
+struct Search {
+    /// Kinds, with the number of pulls of each.
+    kinds: Vec<(Kind, usize)>,
+    /// Kinds that are tried only before every second action, because they cost as much as all others.
+    seldom: Vec<(Kind, usize)>,
+    /// In how many of how many cases the stand-in's own pull is executed; otherwise the best is.
+    own: Option<[usize; 2]>,
+}
+
+impl Search {
+    fn read(text: &str) -> Option<Search> {
+        use Kind::{Elsewhere, Inward, Next, Offered, Own, Pick};
+        let of_list = |item: &str| {
+            let (name, count) = item.split_once(':').unwrap_or((item, "0"));
+            let (_, kind) = KINDS.iter().find(|(known, _)| *known == name)?;
+            Some((*kind, count.parse().ok()?))
+        };
+        Some(match text {
+            "each" => Search {
+                kinds: vec![(Own, 0), (Pick, 2), (Next, 3), (Offered, 3)],
+                seldom: vec![(Elsewhere, 5), (Inward, 4)],
+                own: Some([1, 2]),
+            },
+            "fit" => Search {
+                kinds: vec![(Own, 0), (Next, 5), (Offered, 2)],
+                seldom: Vec::new(),
+                own: Some([7, 10]),
+            },
+            list => Search {
+                kinds: (["own"].into_iter().chain(list.split(',')))
+                    .map(of_list)
+                    .collect::<Option<_>>()?,
+                seldom: Vec::new(),
+                own: None,
+            },
+        })
+    }
+}
 
 /// Picks on the cloth's rim, one each so many particles.
 const RIM_STEP: usize = 5;
@@ -84,17 +123,18 @@ const SIDES: [u32; 5] = [40, 41, 42, 43, 44];
 
 fn main() -> Result<(), Failure> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    const USAGE: &str = "give SEARCH FIRST_SEED COUNT ACTIONS TRIES FOLDER";
+    const USAGE: &str = "give SEARCH FIRST_SEED COUNT ACTIONS FOLDER";
     let [search, numbers @ .., folder] = words.as_slice() else {
         return Err(USAGE.into());
     };
-    let search = SEARCHES.iter().find(|(name, _)| name == search);
-    let (_, search) = *search.ok_or("SEARCH is own, pick, offered, inward, anywhere or mixed")?;
+    let search = Search::read(search).ok_or_else(|| {
+        format!("`{search}` is not each, fit, or kinds such as offered:12,inward:4")
+    })?;
     let numbers: Vec<usize> = numbers
         .iter()
         .map(|word| word.parse())
         .collect::<Result<_, _>>()?;
-    let [first, count, actions, tries] = numbers[..] else {
+    let [first, count, actions] = numbers[..] else {
         return Err(USAGE.into());
     };
     let folder = PathBuf::from(folder);
@@ -105,12 +145,9 @@ fn main() -> Result<(), Failure> {
         threads,
         |index| {
             let seed = (first + index) as u64;
-            let smoothed = smooth(seed, actions, search, tries, &folder)?;
-            let improved = smoothed.improved.iter().map(|value| format!("{value:.4}"));
+            let improved = smooth(seed, actions, &search, &folder)?;
+            let improved = improved.iter().map(|value| format!("{value:.4}"));
             println!("{seed},{}", improved.collect::<Vec<_>>().join(","));
-            let pulls = folder.join("pulls.csv");
-            let mut file = File::options().create(true).append(true).open(pulls)?;
-            std::io::Write::write_all(&mut file, smoothed.lines.as_bytes())?;
             Ok::<_, Failure>(Some(()))
         },
         |_| {},
@@ -155,7 +192,7 @@ impl Model for Overheard {
 }
 
 /// A pull to try.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 struct Candidate {
     pick: PixelPoint,
     direction_deg: f64,
@@ -163,10 +200,12 @@ struct Candidate {
 }
 
 impl Candidate {
-    fn is(&self, offer: &Offer) -> bool {
-        self.pick == offer.pick
-            && self.direction_deg == offer.direction_deg
-            && self.distance == offer.distance
+    fn of(offer: &Offer) -> Candidate {
+        Candidate {
+            pick: offer.pick,
+            direction_deg: offer.direction_deg,
+            distance: offer.distance,
+        }
     }
 }
 
@@ -178,21 +217,8 @@ struct Tried {
     end: Start,
 }
 
-/// How a start was smoothed.
-struct Smoothed {
-    /// The improvement after each action, frozen at the goal.
-    improved: Vec<f64>,
-    lines: String,
-}
-
-/// Smooths one start.
-fn smooth(
-    seed: u64,
-    actions: usize,
-    search: Search,
-    tries: usize,
-    folder: &Path,
-) -> Result<Smoothed, Failure> {
+/// Smooths one start; returns the improvement after each action, frozen at the goal.
+fn smooth(seed: u64, actions: usize, search: &Search, folder: &Path) -> Result<Vec<f64>, Failure> {
     let side = SIDES[(seed % SIDES.len() as u64) as usize];
     let compiled = fab_compiler::compile_for(TASK, &Here, Some([side, side]))?;
     let programs = compiled.programs.into_iter();
@@ -207,7 +233,6 @@ fn smooth(
     let mut improved: Vec<f64> = Vec::new();
     let mut chance = Chance::seeded(seed);
     let (mut first, mut last): (Option<Scene>, Option<ExecutedAction>) = (None, None);
-    let mut lines = String::new();
     for step in 1..=actions as u32 {
         world.reset(&start)?;
         let before = coverage(&world, &start)?;
@@ -251,14 +276,29 @@ fn smooth(
         let question = heard.question().clone();
         let offered = offers(&question)?;
         keep(&question, &folder.join(format!("{seed}-{step}")))?;
-        let picks = match search {
-            Search::Anywhere => picks_anywhere(&start, &observation),
-            _ => Vec::new(),
+        let seldom = if step % 2 == 1 {
+            search.seldom.as_slice()
+        } else {
+            &[]
         };
-        let candidates = candidates(&program, &scene, &observation, search, picks);
-        let picked = chosen(candidates, &offered, own, search, tries, &mut chance);
+        let mut picked: Vec<(Kind, Candidate)> = Vec::new();
+        for &(kind, count) in search.kinds.iter().chain(seldom) {
+            let mut picks = points(fab_program::verify::offered(&program, &scene, "pick"));
+            if kind == Kind::Elsewhere {
+                // A corner of which the stand-in considers no pull counts as not offered.
+                picks.extend(picks_elsewhere(&start, &observation));
+                picks.retain(|pick| offered.iter().all(|offer| offer.pick != *pick));
+            }
+            let candidates = candidates(&program, &scene, &observation, kind, picks);
+            for candidate in chosen(candidates, &offered, own, kind, count, &mut chance) {
+                if picked.iter().all(|(_, other)| *other != candidate) {
+                    picked.push((kind, candidate));
+                }
+            }
+        }
         let mut tried: Vec<Tried> = Vec::new();
-        for candidate in picked {
+        let mut lines = String::new();
+        for (kind, candidate) in picked {
             let proposal = proposal(&program, &candidate);
             let Some(action) = Action::lower(&program, &proposal, &scene, &observation) else {
                 continue;
@@ -269,9 +309,11 @@ fn smooth(
             let gain = coverage - before;
             let PixelPoint { u, v } = candidate.pick;
             let (deg, far) = (candidate.direction_deg, candidate.distance);
+            let name = KINDS.iter().find(|(_, known)| *known == kind);
+            let kind = name.map_or("own", |(name, _)| name);
             writeln!(
                 lines,
-                "{seed},{step},{before:.5},{gain:.6},{u},{v},{deg},{far}"
+                "{seed},{step},{before:.5},{gain:.6},{u},{v},{deg},{far},{kind}"
             )?;
             tried.push(Tried {
                 end: Start {
@@ -283,7 +325,12 @@ fn smooth(
                 coverage,
             });
         }
-        let is_own = search == Search::Mixed && chance.below(2) == 0;
+        let mut pulls = File::options()
+            .create(true)
+            .append(true)
+            .open(folder.join("pulls.csv"))?;
+        std::io::Write::write_all(&mut pulls, lines.as_bytes())?;
+        let is_own = search.own.is_some_and(|[of, all]| chance.below(all) < of);
         let best = tried
             .iter()
             .max_by(|a, b| a.coverage.total_cmp(&b.coverage));
@@ -301,7 +348,7 @@ fn smooth(
         let frozen = improved.last().copied().filter(|&value| value > GOAL);
         improved.push(frozen.unwrap_or(now));
     }
-    Ok(Smoothed { improved, lines })
+    Ok(improved)
 }
 
 /// Writes the words and the picture of a question.
@@ -318,7 +365,7 @@ fn keep(question: &[Message], at: &Path) -> Result<(), Failure> {
 }
 
 /// Returns the pixels of the cloth's true corners, of points on its rim, and of its outline's extremes.
-fn picks_anywhere(start: &Start, observation: &Observation) -> Vec<PixelPoint> {
+fn picks_elsewhere(start: &Start, observation: &Observation) -> Vec<PixelPoint> {
     let [columns, rows] = [start.grid.dimx, start.grid.dimy].map(|dim| dim as usize);
     let rim = (0..columns * rows).filter(|index| {
         let [i, j] = [index % columns, index / columns];
@@ -344,24 +391,23 @@ fn picks_anywhere(start: &Start, observation: &Observation) -> Vec<PixelPoint> {
     rim.chain(extremes).filter_map(pixel).collect()
 }
 
-/// Returns the pulls of offered corners and of other picks that the checks allow.
+fn points(values: Vec<Value>) -> Vec<PixelPoint> {
+    let points = values.into_iter().filter_map(|value| match value {
+        Value::Point(point) => Some(point),
+        _ => None,
+    });
+    points.collect()
+}
+
+/// Returns the pulls of some picks that the checks allow.
 fn candidates(
     program: &Program,
     scene: &Scene,
     observation: &Observation,
-    search: Search,
-    more: Vec<PixelPoint>,
+    kind: Kind,
+    mut picks: Vec<PixelPoint>,
 ) -> Vec<Candidate> {
     let offered = |field: &str| fab_program::verify::offered(program, scene, field);
-    let points = |values: Vec<Value>| {
-        let points = values.into_iter().filter_map(|value| match value {
-            Value::Point(point) => Some(point),
-            _ => None,
-        });
-        points.collect::<Vec<_>>()
-    };
-    let mut picks = points(offered("pick"));
-    picks.extend(more);
     picks.sort();
     picks.dedup();
     let found = scene.to_json();
@@ -379,7 +425,7 @@ fn candidates(
             };
             let out = (center[1] - f64::from(pick.v)).atan2(f64::from(pick.u) - center[0]);
             let off = (deg - out.to_degrees()).rem_euclid(360.0);
-            if search != Search::Inward && off.min(360.0 - off) > OUTWARD_DEG {
+            if kind != Kind::Inward && off.min(360.0 - off) > OUTWARD_DEG {
                 continue;
             }
             for distance in offered("distance") {
@@ -406,45 +452,39 @@ fn candidates(
     found
 }
 
-/// Takes the stand-in's own pull, the next ones by its estimate, and others at random.
+/// Takes the stand-in's own pull, and others of a kind.
 fn chosen(
     mut candidates: Vec<Candidate>,
     offered: &[Offer],
     own: &Proposal,
-    search: Search,
-    tries: usize,
+    kind: Kind,
+    count: usize,
     chance: &mut Chance,
 ) -> Vec<Candidate> {
-    let is_own = |offer: &&Offer| {
-        let candidate = Candidate {
-            pick: offer.pick,
-            direction_deg: offer.direction_deg,
-            distance: offer.distance,
-        };
+    let is_own = |candidate: &Candidate| {
         own.fields
             .iter()
-            .all(|(name, value)| *value == field(&candidate, name))
+            .all(|(name, value)| *value == field(candidate, name))
     };
-    let Some(own) = offered.iter().find(is_own) else {
+    let best = || offered.iter().map(Candidate::of);
+    let Some(own) = best().find(is_own) else {
         return Vec::new();
     };
-    if search == Search::Pick {
+    if kind == Kind::Pick {
         candidates.retain(|candidate| candidate.pick == own.pick);
     }
-    let estimated = match search {
-        Search::Own | Search::Pick | Search::Anywhere | Search::Inward => 0,
-        Search::Offered | Search::Mixed => NEXT,
-    };
     let mut chosen = Vec::new();
-    for offer in [own].into_iter().chain(offered.iter().take(estimated + 1)) {
-        if let Some(at) = candidates.iter().position(|other| other.is(offer)) {
+    let next = if kind == Kind::Next { count + 1 } else { 0 };
+    for offer in [own].into_iter().chain(best().take(next)) {
+        if let Some(at) = candidates.iter().position(|other| *other == offer) {
             chosen.push(candidates.swap_remove(at));
         }
     }
-    while chosen.len() < tries && !candidates.is_empty() && search != Search::Own {
-        chosen.push(candidates.swap_remove(chance.below(candidates.len())));
+    if !matches!(kind, Kind::Own | Kind::Next) {
+        for _ in 0..count.min(candidates.len()) {
+            chosen.push(candidates.swap_remove(chance.below(candidates.len())));
+        }
     }
-    chosen.truncate(tries.max(1));
     chosen
 }
 

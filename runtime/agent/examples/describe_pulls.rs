@@ -1,13 +1,13 @@
 //! Describes the pulls of `collect_pulls` by the stand-in's features, for refitting its estimate.
 //!
-//! `cargo run --release -p fab-agent --example describe_pulls -- FOLDER... > pulls.csv`
+//! `cargo run -p fab-agent --example describe_pulls -- FOLDER... > pulls.csv`
 //!
 //! In: folders of `collect_pulls`. Out: a line per pull that the stand-in considers: its start, step, true coverage before
 //! and gain, and [`FEATURES`]. `scripts/fit-pulls.py` fits the estimate to them.
 
 use fab_base::parallel::in_parallel;
 use fab_model::{Message, Part, Png, Speaker};
-use fab_standins::geometric::{FEATURES, offers};
+use fab_standins::geometric::{FEATURES, Offer, offers};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fmt::Write as _;
@@ -16,11 +16,14 @@ use std::path::PathBuf;
 type Failure = Box<dyn Error + Send + Sync>;
 
 fn main() -> Result<(), Failure> {
+    /// What stands before the kind.
+    const NUMBERS: usize = 8;
     let mut states: BTreeMap<(PathBuf, String), Vec<Vec<f64>>> = BTreeMap::new();
     for folder in std::env::args().skip(1).map(PathBuf::from) {
         for line in std::fs::read_to_string(folder.join("pulls.csv"))?.lines() {
             let numbers: Vec<f64> = line
                 .split(',')
+                .take(NUMBERS)
                 .map(|word| word.parse())
                 .collect::<Result<_, _>>()?;
             let [seed, step, ..] = numbers[..] else {
@@ -50,7 +53,7 @@ fn main() -> Result<(), Failure> {
                 let [seed, step, before, gain, u, v, deg, far] = pull[..] else {
                     return Err(format!("a pull of `{name}` is no line of collect_pulls").into());
                 };
-                let is_it = |offer: &&fab_standins::geometric::Offer| {
+                let is_it = |offer: &&Offer| {
                     [f64::from(offer.pick.u), f64::from(offer.pick.v)] == [u, v]
                         && offer.direction_deg == deg
                         && offer.distance == far
