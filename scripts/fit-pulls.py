@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Fits the estimate of the stand-in `geometric` to pulls that were tried in the simulator.
 
-    cargo run --release -p fab-agent --example collect_pulls -- 300 100 10 > pulls.csv
+    cargo run -p fab-agent --example collect_pulls -- fit 300 100 10 pulls
+    cargo run -p fab-agent --example describe_pulls -- pulls > pulls.csv
     scripts/fit-pulls.py pulls.csv runtime/standins/src/geometric/smooth/estimate.json "seeds 300 to 399"
 
 Needs numpy and scikit-learn. Prints how well the estimate does on starts that it was not fitted to: the correlation of

@@ -1,11 +1,14 @@
-//! Collects the gains of pulls in the simulator, for refitting the stand-in's estimate.
+//! Tries pulls of crumpled cloths in the simulator, to search among them or to fit the stand-in's estimate.
 //!
-//! `cargo run --release -p fab-agent --example collect_pulls -- FIRST_SEED COUNT ACTIONS > pulls.csv`
+//! `cargo run -p fab-agent --example collect_pulls -- SEARCH FIRST_SEED COUNT ACTIONS FOLDER`
 //!
-//! In: seeds of crumpled starts. Out: a line per pull: its start, step, true coverage before and gain, and the features
-//! of [`FEATURES`]. Each start is smoothed by the stand-in. Before each action its own pull, the next five by its
-//! estimate and two random ones are tried from the same state. In three of ten cases the best of them is executed
-//! instead of its own, to reach states that it would not reach by itself. `scripts/fit-pulls.py` fits the estimate.
+//! In: seeds of crumpled starts, and what to try before each action beside the stand-in's own pull. SEARCH is `each`, `fit`, or a
+//! list such as `offered:12,elsewhere:12` of [`KINDS`] with numbers of pulls. `each` tries some of every kind and
+//! executes the stand-in's own pull half of the time, `fit` tries the likely ones and executes it mostly; a list executes the
+//! best that was tried. Out: on stdout, each start's improvement after each action, as the smoothing suite measures it.
+//! FOLDER gets each question's picture and words, and `pulls.csv` with a line per pull: start, step, true coverage before, gain,
+//! pick, direction, distance, kind. `describe_pulls` turns it into what `scripts/fit-pulls.py` reads, and
+//! `scripts/compare-pulls.py` compares the kinds of `each`.
 
 use fab_agent::action::Action;
 use fab_agent::examples::Examples;
@@ -19,11 +22,11 @@ use fab_base::parallel::in_parallel;
 use fab_compiler::{LoadError, Loader};
 use fab_model::Models;
 use fab_model::calls::Calls;
-use fab_model::{Message, Model, ModelError, ModelKind, Reply, Request};
-use fab_program::Proposal;
+use fab_model::{Message, Model, ModelError, ModelKind, Part, Reply, Request};
+use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Program, Value};
-use fab_standins::geometric::{FEATURES, Geometric, Offer, offers};
+use fab_program::{PixelPoint, Program, Proposal, Value};
+use fab_standins::geometric::{Geometric, Offer, offers};
 use fab_world::crumple;
 use fab_world::metrics;
 use fab_world::start::Start;
@@ -31,36 +34,124 @@ use fab_world::{SimulatedWorld, World};
 
 use std::error::Error;
 use std::fmt::Write as _;
+use std::fs::File;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 type Failure = Box<dyn Error + Send + Sync>;
 
 const TASK: &str = "tasks/smoothing.fab";
 
-/// How many pulls are tried beside the stand-in's own: the next ones by its estimate, and random ones.
-const NEXT: usize = 5;
-const BY_CHANCE: usize = 2;
+/// Which pulls are tried beside the stand-in's own. All end where the check `centered` allows.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    /// None.
+    Own,
+    /// Of the stand-in's own pick, where the check `outward` allows.
+    Pick,
+    /// The next ones by the stand-in's estimate.
+    Next,
+    /// Of offered corners, where `outward` allows.
+    Offered,
+    /// Picks that are not offered, where `outward` allows: the cloth's true corners, its rim, extremes of its outline.
+    Elsewhere,
+    /// Of offered corners, in all directions.
+    Inward,
+}
+
+const KINDS: [(&str, Kind); 6] = [
+    ("own", Kind::Own),
+    ("pick", Kind::Pick),
+    ("next", Kind::Next),
+    ("offered", Kind::Offered),
+    ("elsewhere", Kind::Elsewhere),
+    ("inward", Kind::Inward),
+];
+
+/// What is tried before each action, and how often the stand-in's own pull is executed.
+struct Search {
+    /// Kinds, with the number of pulls of each.
+    kinds: Vec<(Kind, usize)>,
+    /// Kinds that are tried only before every second action, because they cost as much as all others.
+    seldom: Vec<(Kind, usize)>,
+    /// In how many of how many cases the stand-in's own pull is executed; otherwise the best is.
+    own: Option<[usize; 2]>,
+}
+
+impl Search {
+    fn read(text: &str) -> Option<Search> {
+        use Kind::{Elsewhere, Inward, Next, Offered, Own, Pick};
+        let of_list = |item: &str| {
+            let (name, count) = item.split_once(':').unwrap_or((item, "0"));
+            let (_, kind) = KINDS.iter().find(|(known, _)| *known == name)?;
+            Some((*kind, count.parse().ok()?))
+        };
+        Some(match text {
+            "each" => Search {
+                kinds: vec![(Own, 0), (Pick, 2), (Next, 3), (Offered, 3)],
+                seldom: vec![(Elsewhere, 5), (Inward, 4)],
+                own: Some([1, 2]),
+            },
+            "fit" => Search {
+                kinds: vec![(Own, 0), (Next, 5), (Offered, 2)],
+                seldom: Vec::new(),
+                own: Some([7, 10]),
+            },
+            list => Search {
+                kinds: (["own"].into_iter().chain(list.split(',')))
+                    .map(of_list)
+                    .collect::<Option<_>>()?,
+                seldom: Vec::new(),
+                own: None,
+            },
+        })
+    }
+}
+
+/// Picks on the cloth's rim, one each so many particles.
+const RIM_STEP: usize = 5;
+
+/// The checks of the task, in degrees and sides of the cloth.
+const OUTWARD_DEG: f64 = 67.5;
+const REACH: f64 = 0.95;
+
+/// The goal of the task.
+const GOAL: f64 = 0.95;
 
 /// Sides of the cloths, particles.
 const SIDES: [u32; 5] = [40, 41, 42, 43, 44];
 
 fn main() -> Result<(), Failure> {
-    let given: Vec<usize> = std::env::args()
-        .skip(1)
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    const USAGE: &str = "give SEARCH FIRST_SEED COUNT ACTIONS FOLDER";
+    let [search, numbers @ .., folder] = words.as_slice() else {
+        return Err(USAGE.into());
+    };
+    let search = Search::read(search).ok_or_else(|| {
+        format!("`{search}` is not each, fit, or kinds such as offered:12,inward:4")
+    })?;
+    let numbers: Vec<usize> = numbers
+        .iter()
         .map(|word| word.parse())
         .collect::<Result<_, _>>()?;
-    let [first, count, actions] = given[..] else {
-        return Err("give the first seed, how many seeds, and how many actions each".into());
+    let [first, count, actions] = numbers[..] else {
+        return Err(USAGE.into());
     };
+    let folder = PathBuf::from(folder);
+    std::fs::create_dir_all(&folder)?;
     let threads = std::thread::available_parallelism()?.get();
-    let tried = in_parallel(
+    in_parallel(
         count,
         threads,
-        |index| smooth((first + index) as u64, actions).map(Some),
-        |done| eprintln!("{done} of {count} starts"),
+        |index| {
+            let seed = (first + index) as u64;
+            let improved = smooth(seed, actions, &search, &folder)?;
+            let improved = improved.iter().map(|value| format!("{value:.4}"));
+            println!("{seed},{}", improved.collect::<Vec<_>>().join(","));
+            Ok::<_, Failure>(Some(()))
+        },
+        |_| {},
     )?;
-    println!("start,step,coverage,gain,{}", FEATURES.join(","));
-    print!("{}", tried.into_iter().flatten().collect::<String>());
     Ok(())
 }
 
@@ -100,6 +191,24 @@ impl Model for Overheard {
     }
 }
 
+/// A pull to try.
+#[derive(Clone, PartialEq)]
+struct Candidate {
+    pick: PixelPoint,
+    direction_deg: f64,
+    distance: f64,
+}
+
+impl Candidate {
+    fn of(offer: &Offer) -> Candidate {
+        Candidate {
+            pick: offer.pick,
+            direction_deg: offer.direction_deg,
+            distance: offer.distance,
+        }
+    }
+}
+
 /// A pull that was tried, and its result.
 struct Tried {
     proposal: Proposal,
@@ -108,8 +217,8 @@ struct Tried {
     end: Start,
 }
 
-/// Smooths one start and returns a line for each pull tried.
-fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
+/// Smooths one start; returns the improvement after each action, frozen at the goal.
+fn smooth(seed: u64, actions: usize, search: &Search, folder: &Path) -> Result<Vec<f64>, Failure> {
     let side = SIDES[(seed % SIDES.len() as u64) as usize];
     let compiled = fab_compiler::compile_for(TASK, &Here, Some([side, side]))?;
     let programs = compiled.programs.into_iter();
@@ -119,9 +228,11 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
     let flat = Start::flat(&program.cloth);
     let (cache, interrupt) = (Cache::none(), Interrupt::default());
     let mut start = crumple::start(&flat, seed, &world, &cache, &interrupt, &mut || {})?.start;
+    let grid_coverage = |start: &Start| metrics::coverage(&start.positions, &start.grid);
+    let at_start = grid_coverage(&start).ok_or("a coverage that is a number")?;
+    let mut improved: Vec<f64> = Vec::new();
     let mut chance = Chance::seeded(seed);
     let (mut first, mut last): (Option<Scene>, Option<ExecutedAction>) = (None, None);
-    let mut lines = String::new();
     for step in 1..=actions as u32 {
         world.reset(&start)?;
         let before = coverage(&world, &start)?;
@@ -162,21 +273,48 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
         let [own] = grips.as_slice() else {
             break;
         };
-        let mut offered = offers(&heard.question())?;
-        let picked: Vec<Offer> = picked(&mut offered, own, &mut chance);
+        let question = heard.question().clone();
+        let offered = offers(&question)?;
+        keep(&question, &folder.join(format!("{seed}-{step}")))?;
+        let seldom = if step % 2 == 1 {
+            search.seldom.as_slice()
+        } else {
+            &[]
+        };
+        let mut picked: Vec<(Kind, Candidate)> = Vec::new();
+        for &(kind, count) in search.kinds.iter().chain(seldom) {
+            let mut picks = points(fab_program::verify::offered(&program, &scene, "pick"));
+            if kind == Kind::Elsewhere {
+                // A corner of which the stand-in considers no pull counts as not offered.
+                picks.extend(picks_elsewhere(&start, &observation));
+                picks.retain(|pick| offered.iter().all(|offer| offer.pick != *pick));
+            }
+            let candidates = candidates(&program, &scene, &observation, kind, picks);
+            for candidate in chosen(candidates, &offered, own, kind, count, &mut chance) {
+                if picked.iter().all(|(_, other)| *other != candidate) {
+                    picked.push((kind, candidate));
+                }
+            }
+        }
         let mut tried: Vec<Tried> = Vec::new();
-        for offer in picked {
-            let proposal = proposal(&program, &offer);
+        let mut lines = String::new();
+        for (kind, candidate) in picked {
+            let proposal = proposal(&program, &candidate);
             let Some(action) = Action::lower(&program, &proposal, &scene, &observation) else {
                 continue;
             };
             world.reset(&start)?;
             world.act(&action.motion, &interrupt)?;
             let coverage = coverage(&world, &start)?;
-            let features = offer.features.map(|value| format!("{value:.5}"));
             let gain = coverage - before;
-            let features = features.join(",");
-            writeln!(lines, "{seed},{step},{before:.5},{gain:.6},{features}")?;
+            let PixelPoint { u, v } = candidate.pick;
+            let (deg, far) = (candidate.direction_deg, candidate.distance);
+            let name = KINDS.iter().find(|(_, known)| *known == kind);
+            let kind = name.map_or("own", |(name, _)| name);
+            writeln!(
+                lines,
+                "{seed},{step},{before:.5},{gain:.6},{u},{v},{deg},{far},{kind}"
+            )?;
             tried.push(Tried {
                 end: Start {
                     positions: world.particles().ok_or("the world knows its cloth")?,
@@ -187,11 +325,16 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
                 coverage,
             });
         }
-        let is_best = chance.below(10) < 3;
+        let mut pulls = File::options()
+            .create(true)
+            .append(true)
+            .open(folder.join("pulls.csv"))?;
+        std::io::Write::write_all(&mut pulls, lines.as_bytes())?;
+        let is_own = search.own.is_some_and(|[of, all]| chance.below(all) < of);
         let best = tried
             .iter()
             .max_by(|a, b| a.coverage.total_cmp(&b.coverage));
-        let Some(next) = (if is_best { best } else { tried.first() }) else {
+        let Some(next) = (if is_own { tried.first() } else { best }) else {
             break;
         };
         start = next.end.clone();
@@ -200,29 +343,152 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
             pick: next.action.pick_on_cloth_px,
             place: next.action.place_px,
         });
+        let now = grid_coverage(&start).ok_or("a coverage that is a number")?;
+        let now = metrics::normalized_improvement(now, at_start).ok_or("a crumpled start")?;
+        let frozen = improved.last().copied().filter(|&value| value > GOAL);
+        improved.push(frozen.unwrap_or(now));
     }
-    Ok(lines)
+    Ok(improved)
 }
 
-/// Takes the stand-in's own pull, the next ones by its estimate, and some at random.
-fn picked(offered: &mut Vec<Offer>, own: &Proposal, chance: &mut Chance) -> Vec<Offer> {
-    let is_own = |offer: &Offer| {
+/// Writes the words and the picture of a question.
+fn keep(question: &[Message], at: &Path) -> Result<(), Failure> {
+    let parts = question.iter().flat_map(|message| &message.parts);
+    let mut words = String::new();
+    for part in parts {
+        match part {
+            Part::Text(text) => words = words + text + "\n",
+            Part::Image(png) => std::fs::write(at.with_extension("png"), png.bytes())?,
+        }
+    }
+    Ok(std::fs::write(at.with_extension("txt"), words)?)
+}
+
+/// Returns the pixels of the cloth's true corners, of points on its rim, and of its outline's extremes.
+fn picks_elsewhere(start: &Start, observation: &Observation) -> Vec<PixelPoint> {
+    let [columns, rows] = [start.grid.dimx, start.grid.dimy].map(|dim| dim as usize);
+    let rim = (0..columns * rows).filter(|index| {
+        let [i, j] = [index % columns, index / columns];
+        let on_side = |at: usize, other: usize, dims: [usize; 2]| {
+            (at == 0 || at + 1 == dims[0])
+                && (other.is_multiple_of(RIM_STEP) || other + 1 == dims[1])
+        };
+        on_side(i, j, [columns, rows]) || on_side(j, i, [rows, columns])
+    });
+    let turns = (0..8).map(|turn| (f64::from(turn) * std::f64::consts::FRAC_PI_4).sin_cos());
+    let extremes = turns.filter_map(|(sin, cos)| {
+        let far = |&index: &usize| {
+            let [x, y, _] = start.positions[index].map(f64::from);
+            x * cos + y * sin
+        };
+        (0..columns * rows).max_by(|a, b| far(a).total_cmp(&far(b)))
+    });
+    let pixel = |index: usize| {
+        let [x, y, z] = start.positions[index].map(f64::from);
+        let [column, row] = observation.camera.pixel_from_world([x, y, z].into())?;
+        Some(PixelPoint::new(column as i32, row as i32))
+    };
+    rim.chain(extremes).filter_map(pixel).collect()
+}
+
+fn points(values: Vec<Value>) -> Vec<PixelPoint> {
+    let points = values.into_iter().filter_map(|value| match value {
+        Value::Point(point) => Some(point),
+        _ => None,
+    });
+    points.collect()
+}
+
+/// Returns the pulls of some picks that the checks allow.
+fn candidates(
+    program: &Program,
+    scene: &Scene,
+    observation: &Observation,
+    kind: Kind,
+    mut picks: Vec<PixelPoint>,
+) -> Vec<Candidate> {
+    let offered = |field: &str| fab_program::verify::offered(program, scene, field);
+    picks.sort();
+    picks.dedup();
+    let found = scene.to_json();
+    let number = |axis: usize| found["center"][0][axis].as_f64().unwrap_or(360.0);
+    let center = [number(0), number(1)];
+    let middle = f64::from(observation.rgb.width()) / 2.0;
+    let camera = &program.camera;
+    let per_m = middle / (camera.height_m * (camera.fov_rad / 2.0).tan());
+    let edge_px = f64::from(program.cloth.dimx - 1) * program.cloth.spacing_m * per_m;
+    let mut found = Vec::new();
+    for &pick in &picks {
+        for direction in offered("direction") {
+            let Value::Direction { deg } = direction else {
+                continue;
+            };
+            let out = (center[1] - f64::from(pick.v)).atan2(f64::from(pick.u) - center[0]);
+            let off = (deg - out.to_degrees()).rem_euclid(360.0);
+            if kind != Kind::Inward && off.min(360.0 - off) > OUTWARD_DEG {
+                continue;
+            }
+            for distance in offered("distance") {
+                let Value::Length { length } = distance else {
+                    continue;
+                };
+                let candidate = Candidate {
+                    pick,
+                    direction_deg: deg,
+                    distance: length,
+                };
+                let proposal = proposal(program, &candidate);
+                let Some(action) = Action::lower(program, &proposal, scene, observation) else {
+                    continue;
+                };
+                let PixelPoint { u, v } = action.place_px;
+                let away = (f64::from(u) - middle).hypot(f64::from(v) - middle);
+                if away <= REACH * edge_px {
+                    found.push(candidate);
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Takes the stand-in's own pull, and others of a kind.
+fn chosen(
+    mut candidates: Vec<Candidate>,
+    offered: &[Offer],
+    own: &Proposal,
+    kind: Kind,
+    count: usize,
+    chance: &mut Chance,
+) -> Vec<Candidate> {
+    let is_own = |candidate: &Candidate| {
         own.fields
             .iter()
-            .all(|(name, value)| *value == field(offer, name))
+            .all(|(name, value)| *value == field(candidate, name))
     };
-    let mut picked = Vec::new();
-    if let Some(at) = offered.iter().position(is_own) {
-        picked.push(offered.remove(at));
+    let best = || offered.iter().map(Candidate::of);
+    let Some(own) = best().find(is_own) else {
+        return Vec::new();
+    };
+    if kind == Kind::Pick {
+        candidates.retain(|candidate| candidate.pick == own.pick);
     }
-    picked.extend(offered.drain(..NEXT.min(offered.len())));
-    for _ in 0..BY_CHANCE.min(offered.len()) {
-        picked.push(offered.swap_remove(chance.below(offered.len())));
+    let mut chosen = Vec::new();
+    let next = if kind == Kind::Next { count + 1 } else { 0 };
+    for offer in [own].into_iter().chain(best().take(next)) {
+        if let Some(at) = candidates.iter().position(|other| *other == offer) {
+            chosen.push(candidates.swap_remove(at));
+        }
     }
-    picked
+    if !matches!(kind, Kind::Own | Kind::Next) {
+        for _ in 0..count.min(candidates.len()) {
+            chosen.push(candidates.swap_remove(chance.below(candidates.len())));
+        }
+    }
+    chosen
 }
 
-fn proposal(program: &Program, offer: &Offer) -> Proposal {
+fn proposal(program: &Program, offer: &Candidate) -> Proposal {
     let fields = program.actions.iter();
     let fields = fields.map(|declared| (declared.name.clone(), field(offer, &declared.name)));
     Proposal {
@@ -230,7 +496,7 @@ fn proposal(program: &Program, offer: &Offer) -> Proposal {
     }
 }
 
-fn field(offer: &Offer, name: &str) -> Value {
+fn field(offer: &Candidate, name: &str) -> Value {
     match name {
         "direction" => Value::Direction {
             deg: offer.direction_deg,

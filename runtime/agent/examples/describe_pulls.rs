@@ -1,0 +1,74 @@
+//! Describes the pulls of `collect_pulls` by the stand-in's features, for refitting its estimate.
+//!
+//! `cargo run -p fab-agent --example describe_pulls -- FOLDER... > pulls.csv`
+//!
+//! In: folders of `collect_pulls`. Out: a line per pull that the stand-in considers: its start, step, true coverage before
+//! and gain, and [`FEATURES`]. `scripts/fit-pulls.py` fits the estimate to them.
+
+use fab_base::parallel::in_parallel;
+use fab_model::{Message, Part, Png, Speaker};
+use fab_standins::geometric::{FEATURES, Offer, offers};
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+type Failure = Box<dyn Error + Send + Sync>;
+
+fn main() -> Result<(), Failure> {
+    /// What stands before the kind.
+    const NUMBERS: usize = 8;
+    let mut states: BTreeMap<(PathBuf, String), Vec<Vec<f64>>> = BTreeMap::new();
+    for folder in std::env::args().skip(1).map(PathBuf::from) {
+        for line in std::fs::read_to_string(folder.join("pulls.csv"))?.lines() {
+            let numbers: Vec<f64> = line
+                .split(',')
+                .take(NUMBERS)
+                .map(|word| word.parse())
+                .collect::<Result<_, _>>()?;
+            let [seed, step, ..] = numbers[..] else {
+                return Err(format!("`{line}` is no line of collect_pulls").into());
+            };
+            let state = (folder.clone(), format!("{seed}-{step}"));
+            states.entry(state).or_default().push(numbers);
+        }
+    }
+    let states: Vec<_> = states.into_iter().collect();
+    let threads = std::thread::available_parallelism()?.get();
+    let described = in_parallel(
+        states.len(),
+        threads,
+        |index| {
+            let ((folder, name), pulls) = &states[index];
+            let at = folder.join(name);
+            let words = std::fs::read_to_string(at.with_extension("txt"))?;
+            let picture = Png::new(std::fs::read(at.with_extension("png"))?);
+            let question = Message {
+                speaker: Speaker::User,
+                parts: vec![Part::Text(words), Part::Image(picture)],
+            };
+            let offered = offers(&[question])?;
+            let mut lines = String::new();
+            for pull in pulls {
+                let [seed, step, before, gain, u, v, deg, far] = pull[..] else {
+                    return Err(format!("a pull of `{name}` is no line of collect_pulls").into());
+                };
+                let is_it = |offer: &&Offer| {
+                    [f64::from(offer.pick.u), f64::from(offer.pick.v)] == [u, v]
+                        && offer.direction_deg == deg
+                        && offer.distance == far
+                };
+                if let Some(offer) = offered.iter().find(is_it) {
+                    let features = offer.features.map(|value| format!("{value:.5}"));
+                    let features = features.join(",");
+                    writeln!(lines, "{seed},{step},{before},{gain},{features}")?;
+                }
+            }
+            Ok::<_, Failure>(Some(lines))
+        },
+        |_| {},
+    )?;
+    println!("start,step,coverage,gain,{}", FEATURES.join(","));
+    print!("{}", described.into_iter().flatten().collect::<String>());
+    Ok(())
+}
