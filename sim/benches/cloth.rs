@@ -1,6 +1,6 @@
 //! Times the cloth; compare figures only within one run.
 //!
-//! First, it prints the CPU time of a step of each cloth of `cloths.rs`, and how many times that of the recorded scene's
+//! First, it prints the CPU time of a step of each cloth of `cloths`, and how many times that of the recorded scene's
 //! cloth it is: in a fold, in which half of the cloth rests, and in a crumple, in which everything moves. Then that of a
 //! fold by size; equal times of a particle at all sizes mean that the cost is proportional to the particles.
 //! `fold_resting_skipped` against `fold_every_step` shows what skipping the steps of a resting cloth saves.

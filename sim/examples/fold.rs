@@ -1,9 +1,9 @@
 //! Folds a square cloth along its diagonal, or only begins to. scripts/count-instructions.sh counts its instructions.
 //!
 //! `cargo run --example fold -- SIZE [STEPS [CLOTH]]` prints the computed steps; `all` STEPS, as without them, are the whole
-//! fold. CLOTH is a name from `benches/cloths.rs`; without it, that of the recorded scene.
+//! fold. CLOTH is a name from `benches/cloths/mod.rs`; without it, that of the recorded scene.
 
-#[path = "../benches/cloths.rs"]
+#[path = "../benches/cloths/mod.rs"]
 mod cloths;
 
 use fab_sim::{Grid, SimError, diagonal_fold};
