@@ -101,7 +101,7 @@ fn small_flaps_of_napkins_compile_without_a_warning() {
     for name in NAPKINS {
         let program = task(&format!("textiles/{name}"));
         assert_eq!(program.cloth.material.unwrap().name, "cotton", "{name}");
-        assert_eq!(program.manner.speed_m_s, Some(0.3), "{name}");
+        assert_eq!(program.manner.speed_m_s, Some(0.2), "{name}");
     }
 }
 
