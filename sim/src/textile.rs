@@ -32,7 +32,7 @@ const LEAD: f32 = 0.25;
 // How often in a step creases follow the bends.
 const CREASINGS: u32 = 2;
 // Share of the gap between layers by which a particle may pass another layer in a substep before a step has more of them.
-const HASTE_SHARE: f32 = 0.45;
+const HASTE_SHARE: f32 = 0.3;
 // Most passes over all contacts in a substep, and the share of the gap by which layers may be too close in the last.
 const MAX_PASSES: u32 = 3;
 const CONTACT_PASSES: u32 = 4;
