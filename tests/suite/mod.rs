@@ -56,6 +56,7 @@ mod provider_faults;
 mod reach;
 mod reasoning;
 mod recorded_starts;
+mod rehearsal;
 mod resume;
 mod resume_after_kill;
 mod retried_steps;

@@ -31,6 +31,7 @@ use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::result::StepResult;
 use crate::scene::Scene;
+use crate::twins::Twins;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{CallRefused, Fault};
 use fab_model::{Description as ModelDescription, Lowering, ModelKind, Reply, Request};
@@ -266,6 +267,8 @@ pub struct Exchange<'e, 'j> {
     pub record: &'e mut dyn FnMut(&Attempt) -> Result<(), JournalError>,
     /// A request to stop early.
     pub interrupt: &'e Interrupt,
+    /// The twins on which actions can be tried, if the task rehearses.
+    pub twins: Option<&'e mut Twins>,
 }
 
 /// One proposal or answer, and its result.

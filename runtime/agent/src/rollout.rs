@@ -24,6 +24,7 @@ use crate::result::StepResult;
 use crate::scene::SceneError;
 use crate::sheet::Sheet;
 use crate::subgoals::SubgoalSet;
+use crate::twins::Twins;
 use covered::Covered;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
@@ -266,6 +267,7 @@ pub fn run(
     let mut keeper = RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref())?;
     let mut sheet = Sheet::new();
     let mut memory = Memory::new(job.start.digest(), who.sees_particles);
+    memory.twins = Twins::of(job, world.as_ref(), &who);
     let mut covered = Covered::at_start(job, world.as_mut())?;
     let mut end = Outcome::HorizonReached;
     let mut tries = Tries::default();
