@@ -18,7 +18,7 @@ use crate::examples::Examples;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
-use crate::policy::{Asking, Attempt, MakePolicy, PolicyError, PromptError, StepKind};
+use crate::policy::{Asking, Attempt, Kind, MakePolicy, PolicyError, PromptError, StepKind};
 use crate::record::{Line, Report, RunCosts};
 use crate::result::StepResult;
 use crate::scene::SceneError;
@@ -267,7 +267,10 @@ pub fn run(
     let mut keeper = RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref())?;
     let mut sheet = Sheet::new();
     let mut memory = Memory::new(job.start.digest(), who.sees_particles);
-    memory.twins = Twins::of(job, world.as_ref(), &who);
+    if who.kind == Kind::Prompted {
+        let draws = format!("{} {}", job.start_number.unwrap_or(0), job.repetition);
+        memory.twins = Twins::of(job.program, job.subgoals, &draws, world.as_ref());
+    }
     let mut covered = Covered::at_start(job, world.as_mut())?;
     let mut end = Outcome::HorizonReached;
     let mut tries = Tries::default();

@@ -5,14 +5,13 @@
 //! no start and no true material. A cloth that does not lie flat at first gives twins that overlap little with it, so
 //! they are not trusted.
 
-use crate::policy::{Description, Kind as PolicyKind};
 use crate::record::{RehearsedAnswer, RehearsedStep};
 use crate::result::{Alignment, overlap, silhouette};
-use crate::rollout::Job;
+use crate::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_picture::Mask;
 use fab_picture::observation::Observation;
-use fab_program::{Camera, Distrusted, Material, Picker, Rehearsal, RehearsalMeasure};
+use fab_program::{Camera, Distrusted, Material, Picker, Program, Rehearsal, RehearsalMeasure};
 use fab_vision::{Rectangle, VisionError};
 use fab_world::twin::{Drawn, Kind, Sighting, Twin, TwinView};
 use fab_world::{Motion, World, WorldError};
@@ -69,22 +68,24 @@ pub enum Untried {
 }
 
 impl Twins {
-    /// Prepares the twins of a rollout; `None` if the task or the policy does not rehearse.
+    /// Prepares the twins of a rollout; `None` if the task does not rehearse.
     ///
+    /// - `draws`: distinguishes the draws of rollouts; equal ones give equal twins.
     /// - `world`: only asked whether it is simulated.
-    pub fn of(job: &Job<'_>, world: &dyn World, policy: &Description) -> Option<Twins> {
-        let rehearsal = job.program.rehearsal.clone()?;
-        if policy.kind != PolicyKind::Prompted {
-            return None;
-        }
+    pub fn of(
+        program: &Program,
+        subgoals: &SubgoalSet,
+        draws: &str,
+        world: &dyn World,
+    ) -> Option<Twins> {
         Some(Twins {
-            rehearsal,
-            camera: job.program.camera.clone(),
-            picker: job.program.picker,
-            colours: job.program.cloth.material.clone(),
-            seed: format!("twin {} {}", job.start_number.unwrap_or(0), job.repetition),
+            rehearsal: program.rehearsal.clone()?,
+            camera: program.camera.clone(),
+            picker: program.picker,
+            colours: program.cloth.material.clone(),
+            seed: format!("twin {draws}"),
             is_simulated: world.is_simulated(),
-            subgoals: job.subgoals.pictures.iter().map(silhouette).collect(),
+            subgoals: subgoals.pictures.iter().map(silhouette).collect(),
             step: 1,
             laid: None,
             tried: Vec::new(),
