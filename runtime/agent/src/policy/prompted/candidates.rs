@@ -20,6 +20,9 @@ use std::collections::BTreeMap;
 /// What the model is told with the picture of what would come of its answer.
 const PREDICTED: &str = "The picture shows how the cloth would lie after this action, as a simulation predicts it. Answer once more, in the same format: with the same action if the cloth would lie as it should, otherwise with a better one.";
 
+/// By how much a measure must differ to decide anything: silhouettes are compared to about a hundredth.
+const NOTICEABLE: f64 = 0.01;
+
 /// An accepted answer, and what would come of it.
 struct Candidate<'a> {
     proposal: Proposal,
@@ -116,7 +119,7 @@ fn tried(candidate: &mut Candidate<'_>, exchange: &mut Exchange<'_, '_>) -> Resu
 }
 
 /// Returns whether a candidate is better than an earlier one. An answer that passes every check comes before one that
-/// is accepted without some; of equal ones, the earlier is taken.
+/// is accepted without some; of those that measure alike, the earlier is taken.
 fn is_better(candidate: &Candidate<'_>, earlier: &Candidate<'_>) -> bool {
     let is_whole = |it: &Candidate<'_>| it.accepted.without.is_empty();
     match (is_whole(candidate), is_whole(earlier)) {
@@ -125,7 +128,7 @@ fn is_better(candidate: &Candidate<'_>, earlier: &Candidate<'_>) -> bool {
         _ => {}
     }
     match (candidate.measure, earlier.measure) {
-        (Some(measure), Some(before)) => measure > before,
+        (Some(measure), Some(before)) => measure > before + NOTICEABLE,
         (Some(_), None) => true,
         (None, _) => false,
     }
@@ -193,7 +196,7 @@ fn revise(
             Err(Untried::Failed(_)) => break,
         };
         if let (Some(now), Some(before)) = (measure, taken.measure)
-            && now < before
+            && now < before - NOTICEABLE
         {
             break;
         }
