@@ -318,6 +318,8 @@ views! {
         without -> impl Iterator<Item = Name<'t>> = |node| whole(node, Kind::Without).flat_map(Names::list);
         /// Returns its stages.
         stages -> impl Iterator<Item = Stage<'t>> = |node| all(node);
+        /// Returns its rehearsals.
+        rehearsals -> impl Iterator<Item = Rehearse<'t>> = |node| all(node);
         /// Returns what it adds to the texts of inherited stages.
         added_sayings -> impl Iterator<Item = AddedSay<'t>> = |node| whole(node, Kind::AddedSay);
         /// Returns its blocks of checks.
@@ -530,6 +532,44 @@ views! {
         stage -> Option<Name<'t>> = |node| first(node);
     }
 
+    // ---- a rehearsal ---------------------------------------------------------------------------
+
+    /// `rehearse STAGE { … }`.
+    Rehearse(Rehearse) {
+        /// Returns the stage's name.
+        stage: Name<'t> = head_name,
+    } {
+        /// Returns its `twin` lines.
+        twins -> impl Iterator<Item = Call<'t>> = |node| whole(node, Kind::Twin);
+        /// Returns its `choose` lines.
+        choices -> impl Iterator<Item = Choose<'t>> = |node| whole(node, Kind::Choose);
+        /// Returns its `revise` lines.
+        revisions -> impl Iterator<Item = Revise<'t>> = |node| whole(node, Kind::Revise);
+        /// Returns its `trust` lines.
+        trusts -> impl Iterator<Item = Trust<'t>> = |node| whole(node, Kind::Trust);
+    }
+
+    /// `choose most MEASURE`.
+    Choose(Choose) {
+        /// Returns the measure's name.
+        measure: Name<'t> = first,
+    }
+
+    /// `revise N with picture`.
+    Revise(Revise) {
+        /// Returns how often.
+        count: Expr<'t> = first,
+    }
+
+    /// `trust overlap > N, else refuse`.
+    Trust(Trust) {
+        /// Returns the limit that the overlap must exceed.
+        above: Expr<'t> = first,
+    } {
+        /// Returns the phrase `else refuse`.
+        else_refuse -> Option<Phrase<'t>> = |node| node.child(Kind::ElseRefuse).and_then(Phrase::cast);
+    }
+
     // ---- checks --------------------------------------------------------------------------------
 
     /// `verify { … }`.
@@ -574,8 +614,8 @@ views! {
         else_skip -> Option<Phrase<'t>> = |node| node.child(Kind::ElseSkip).and_then(Phrase::cast);
     }
 
-    /// `with picture` or `else skip`.
-    Phrase(WithPicture | ElseSkip) {}
+    /// `with picture`, `else skip` or `else refuse`.
+    Phrase(WithPicture | ElseSkip | ElseRefuse) {}
 
     /// `result overlap > N, retries N else "…"`.
     ResultCheck(Result) {
@@ -678,8 +718,8 @@ views! {
         high -> Expr<'t> = |node| part(node, 1);
     }
 
-    /// `NAME(…)`, or a line of a material.
-    Call(Call | Property) {
+    /// `NAME(…)`, a line of a material, or the twin of a rehearsal.
+    Call(Call | Property | Twin) {
         /// Returns the name.
         name: Name<'t> = first,
     } {
@@ -761,7 +801,7 @@ views! {
 }
 
 blocks! {
-    Experts FoldBlock Material Task Variant Body Subgoals Keypoints Actions Stage Example Verify Check Test
+    Experts FoldBlock Material Task Variant Body Subgoals Keypoints Actions Stage Example Rehearse Verify Check Test
 }
 
 // ---- longer methods ----------------------------------------------------------------------------

@@ -223,7 +223,13 @@ fn lacking(node: Node<'_>) -> Option<Fault> {
         Kind::Extends => true,
         Kind::Head => matches!(
             node.parent()?.kind(),
-            Kind::Task | Kind::Stage | Kind::Check | Kind::Experts | Kind::Material | Kind::Variant
+            Kind::Task
+                | Kind::Stage
+                | Kind::Rehearse
+                | Kind::Check
+                | Kind::Experts
+                | Kind::Material
+                | Kind::Variant
         ),
         _ => false,
     };

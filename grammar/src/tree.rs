@@ -94,7 +94,7 @@ macro_rules! kinds {
 kinds! {
     Comment COMMENT, "`# …` to the end of the line.";
     File file, "The whole file.";
-    Head experts_head | material_head | sequence_head | task_head | subgoals_head | demonstrate_head | keypoints_head | annotate_head | actions_head | stage_head | example_head | verify_head | check_head | variant_head | test_head,
+    Head experts_head | material_head | sequence_head | task_head | subgoals_head | demonstrate_head | keypoints_head | annotate_head | actions_head | stage_head | example_head | rehearse_head | verify_head | check_head | variant_head | test_head,
         "The first words of a block, up to its `{`.";
     UseFile use_file, "`use \"…\"`.";
     Experts experts, "`experts NAME { … }` of a file.";
@@ -139,6 +139,12 @@ kinds! {
     Read read, "`read NAME from \"…\"`.";
     Example example, "`example { … }` of a stage.";
     Reply reply, "`reply \"…\"`, with or without a stage's name.";
+    Rehearse rehearse, "`rehearse STAGE { … }`.";
+    Twin twin, "`twin(…)`.";
+    Choose choose, "`choose most MEASURE`.";
+    Revise revise, "`revise N with picture`.";
+    Trust trust, "`trust overlap > N, else refuse`.";
+    ElseRefuse else_refuse, "`else refuse`.";
     Verify verify, "`verify { … }`.";
     Check check, "`check NAME { … } else \"…\"`.";
     Attempts attempts, "`attempts N`.";
@@ -178,7 +184,7 @@ kinds! {
     Path path, "Names joined by dots.";
     Literal literal, "A literal text in a placeholder.";
     LoneBraces lone_braces, "`{{` that begins no placeholder.";
-    Name name | setting_word, "A name.";
+    Name name | setting_word | twin_word, "A name.";
     CurlyText curly_text, "A long text in typographic quotes.";
     CurlyString curly_string, "A text in typographic quotes.";
     SingleString single_string, "A text in single quotes.";

@@ -61,7 +61,11 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::fold => return expectation(Rule::fold_word),
         Rule::reply => return expectation(Rule::reply_word),
         Rule::check | Rule::check_head => return expectation(Rule::check_word),
-        Rule::else_skip => return expectation(Rule::else_word),
+        Rule::else_skip | Rule::else_refuse => return expectation(Rule::else_word),
+        Rule::twin => return expectation(Rule::twin_word),
+        Rule::choose => return expectation(Rule::choose_word),
+        Rule::revise => return expectation(Rule::revise_word),
+        Rule::trust => return expectation(Rule::trust_word),
         Rule::guard => return expectation(Rule::when_word),
         Rule::relax => return expectation(Rule::then_word),
         Rule::margin => return expectation(Rule::of_word),
@@ -90,6 +94,7 @@ pub(crate) fn is_continuation(rule: Rule) -> bool {
             | Rule::relax
             | Rule::with_picture
             | Rule::else_skip
+            | Rule::else_refuse
             | Rule::retries
             | Rule::cited
             | Rule::unit
@@ -113,6 +118,7 @@ const BLOCKS: &[(Rule, Rule)] = &[
     (Rule::actions, Rule::only_field),
     (Rule::stage, Rule::only_stage_line),
     (Rule::example, Rule::only_example_line),
+    (Rule::rehearse, Rule::only_rehearse_line),
     (Rule::verify, Rule::only_verify_line),
     (Rule::test, Rule::only_test_line),
 ];
@@ -274,7 +280,7 @@ mod tests {
     fn lists_of_words_agree() {
         let sorted = |words: &[&'static str]| words.iter().copied().collect::<BTreeSet<_>>();
         let mut sections = sorted(&first_words("section_word"));
-        sections.extend(["test", "say", "check"]);
+        sections.extend(["test", "say", "check", "rehearse"]);
         assert_eq!(sections, sorted(words(Kind::Task)));
         let mut listed = sorted(keywords());
         listed.extend(first_words("soft_word"));

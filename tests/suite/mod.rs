@@ -57,6 +57,7 @@ mod provider_faults;
 mod reach;
 mod reasoning;
 mod recorded_starts;
+mod rehearsal;
 mod resume;
 mod resume_after_kill;
 mod retried_steps;

@@ -107,6 +107,7 @@ pub use data::picker::Picker;
 pub use data::placeholders::{NumberFormat, Placeholder};
 pub use data::points::{End, Heading, Point};
 pub use data::program::{PROGRAM_FORMAT, Program, hex};
+pub use data::rehearse::{Distrusted, Rehearsal, RehearsalMeasure, TwinRanges};
 pub use data::shape::KeypointShape;
 pub use data::stage::{
     Arrow, Example, Layers, LiteralText, ModelRole, Picture, Read, Reasoning, ReasoningLevel,

@@ -28,6 +28,7 @@ mod names;
 mod picker;
 mod placeholders;
 mod quantity;
+mod rehearse;
 mod short_text;
 mod stage;
 mod subgoals;

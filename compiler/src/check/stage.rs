@@ -286,6 +286,7 @@ impl<'a> Builder<'_, 'a> {
                 Some(ArgValue::Word(word)) => ReasoningLevel::from_word(word).map(Reasoning::Level),
                 _ => None,
             },
+            candidates: number("candidates").map(|count| count as u32),
             system: system?,
             examples: examples.into_iter().collect::<Result<_, _>>()?,
             say: say?,

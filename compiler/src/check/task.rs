@@ -7,7 +7,7 @@ use super::context::{Context, Declared};
 use super::names::Names;
 use super::{
     actions, annotate, camera, certainty, cloth, demos, effect, experts, goal, horizon, keypoints,
-    picker, stage, subgoals, test, unspoken, unused, verify,
+    picker, rehearse, stage, subgoals, test, unspoken, unused, verify,
 };
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::sections::{RequiredFor, SECTIONS};
@@ -78,6 +78,10 @@ pub(super) fn check<'a>(
         .demos
         .map(|part| demos::check(part, merged, &prompts.stages, context));
     let verify = verify::check(merged, &mut prompts, context);
+    let rehearsal = merged
+        .rehearse
+        .map(|part| rehearse::check(part, merged, &prompts, context));
+    let candidates = rehearse::candidates(merged, &prompts, context);
     let tests = match merged.variant {
         None => test::check(merged, &prompts, context),
         Some(_) => Vec::new(),
@@ -90,6 +94,7 @@ pub(super) fn check<'a>(
     // Any reported error counts, in whichever part.
     context.report.has_errors()?;
     joined?;
+    candidates?;
     form?;
     // Only now, because a check that did not parse would seem to be dropped.
     verify::dropped(merged, context.report);
@@ -129,6 +134,7 @@ pub(super) fn check<'a>(
         verify: verify?,
         horizon,
         goal: goal?,
+        rehearsal: rehearsal.transpose()?.flatten(),
     };
     program.format = program.oldest_format();
     contradictions(&program, merged, context.report)?;

@@ -400,6 +400,26 @@ codes! {
     "no prompt says the words before a text that is read"
     "`read NAME from \"Instructions: {NAME}\"` looks for the words before `{NAME}` in the answer. A model writes them only if a text of the stage asks for them, or an example shows them."
 
+    "F0614" CandidatesAlike Error
+    "candidates would all be alike"
+    "`candidates 4` asks for four answers to one question, and a rehearsal chooses among them. At temperature 0, and with some models without a stated one, all four would be the same. Write a temperature above 0 behind `model`."
+
+    "F0615" CandidatesUnchosen Warning
+    "nothing chooses among candidates"
+    "A stage has `candidates`, but no `rehearse` of the task chooses among its answers. One answer is asked for, as without `candidates`. Add the `rehearse`, or leave `candidates` out."
+
+    "F0616" RehearsalIncomplete Error
+    "a rehearsal lacks a part"
+    "`rehearse` needs three things: the twin's material and ranges, what the twin is for (`choose most …` among the stage's candidates, or `revise … with picture`), and how far the twin is trusted. The message says what is missing."
+
+    "F0617" NotMeasuredOnTwin Error
+    "a measure cannot be taken on a twin"
+    "A twin is all that a rehearsal may measure. The distance from an expert's result is not known before the world moves, and without subgoals there is no silhouette to compare with. The message names the measures that there are."
+
+    "F0618" TwinOfOwnMaterial Warning
+    "a twin is made of what the cloth is made of"
+    "In the simulator, such a twin has the physics of the cloth that is judged, which no camera shows, so a gain says nothing about other cloths. Name another material, and let the ranges of size and friction say what is not known."
+
     "F0701" MissingField Error
     "an action lacks a field"
     "An action has a `pick` and a `place`, or a `pick`, a `direction` and a `distance`. The message says which of them is missing."

@@ -10,6 +10,7 @@ pub(crate) mod conditions;
 pub(crate) mod goal;
 pub(crate) mod material;
 mod reference;
+pub(crate) mod rehearse;
 pub(crate) mod sections;
 pub(crate) mod stage;
 pub(crate) mod test;
@@ -22,7 +23,7 @@ pub use vocabulary::{BlockWords, CallEntry, VOCABULARY_FORMAT, Vocabulary, WordE
 
 #[cfg(test)]
 mod tests {
-    use super::{annotate, calls, material, vocabulary};
+    use super::{annotate, calls, material, rehearse, vocabulary};
     use fab_program::samples;
     use fab_program::vocabulary::CallOf;
     use std::collections::BTreeSet;
@@ -41,6 +42,7 @@ mod tests {
         makes(calls::CAMERAS);
         makes(calls::CLOTH_POINTS);
         makes(annotate::MARKS);
+        makes(rehearse::TWINS);
     }
 
     #[test]

@@ -49,6 +49,7 @@ const CALLS: &[(&str, &str)] = &[
     ("extractors", "extractor"),
     ("marks", "mark"),
     ("measures", "measure"),
+    ("twins", "twin"),
 ];
 
 /// The tables of words: the name of each, and its set of words.
@@ -63,6 +64,8 @@ const WORDS: &[(&str, &str)] = &[
     ("comparisons", "comparison"),
     ("numbers-of-verify", "verify"),
     ("expectations", "expectation"),
+    ("measures-on-twins", "measure on a twin"),
+    ("numbers-of-rehearse", "rehearse"),
 ];
 
 /// Replaces the tables of a page; other text is left alone.

@@ -183,6 +183,13 @@ pub(crate) const SECTIONS: &[Section] = &[
         "one question to a model",
     ),
     row(
+        "rehearse",
+        "rehearse STAGE { twin(…) choose most MEASURE trust overlap > N }",
+        RequiredFor::Never,
+        Inheritance::Whole,
+        "tries a stage's answers on a simulated twin of the cloth before the world moves",
+    ),
+    row(
         "say",
         "say NAME in STAGE after NAME, say NAME in STAGE before NAME",
         RequiredFor::Never,

@@ -42,6 +42,11 @@ pub(crate) const SETTINGS: &[Arg] = &[
         },
         "how much the model thinks before it answers, beside `tokens`",
     ),
+    setting(
+        "candidates",
+        Kind::Whole(Range::plain("a count", 2.0, 16.0)),
+        "how many answers are asked for where a `rehearse` chooses among them; needs a temperature above 0",
+    ),
 ];
 
 const fn setting(name: &'static str, kind: Kind, doc: &'static str) -> Arg {

@@ -9,6 +9,7 @@ use super::calls::{CAMERAS, CLOTH_POINTS, CLOTHS, PICKERS};
 use super::conditions::{SIGNS, WORDS};
 use super::goal::{METRICS, STEPS};
 use super::material::{self, PROPERTIES};
+use super::rehearse::{self, TWINS};
 use super::sections::{SECTIONS, Section};
 use super::stage::{DRAWINGS, MODELS, PICTURES, SETTINGS};
 use super::test::{EXPECTATIONS, GIVEN};
@@ -17,7 +18,7 @@ use fab_grammar::Block;
 use fab_program::measures::MEASURES;
 use fab_program::units::{UNITS, Unit};
 use fab_program::vocabulary::{Kind, Signature, Word};
-use fab_program::{EXTRACTORS, Face, Picker};
+use fab_program::{EXTRACTORS, Face, Picker, RehearsalMeasure};
 use serde::Serialize;
 
 /// Version of the format of [`Vocabulary`].
@@ -55,7 +56,7 @@ pub struct BlockWords {
 #[derive(Clone, Debug, Serialize)]
 pub struct CallEntry {
     /// Where it may be used: `cloth`, `picker`, `camera`, `property of a material`, `point of the cloth`,
-    /// `extractor`, `mark`, `measure`.
+    /// `extractor`, `mark`, `measure`, `twin`.
     pub kind: &'static str,
     /// How a complete call is written.
     pub form: String,
@@ -114,6 +115,7 @@ fn calls() -> Vec<CallEntry> {
         .iter()
         .map(|row| of("extractor", &row.call.signature));
     let marks = MARKS.iter().map(|row| of("mark", &row.signature));
+    let twins = TWINS.iter().map(|row| of("twin", &row.signature));
     let measures = MEASURES.iter().map(|row| of("measure", &row.signature));
     let table = cloths
         .chain(pickers)
@@ -124,6 +126,7 @@ fn calls() -> Vec<CallEntry> {
         .chain(extractors)
         .chain(marks)
         .chain(measures)
+        .chain(twins)
         .collect()
 }
 
@@ -133,7 +136,7 @@ fn words() -> Vec<WordEntry> {
         word: Word { name, doc },
         value,
     };
-    let sets: [(_, &[Word]); 8] = [
+    let sets: [(_, &[Word]); 9] = [
         ("picker", Picker::WORDS),
         ("colour", COLORS),
         ("face", Face::WORDS),
@@ -142,6 +145,7 @@ fn words() -> Vec<WordEntry> {
         ("drawing", DRAWINGS),
         ("given", GIVEN),
         ("expectation", EXPECTATIONS),
+        ("measure on a twin", RehearsalMeasure::WORDS),
     ];
     let mut words = Vec::new();
     for (set, list) in sets {
@@ -177,6 +181,11 @@ fn words() -> Vec<WordEntry> {
         NUMBERS
             .iter()
             .map(|row| of("verify", row.name, number(row.range), row.doc)),
+    );
+    words.extend(
+        rehearse::NUMBERS
+            .iter()
+            .map(|row| of("rehearse", row.name, number(row.range), row.doc)),
     );
     words.push(of(
         "horizon",

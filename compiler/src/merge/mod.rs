@@ -26,7 +26,7 @@ pub(crate) use said::Said;
 
 use fab_grammar::ast::{
     Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints,
-    Material, Name, NamedValue, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
+    Material, Name, NamedValue, Rehearse, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
 };
 use lists::{LEAVE_OUT, OVERRIDE};
 use std::collections::{BTreeMap, BTreeSet};
@@ -58,6 +58,7 @@ pub(crate) struct Merged<'a> {
     /// The inherited components that are removed.
     pub removed: BTreeSet<&'a str>,
     pub stages: Indexed<'a, Stage<'a>>,
+    pub rehearse: Option<Rehearse<'a>>,
     /// What each stage says, by its name.
     pub said: BTreeMap<&'a str, Said<'a>>,
     /// The stages that were stated again, and what they said before.
@@ -136,6 +137,7 @@ pub(crate) fn merge<'a>(
         components: Indexed::default(),
         removed: BTreeSet::new(),
         stages: Indexed::default(),
+        rehearse: None,
         said: BTreeMap::new(),
         replaced_stages: BTreeMap::new(),
         verify: None,
@@ -262,6 +264,8 @@ impl<'a> Merged<'a> {
         self.annotate = self.only(annotate).or(self.annotate);
         let actions = once(body.actions(), "actions", |it| it.head_span(), report);
         self.actions = self.only(actions).or(self.actions);
+        let rehearse = once(body.rehearsals(), "rehearse", |it| it.head_span(), report);
+        self.rehearse = self.only(rehearse).or(self.rehearse);
         let keypoints = once(body.keypoints(), "keypoints", |it| it.head_span(), report);
         let keypoints = self.only(keypoints);
         let keypoints = || keypoints.into_iter().flat_map(|part| part.list());

@@ -265,6 +265,7 @@ fn smooth(seed: u64, actions: usize, search: &Search, folder: &Path) -> Result<V
             asking: &mut Asking::unrecorded(),
             record: &mut |_| Ok(()),
             interrupt: &interrupt,
+            twins: None,
         };
         let decision = Prompted { models }.decide(&view, &mut exchange)?;
         let Decision::Act { grips, .. } = decision else {

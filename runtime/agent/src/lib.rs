@@ -139,6 +139,7 @@ pub mod result;
 pub mod see;
 pub mod subgoals;
 pub mod task_files;
+pub mod twins;
 
 pub mod habits;
 pub mod journal;

@@ -24,6 +24,8 @@ pub enum Outcome {
     PolicyFailed,
     /// The policy proposed nothing further, and said why.
     PolicyStopped,
+    /// The twins of a rehearsal cannot be trusted, and the task says that nothing real moves without them.
+    RehearsalRefused,
     /// A cap on calls or cost stopped the rollout.
     BudgetExhausted,
     /// The world could not be observed or moved.
@@ -47,6 +49,7 @@ impl Outcome {
             Outcome::ModelFailed => "model_failed",
             Outcome::PolicyFailed => "policy_failed",
             Outcome::PolicyStopped => "policy_stopped",
+            Outcome::RehearsalRefused => "rehearsal_refused",
             Outcome::BudgetExhausted => "budget_exhausted",
             Outcome::WorldFailed => "world_failed",
             Outcome::Interrupted => "interrupted",
@@ -71,6 +74,7 @@ mod tests {
             Outcome::ModelFailed,
             Outcome::PolicyFailed,
             Outcome::PolicyStopped,
+            Outcome::RehearsalRefused,
             Outcome::BudgetExhausted,
             Outcome::WorldFailed,
             Outcome::Interrupted,

@@ -33,6 +33,7 @@ use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::result::StepResult;
 use crate::scene::Scene;
+use crate::twins::Twins;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{CallRefused, Fault};
 use fab_model::{Description as ModelDescription, Lowering, ModelKind, Reply, Request};
@@ -270,6 +271,8 @@ pub struct Exchange<'e, 'j> {
     pub record: &'e mut dyn FnMut(&Attempt) -> Result<(), JournalError>,
     /// A request to stop early.
     pub interrupt: &'e Interrupt,
+    /// The twins on which actions can be tried, if the task rehearses.
+    pub twins: Option<&'e mut Twins>,
 }
 
 /// One proposal or answer, and its result.

@@ -134,6 +134,9 @@ pub struct Step {
     /// The comparison with the next subgoal after the action, if the task asks for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub result: Option<StepResult>,
+    /// What was tried on twins before the action, if the task rehearses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rehearsal: Option<RehearsedStep>,
     /// The outcome that the rollout would have ended with, if the step was skipped instead.
     pub skipped: Option<Outcome>,
     /// Why the step ended the rollout, in words.
@@ -147,6 +150,35 @@ impl Step {
     pub fn is_taken(&self) -> bool {
         self.executed.is_some() || self.skipped.is_some()
     }
+}
+
+/// What was tried on twins in a step. How long it took is in [`SPENT_FILE`], under `rehearse`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RehearsedStep {
+    /// The overlap of the twins' silhouettes with the camera's cloth before the action, their mean from 0 to 1; null if
+    /// there are no twins.
+    pub overlap: Option<f64>,
+    /// Why the step was not rehearsed; null if it was.
+    pub aside: Option<String>,
+    /// Each answer that was folded on the twins, in order.
+    pub candidates: Vec<RehearsedAnswer>,
+    /// The number of the question whose answer was taken, among those of the stage; null if none was.
+    pub chosen: Option<u32>,
+    /// Questions that the step would not have asked without rehearsal.
+    pub calls: u32,
+}
+
+/// An answer that was folded on the twins.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RehearsedAnswer {
+    /// The number of its question, among those of the stage.
+    pub attempt: u32,
+    /// The mean of the declared measure; null if none is declared or a twin failed.
+    pub measure: Option<f64>,
+    /// The measure on each twin.
+    pub twins: Vec<f64>,
+    /// Why a twin failed, if one did.
+    pub failed: Option<String>,
 }
 
 /// Pictures and positions of a step, in the run folder.

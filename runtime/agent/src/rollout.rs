@@ -19,11 +19,12 @@ use crate::examples::Examples;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
-use crate::policy::{Asking, Attempt, MakePolicy, PolicyError, PromptError, StepKind};
+use crate::policy::{Asking, Attempt, Kind, MakePolicy, PolicyError, PromptError, StepKind};
 use crate::record::{Line, Report, RunCosts};
 use crate::scene::SceneError;
 use crate::sheet::Sheet;
 use crate::subgoals::SubgoalSet;
+use crate::twins::Twins;
 use covered::Covered;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
@@ -268,6 +269,10 @@ pub fn run(
     let mut keeper = RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref())?;
     let mut sheet = Sheet::new();
     let mut memory = Memory::new(job.start.digest(), who.sees_particles);
+    if who.kind == Kind::Prompted {
+        let draws = format!("{} {}", job.start_number.unwrap_or(0), job.repetition);
+        memory.twins = Twins::of(job.program, job.subgoals, &draws, world.as_ref());
+    }
     let mut covered = Covered::at_start(job, world.as_mut())?;
     let mut end = Outcome::HorizonReached;
     let mut tries = Tries::default();

@@ -155,6 +155,9 @@ pub struct Request {
     pub start: Option<u64>,
     /// The rollout's action that the question is for, from 1; makes a later, otherwise equal question distinct.
     pub step: u32,
+    /// Which of several answers to one question this is for, from 0; the first is the question without candidates.
+    #[serde(skip_serializing_if = "is_first")]
+    pub candidate: u32,
     /// The JSON Schema of the answer, with the scene's values, if the stage reads the action.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schema: Option<serde_json::Value>,
@@ -173,6 +176,7 @@ impl Request {
             repetition: 0,
             start: None,
             step: 1,
+            candidate: 0,
             schema: None,
         }
     }
@@ -182,6 +186,10 @@ impl Request {
         let bytes = serde_json::to_vec(self).expect("a request holds strings and finite numbers");
         fab_base::digest::hex(&Sha256::digest(bytes))
     }
+}
+
+fn is_first(candidate: &u32) -> bool {
+    *candidate == 0
 }
 
 /// One turn of the conversation.

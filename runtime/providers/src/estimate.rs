@@ -79,6 +79,15 @@ impl Fresh {
     }
 }
 
+/// The questions of a stage that a rehearsal adds to each action.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rehearsed {
+    /// Further candidates, each with all its attempts.
+    pub candidates: u32,
+    /// Revisions of the best one, each with a picture.
+    pub revisions: u32,
+}
+
 /// A stage and its first messages, as sent in the first step.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
@@ -98,6 +107,8 @@ pub struct Question<'a> {
     pub fresh: Fresh,
     /// The hidden tokens allowed on top; no later question repeats them.
     pub hidden_tokens: u32,
+    /// What a rehearsal adds.
+    pub rehearsed: Rehearsed,
 }
 
 /// The contents of a correction.
@@ -300,10 +311,23 @@ impl Plan<'_> {
         let actions = |rollouts: u64| rollouts.saturating_mul(self.horizon.into());
         let least_actions = actions(question.fresh.at_least);
         let most_actions = actions(self.rollouts).saturating_mul(self.actions_per_step.into());
-        let most_calls = most_actions.saturating_mul(self.attempts.into());
+        let Rehearsed {
+            candidates,
+            revisions,
+        } = question.rehearsed;
+        let calls_of_action = u64::from(self.attempts)
+            .saturating_mul(u64::from(candidates) + 1)
+            .saturating_add(revisions.into());
+        let most_calls = most_actions.saturating_mul(calls_of_action);
         let typical = question.typical;
         let likely_actions = actions(question.fresh.likely) as f64;
-        let likely_calls = likely_actions * typical.steps_share * typical.calls_per_step;
+        // Recorded calls include those of rehearsals. No other method shares these answers.
+        let likely_more = match typical.recorded_calls {
+            0 => actions(self.rollouts) as f64 * (f64::from(candidates) + f64::from(revisions)),
+            _ => 0.0,
+        };
+        let likely_calls =
+            (likely_actions * typical.calls_per_step + likely_more) * typical.steps_share;
         let likely_input = typical.input_tokens.or_else(|| {
             let first = tokens::likely_of_messages(question.messages, formula)?;
             Some(first + likely_told)
@@ -367,7 +391,12 @@ impl Plan<'_> {
         told: Option<u64>,
         formula: Option<&crate::catalogue::ImageTokens>,
     ) -> Option<u64> {
-        let attempts = u64::from(self.attempts);
+        let Rehearsed {
+            candidates,
+            revisions,
+        } = question.rehearsed;
+        // Revisions go on where a candidate's attempts ended.
+        let attempts = u64::from(self.attempts) + u64::from(revisions);
         let schema = question
             .schema
             .map_or(0, |schema| tokens::of_text(&schema.to_string()));
@@ -383,9 +412,9 @@ impl Plan<'_> {
             .saturating_add(remark);
         let mut all = each.saturating_mul(attempts);
         if attempts > 1 {
-            let picture = match self.correction {
-                Correction::Words => 0,
-                Correction::Picture => largest_picture(question.messages, formula)?,
+            let picture = match (self.correction, revisions) {
+                (Correction::Words, 0) => 0,
+                _ => largest_picture(question.messages, formula)?,
             };
             let more = u64::from(question.max_tokens?)
                 .saturating_add(CORRECTION_TOKENS)
@@ -394,6 +423,7 @@ impl Plan<'_> {
             let repeated = attempts.saturating_mul(attempts - 1) / 2;
             all = all.saturating_add(more.saturating_mul(repeated));
         }
+        let all = all.saturating_mul(u64::from(candidates) + 1);
         Some(all.saturating_mul(SAFETY))
     }
 }

@@ -39,6 +39,7 @@ fn estimate(
         typical: Typical::shipped(40.0, 1),
         fresh: Fresh::all(5),
         hidden_tokens: 0,
+        rehearsed: Rehearsed::default(),
     };
     let questions = [
         question("look", &vision, shown.as_slice()),
@@ -71,6 +72,7 @@ fn hidden_tokens_are_bounded_with_the_answers_and_repeated_in_no_question() {
             schema: None,
             max_tokens: Some(100),
             hidden_tokens: hidden,
+            rehearsed: Rehearsed::default(),
             typical: Typical::shipped(40.0, 1),
             fresh: Fresh::all(1),
         };
@@ -190,6 +192,7 @@ fn a_likely_value_lies_between_the_bounds_and_follows_recorded_calls() {
         schema: None,
         max_tokens: None,
         hidden_tokens: 0,
+        rehearsed: Rehearsed::default(),
         typical: recorded,
         fresh: Fresh {
             at_least: 3,
@@ -285,4 +288,62 @@ fn no_plan_makes_a_sum_overflow() {
     );
     assert_eq!(found.calls.at_most, Some(u64::MAX));
     assert_eq!(found.cost.at_most, Some(Usd::from_nano(u64::MAX)));
+}
+
+#[test]
+fn a_rehearsal_adds_its_candidates_and_revisions_to_every_bound_but_the_least() {
+    let profile = find(SOL);
+    let messages = [words()];
+    let with = |rehearsed| {
+        let question = Question {
+            stage: "plan",
+            profile: &profile,
+            messages: &messages,
+            schema: None,
+            max_tokens: Some(100),
+            hidden_tokens: 0,
+            rehearsed,
+            typical: Typical::shipped(40.0, 1),
+            // The first answers are those of another method.
+            fresh: Fresh {
+                at_least: 0,
+                likely: 0,
+            },
+        };
+        let plan = Plan {
+            questions: &[question],
+            horizon: 2,
+            actions_per_step: 1,
+            attempts: 3,
+            correction: Correction::Words,
+            rollouts: 5,
+            today: "2026-11-20".parse().expect("a date"),
+        };
+        plan.estimate()
+    };
+    let plain = with(Rehearsed::default());
+    assert_eq!(
+        (plain.calls.likely, plain.calls.at_most),
+        (Some(0), Some(30))
+    );
+    let four = with(Rehearsed {
+        candidates: 3,
+        revisions: 0,
+    });
+    // Ten actions: three answers that nobody shares, and four times three questions.
+    assert_eq!(
+        (four.calls.likely, four.calls.at_most),
+        (Some(30), Some(120))
+    );
+    let most = |it: &Estimate| it.input_tokens.at_most.expect("known");
+    assert_eq!(most(&four), 4 * most(&plain));
+    let revised = with(Rehearsed {
+        candidates: 0,
+        revisions: 2,
+    });
+    assert_eq!(
+        (revised.calls.likely, revised.calls.at_most),
+        (Some(20), Some(50))
+    );
+    assert!(most(&revised) > most(&plain));
 }

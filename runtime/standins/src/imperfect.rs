@@ -5,6 +5,9 @@
 //! an unlisted point, and unreadable words. Each question for an action draws by its own content, its step, its
 //! repetition and the seed; questions for words are passed on. It shows how many such errors the checks catch, and
 //! nothing about the errors of a vision-language model.
+//!
+//! Two other [`Errors`] are harder to catch by asking again: a wrong answer that persists in its scene, and a point
+//! beside the right one.
 
 use super::Geometric;
 use super::choices::{self, Field};
@@ -22,6 +25,36 @@ pub struct Imperfect {
     name: String,
     rate: f64,
     seed: u64,
+    errors: Errors,
+}
+
+/// How the stand-in errs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Errors {
+    /// In four ways, drawn anew for every question.
+    #[default]
+    Mixed,
+    /// With an offered value in one of two ways: a pick near the last place point, or the opposite direction. Drawn by
+    /// the offered values alone, so that every question about one scene gets the same wrong answer.
+    Persistent,
+    /// With the offered point that is nearest to the right one, as pick or as place. Drawn anew for every question.
+    Neighbour,
+}
+
+impl Errors {
+    /// The words for errors other than the mixed ones.
+    pub const WORDS: [(&'static str, Errors); 2] = [
+        ("persistent", Errors::Persistent),
+        ("neighbour", Errors::Neighbour),
+    ];
+
+    /// Returns the errors that a word means.
+    pub fn from_word(word: &str) -> Option<Errors> {
+        let mut words = Errors::WORDS.iter();
+        words
+            .find(|(known, _)| *known == word)
+            .map(|(_, errors)| *errors)
+    }
 }
 
 /// A kind of error in an answer.
@@ -31,6 +64,7 @@ enum AnswerMistake {
     Opposite,
     OffTheList,
     Malformed,
+    Neighbour,
 }
 
 impl Imperfect {
@@ -38,10 +72,33 @@ impl Imperfect {
     ///
     /// `None` unless the rate is from 0 to 1.
     pub fn new(rate: f64, seed: u64) -> Option<Imperfect> {
+        Imperfect::with_errors(rate, seed, Errors::Mixed)
+    }
+
+    /// Makes the stand-in with errors of another kind; its name ends with their word.
+    ///
+    /// `None` unless the rate is from 0 to 1.
+    pub fn with_errors(rate: f64, seed: u64, errors: Errors) -> Option<Imperfect> {
+        let mut words = Errors::WORDS.iter();
+        let word = words.find(|(_, known)| *known == errors);
+        let word = word.map_or(String::new(), |(word, _)| format!(":{word}"));
         (0.0..=1.0).contains(&rate).then(|| Imperfect {
-            name: format!("imperfect:{rate}:{seed}"),
+            name: format!("imperfect:{rate}:{seed}{word}"),
             rate,
             seed,
+            errors,
+        })
+    }
+
+    /// Returns what the draws for a question depend on, beside the seed.
+    fn draw(&self, request: &Request, fields: &[Field]) -> Chance {
+        Chance::of(&match self.errors {
+            Errors::Mixed => format!("imperfect {} {}", self.seed, request.key()),
+            Errors::Neighbour => format!("imperfect neighbour {} {}", self.seed, request.key()),
+            Errors::Persistent => {
+                let offered: Vec<_> = fields.iter().map(|it| (&it.name, &it.values)).collect();
+                format!("imperfect persistent {} {offered:?}", self.seed)
+            }
         })
     }
 }
@@ -58,16 +115,20 @@ impl Model for Imperfect {
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
         let right = Geometric.ask(request, calls)?;
         let fields = choices::fields(request);
-        let mut chance = Chance::of(&format!("imperfect {} {}", self.seed, request.key()));
+        let mut chance = self.draw(request, &fields);
         if fields.is_empty() || chance.fraction() >= self.rate {
             return Ok(right);
         }
-        let slips = [
-            AnswerMistake::NearLastPlace,
-            AnswerMistake::Opposite,
-            AnswerMistake::OffTheList,
-            AnswerMistake::Malformed,
-        ];
+        let slips: &[AnswerMistake] = match self.errors {
+            Errors::Mixed => &[
+                AnswerMistake::NearLastPlace,
+                AnswerMistake::Opposite,
+                AnswerMistake::OffTheList,
+                AnswerMistake::Malformed,
+            ],
+            Errors::Persistent => &[AnswerMistake::NearLastPlace, AnswerMistake::Opposite],
+            Errors::Neighbour => &[AnswerMistake::Neighbour],
+        };
         let slip = slips[chance.below(slips.len())];
         let wrong = Answer::read(&right.text, fields)
             .and_then(|answer| answer.spoilt(slip, request, &mut chance));
@@ -116,9 +177,29 @@ impl Answer {
                 self.0[pick].1 = off_the_list(field, value, chance)?;
             }
             AnswerMistake::Opposite => self.turn_round(pick),
+            AnswerMistake::Neighbour => self.move_beside(chance)?,
         }
         let values = self.0.into_iter().map(|(field, value)| (field.name, value));
         Some(choices::answer(request, values.collect()))
+    }
+
+    /// Replaces one of its points by the nearest other one that the field offers; `None` if there is none.
+    fn move_beside(&mut self, chance: &mut Chance) -> Option<()> {
+        let points = self.0.iter().enumerate();
+        let points = points.filter(|(_, (_, value))| choices::point(value).is_some());
+        let points: Vec<usize> = points.map(|(index, _)| index).collect();
+        let (field, value) = &self.0[points[chance.below(points.len())]];
+        let right = choices::point(value)?;
+        let away = |text: &&String| {
+            choices::point(text).map_or(f64::MAX, |point| point.distance_px(right))
+        };
+        let others = field.values.iter().filter(|text| *text != value);
+        let nearest = others.min_by(|a, b| away(a).total_cmp(&away(b)))?.clone();
+        let name = field.name.clone();
+        let mut fields = self.0.iter_mut();
+        let moved = fields.find(|(field, _)| field.name == name)?;
+        moved.1 = nearest;
+        Some(())
     }
 
     fn turn_round(&mut self, pick: usize) {

@@ -13,6 +13,7 @@ pub mod serve;
 pub mod simulated;
 pub mod smallest_fold;
 pub mod start;
+pub mod twin;
 pub mod vary;
 
 #[cfg(test)]
@@ -60,6 +61,14 @@ pub trait World {
     /// Only in such a world can an interrupted rollout be resumed.
     fn repeats(&self) -> bool {
         true
+    }
+
+    /// Returns whether nothing but a simulated cloth moves.
+    ///
+    /// Where something real may move, an action that cannot be trusted is not executed. A program is believed to move
+    /// something real.
+    fn is_simulated(&self) -> bool {
+        false
     }
 
     /// Lays the cloth as `start` says and sets the clock to zero.

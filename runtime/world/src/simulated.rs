@@ -21,7 +21,8 @@ use image::RgbImage;
 pub const OUTLINED: &str =
     "it has an outline, and a rollout needs a whole cloth; `fabc sim render` and `export` take it";
 
-/// A simulated cloth under a simulated camera.
+/// A simulated cloth under a simulated camera. A clone goes on by itself; both add to one film, if there is one.
+#[derive(Clone)]
 pub struct SimulatedWorld {
     parameters: Params,
     variation: AxisValues,
@@ -154,6 +155,10 @@ impl World for SimulatedWorld {
 
     fn variation(&self) -> AxisValues {
         self.variation.clone()
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {

@@ -22,6 +22,11 @@ pub trait Wrapper {
         self.inner().name()
     }
 
+    /// As [`World::is_simulated`].
+    fn is_simulated(&self) -> bool {
+        self.inner().is_simulated()
+    }
+
     /// As [`World::act`].
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
         self.inner_mut().act(motion, interrupt)
@@ -67,6 +72,10 @@ impl<W: Wrapper> World for W {
 
     fn repeats(&self) -> bool {
         self.inner().repeats()
+    }
+
+    fn is_simulated(&self) -> bool {
+        Wrapper::is_simulated(self)
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {

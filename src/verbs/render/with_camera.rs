@@ -357,6 +357,7 @@ fn one(spoken: &UndrawnMessage, sent: Option<&Message>, step: u32) -> DisplayMes
             MessagePart::Text(said) => return DisplayPart::Text(said.clone()),
             MessagePart::Picture(picture) => title(picture, step),
             MessagePart::RefusedAction => "the refused action".to_owned(),
+            MessagePart::Prediction => "what would come of the answer".to_owned(),
         };
         let png = png(number);
         DisplayPart::Picture { title, png }

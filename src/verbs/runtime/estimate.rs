@@ -7,7 +7,7 @@ use fab_agent::habits::{Recorded, Setting};
 use fab_agent::rollout::FirstQuestion;
 use fab_model::Request;
 use fab_program::Program;
-use fab_providers::estimate::{Correction, Estimate, Fresh, Plan, Question, Typical};
+use fab_providers::estimate::{Correction, Estimate, Fresh, Plan, Question, Rehearsed, Typical};
 use std::path::Path;
 
 /// Rollouts that ask the same questions.
@@ -75,6 +75,7 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
                 schema: request.schema.as_ref(),
                 max_tokens: lengths.visible,
                 hidden_tokens: lengths.hidden,
+                rehearsed: rehearsed(program, stage),
                 typical: typical(stage, request),
                 fresh: *fresh,
             })
@@ -94,6 +95,20 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
         today: catalogue::today(io),
     };
     plan.estimate()
+}
+
+/// Returns what a rehearsal adds to the questions of a stage.
+fn rehearsed(program: &Program, stage: &str) -> Rehearsed {
+    let mut stages = program.stages.iter();
+    let stage = stages.find(|it| it.name == stage);
+    let rehearsal = stage.and_then(|stage| Some((stage, program.rehearsal_of(stage)?)));
+    let Some((stage, rehearsal)) = rehearsal else {
+        return Rehearsed::default();
+    };
+    Rehearsed {
+        candidates: rehearsal.choose.map_or(0, |_| stage.candidates() - 1),
+        revisions: rehearsal.revisions,
+    }
 }
 
 /// Prints an estimate.

@@ -403,6 +403,7 @@ pub fn exit_of(outcome: Outcome, goal_reached: Option<bool>, judged: Option<bool
         | Outcome::NoCandidates
         | Outcome::ClothOutOfView
         | Outcome::PolicyStopped
+        | Outcome::RehearsalRefused
         | Outcome::BudgetExhausted => Exit::Unreached,
     }
 }

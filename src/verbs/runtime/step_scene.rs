@@ -141,6 +141,7 @@ fn stand_in_action(
         asking: &mut Asking::unrecorded(),
         record: &mut |_| Ok(()),
         interrupt: &Interrupt::default(),
+        twins: None,
     };
     let decision = Prompted { models }.decide(&view, &mut exchange);
     let action = match decision.map_err(Failure::environment)? {

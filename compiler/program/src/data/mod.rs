@@ -17,6 +17,7 @@ pub mod picker;
 pub mod placeholders;
 pub mod points;
 pub mod program;
+pub mod rehearse;
 pub mod shape;
 pub mod stage;
 pub mod subgoals;

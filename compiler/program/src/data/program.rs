@@ -15,6 +15,7 @@ use super::goal::Goal;
 use super::keypoints::Keypoint;
 use super::manner::{Manner, manner_field};
 use super::picker::Picker;
+use super::rehearse::Rehearsal;
 use super::stage::{Reasoning, Stage, Template};
 use super::subgoals::Subgoals;
 use super::uses::Depends;
@@ -75,6 +76,9 @@ pub struct Program {
     pub horizon: u32,
     /// When the task counts as reached; without one, a rollout ends at its horizon.
     pub goal: Option<Goal>,
+    /// How the answers of a stage are tried on a twin before the world moves, if they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rehearsal: Option<Rehearsal>,
 }
 
 impl Program {
@@ -114,7 +118,9 @@ impl Program {
             sources: Vec::new(),
             ..self.clone()
         };
-        if let Some(material) = &mut program.cloth.material {
+        let twin = program.rehearsal.as_mut();
+        let twin = twin.and_then(|it| it.twin.material.as_mut());
+        for material in program.cloth.material.iter_mut().chain(twin) {
             material.sources.clear();
         }
         for template in &mut program.templates {
@@ -172,9 +178,26 @@ impl Program {
     }
 
     /// Returns the largest number of model calls in one step: every stage, with all its attempts, for each action of
-    /// the step.
+    /// the step. A stage that is rehearsed has its attempts for each candidate, and one call for each revision.
     pub fn calls_per_step(&self) -> u32 {
-        self.stages.len() as u32 * self.verify.attempts * self.actions_per_step()
+        let attempts = self.verify.attempts;
+        let calls = self
+            .stages
+            .iter()
+            .map(|stage| match self.rehearsal_of(stage) {
+                Some(rehearsal) => {
+                    let candidates = rehearsal.choose.map_or(1, |_| stage.candidates());
+                    candidates * attempts + rehearsal.revisions
+                }
+                None => attempts,
+            });
+        calls.sum::<u32>() * self.actions_per_step()
+    }
+
+    /// Returns how the answers of a stage are rehearsed, if they are.
+    pub fn rehearsal_of(&self, stage: &Stage) -> Option<&Rehearsal> {
+        let rehearsal = self.rehearsal.as_ref();
+        rehearsal.filter(|it| it.stage == stage.name)
     }
 
     /// Returns the largest number of actions in one step: more than one if a step is retried.

@@ -51,6 +51,9 @@ pub struct Stage {
     /// How much the model thinks before it answers, if the task states it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reasoning: Option<Reasoning>,
+    /// How many answers are asked for where a rehearsal chooses among them, if the task states it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub candidates: Option<u32>,
     /// Templates of the system message, joined by a blank line; if empty, there is no system message.
     pub system: Vec<String>,
     /// Questions and answers that come before this question.
@@ -61,6 +64,13 @@ pub struct Stage {
     pub show: Vec<Picture>,
     /// What is taken from the answer.
     pub read: Read,
+}
+
+impl Stage {
+    /// Returns how many answers are asked for where a rehearsal chooses among them.
+    pub fn candidates(&self) -> u32 {
+        self.candidates.unwrap_or(1)
+    }
 }
 
 /// A question with its answer, shown to a model as if it had been asked before.

@@ -4,6 +4,7 @@
 //! `attempts` limit the number of questions per stage.
 
 mod attempts;
+mod candidates;
 mod conversation;
 mod rehearsal;
 
@@ -13,9 +14,9 @@ use attempts::{Answer, Attempts, Missing, Next};
 pub use conversation::{
     Conversation, MessagePart, PromptError, UndrawnMessage, conversation, opening,
 };
-use fab_model::{Description as ModelDescription, Models, lowering};
-use fab_program::Program;
+use fab_model::{Description as ModelDescription, Model, Models, lowering};
 use fab_program::render::RenderError;
+use fab_program::{Program, Stage};
 pub use rehearsal::{Rehearsed, rehearse};
 use std::collections::BTreeMap;
 
@@ -59,15 +60,11 @@ impl Policy for Prompted<'_> {
         let mut decision = step.without_answer(Outcome::MalformedReply);
         for stage in &step.program.stages {
             let model = self.models.of(stage.model);
-            let mut attempts =
-                Attempts::begin(*step, stage, &texts, model.lowering(), Missing::IsAnError)?;
-            let answer = loop {
-                let attempt = attempts.ask(model, exchange.asking, &texts)?;
-                (exchange.record)(&attempt)?;
-                match attempts.conclude(attempt, &texts)? {
-                    Next::AskAgain => {}
-                    Next::Done(answer) => break answer,
-                }
+            let trusted = exchange.twins.as_ref();
+            let trusted = trusted.is_some_and(|twins| twins.aside().is_none());
+            let answer = match step.program.rehearsal_of(stage).filter(|_| trusted) {
+                Some(how) => candidates::answer(*step, (stage, how), model, &texts, exchange)?,
+                None => ask((*step, stage), model, &texts, exchange, (0, 0))?.answer,
             };
             match answer {
                 Answer::Text { name, value } => {
@@ -81,5 +78,46 @@ impl Policy for Prompted<'_> {
             }
         }
         Ok(decision)
+    }
+}
+
+/// The result of asking a stage.
+struct Asked<'a> {
+    answer: Answer,
+    /// The conversation that led to it.
+    attempts: Attempts<'a>,
+    /// The text of the last reply; empty if none came.
+    reply: String,
+}
+
+/// Asks a stage until it has its answer.
+///
+/// - `candidate`: which of several answers to one question is asked for, from 0, and how many questions of this stage
+///   and step were asked before.
+fn ask<'a>(
+    (step, stage): (StepView<'a>, &'a Stage),
+    model: &dyn Model,
+    texts: &BTreeMap<String, String>,
+    exchange: &mut Exchange<'_, '_>,
+    (candidate, asked): (u32, u32),
+) -> Result<Asked<'a>, PolicyError> {
+    let lowering = model.lowering();
+    let mut attempts = Attempts::begin(step, stage, texts, lowering, Missing::IsAnError)?;
+    attempts.be_candidate(candidate, asked);
+    loop {
+        let attempt = attempts.ask(model, exchange.asking, texts)?;
+        (exchange.record)(&attempt)?;
+        let reply = attempt.reply.as_ref();
+        let reply = reply.map(|it| it.text.clone()).unwrap_or_default();
+        match attempts.conclude(attempt, texts)? {
+            Next::AskAgain => {}
+            Next::Done(answer) => {
+                return Ok(Asked {
+                    answer,
+                    attempts,
+                    reply,
+                });
+            }
+        }
     }
 }

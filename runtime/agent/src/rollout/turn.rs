@@ -13,6 +13,7 @@ use crate::record;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
+use crate::twins::Twins;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
 use fab_program::{Arrow, Proposal, SubgoalStep};
@@ -28,6 +29,8 @@ pub(super) struct Memory {
     sees_particles: bool,
     first_scene: Option<Scene>,
     last: Option<ExecutedAction>,
+    /// The twins of the cloth, if the task rehearses.
+    pub(super) twins: Option<Twins>,
 }
 
 impl Memory {
@@ -37,6 +40,7 @@ impl Memory {
             sees_particles,
             first_scene: None,
             last: None,
+            twins: None,
         }
     }
 }
@@ -131,6 +135,19 @@ impl<'j> Turn<'j> {
             }
         };
         self.line.scene = scene.to_json();
+        if let Some(twins) = &mut memory.twins {
+            twins.look(step, &observation, scene.cloth());
+            self.timer.add("rehearse", twins.take_time());
+            self.line.rehearsal = Some(twins.line().clone());
+            if let Some(why) = twins.refusal() {
+                return Ok(self.stop(Outcome::RehearsalRefused, &why));
+            }
+            if let Some(why) = twins.aside() {
+                progress(Event::Note(format!(
+                    "step {number} is not rehearsed: {why}"
+                )));
+            }
+        }
         let last = memory.last.as_ref();
         let drawn = self.plan("annotate", || {
             let subgoals = job.subgoals.step(step as usize - 1)?;
@@ -195,8 +212,15 @@ impl<'j> Turn<'j> {
             asking: line,
             record: &mut record,
             interrupt: job.interrupt,
+            twins: memory.twins.as_mut(),
         };
         let decision = policy.decide(&view, &mut exchange)?;
+        if let Some(twins) = &mut memory.twins {
+            let took = twins.take_time();
+            self.timer.add("rehearse", took);
+            aside += took;
+            self.line.rehearsal = Some(twins.line().clone());
+        }
         let deciding = asking.elapsed().saturating_sub(aside);
         self.timer.add("prompt and verify", deciding);
         self.planning += deciding;
@@ -246,6 +270,10 @@ impl<'j> Turn<'j> {
                 return Ok(self.stop_for(&error));
             }
         };
+        if let Some(twins) = &mut memory.twins {
+            twins.follow(&executed.motion, job.interrupt);
+            self.timer.add("rehearse", twins.take_time());
+        }
         self.line.cloth = before
             .zip(world.particles())
             .and_then(|(before, after)| cloth_moved(&before, &after, &executed));

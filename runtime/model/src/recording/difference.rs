@@ -53,6 +53,7 @@ fn likeness(recorded: &Value, asked: &Value) -> Likeness {
         "reasoning",
         "repetition",
         "start",
+        "candidate",
         "schema",
     ];
     let settings = rest.iter().filter(|name| is_same(name)).count();
@@ -72,6 +73,7 @@ pub(super) fn differences(recorded: &Value, asked: &Value) -> Vec<String> {
         "step",
         "start",
         "repetition",
+        "candidate",
         "temperature",
         "top_p",
         "max_tokens",

@@ -279,7 +279,7 @@ fn a_question_that_was_not_recorded_names_what_changed() {
             other => panic!("{other:?}"),
         }
     };
-    let cases: [(Change, &str); 9] = [
+    let cases: [(Change, &str); 10] = [
         (
             |it| it.temperature = Some(0.7),
             "`temperature` (recorded 0.2, now 0.7)",
@@ -289,6 +289,7 @@ fn a_question_that_was_not_recorded_names_what_changed() {
             "`max_tokens` (recorded null, now 5)",
         ),
         (|it| it.repetition = 2, "`repetition` (recorded 0, now 2)"),
+        (|it| it.candidate = 2, "`candidate` (recorded null, now 2)"),
         (|it| it.step = 4, "`step` (recorded 1, now 4)"),
         (|it| it.role = ModelRole::Text, "`role`"),
         (

@@ -167,3 +167,69 @@ fn a_rate_is_a_probability() {
     assert!(Imperfect::new(1.1, 0).is_none());
     assert!(Imperfect::new(f64::NAN, 0).is_none());
 }
+
+#[test]
+fn a_persistent_error_is_the_same_whoever_asks_and_however_often_and_is_always_an_offered_value() {
+    let model = Imperfect::with_errors(1.0, 3, Errors::Persistent).unwrap();
+    assert_eq!(model.name(), "imperfect:1:3:persistent");
+    let asked = |change: fn(&mut Request)| {
+        let mut request = question(7);
+        change(&mut request);
+        model.ask(&request, &mut Unrecorded).unwrap().text
+    };
+    let once = asked(|_| {});
+    for change in [
+        (|it| it.repetition = 4) as fn(&mut Request),
+        |it| it.candidate = 2,
+        |it| it.step = 2,
+        |it| it.start = Some(9),
+        |it| it.temperature = Some(0.9),
+    ] {
+        assert_eq!(asked(change), once);
+    }
+    let right = Geometric.ask(&question(7), &mut Unrecorded).unwrap().text;
+    assert_ne!(once, right);
+    let fields = choices::fields(&question(7));
+    let answer: serde_json::Value = serde_json::from_str(&once).unwrap();
+    for field in fields.iter().filter(|field| !field.values.is_empty()) {
+        let value = answer[&field.name].as_str().unwrap().to_owned();
+        assert!(field.values.contains(&value), "{once}");
+    }
+    // Another scene is another draw; of forty, some are right at a rate of a half.
+    let half = Imperfect::with_errors(0.5, 3, Errors::Persistent).unwrap();
+    let wrong = (0..40).filter(|shift| {
+        let mut request = question(7);
+        let schema = request.schema.as_ref().unwrap().to_string();
+        let moved = schema.replace("(110, 110)", &format!("(110, {})", 90 + shift));
+        request.schema = Some(serde_json::from_str(&moved).unwrap());
+        let reply = half.ask(&request, &mut Unrecorded).unwrap();
+        reply != Geometric.ask(&request, &mut Unrecorded).unwrap()
+    });
+    // 20 expected; four standard deviations are 13.
+    assert!((7..=33).contains(&wrong.count()));
+}
+
+#[test]
+fn a_neighbouring_error_moves_one_point_to_the_nearest_other_one() {
+    let model = Imperfect::with_errors(1.0, 1, Errors::Neighbour).unwrap();
+    assert_eq!(model.name(), "imperfect:1:1:neighbour");
+    // The right answer carries (40, 50) to (41, 172).
+    let right = Geometric.ask(&question(0), &mut Unrecorded).unwrap().text;
+    assert!(
+        right.contains("(40, 50)") && right.contains("(41, 172)"),
+        "{right}"
+    );
+    let wrong = (0..40).map(|number| {
+        let text = model.ask(&question(number), &mut Unrecorded).unwrap().text;
+        let answer: serde_json::Value = serde_json::from_str(&text).unwrap();
+        ["pick", "place"].map(|name| answer[name].as_str().unwrap().to_owned())
+    });
+    let wrong: std::collections::BTreeSet<[String; 2]> = wrong.collect();
+    let pair = |pick: &str, place: &str| [pick.to_owned(), place.to_owned()];
+    // (40, 50) is 122 from (41, 172); (41, 172) is 93 from the center.
+    let expected = [
+        pair("(41, 172)", "(41, 172)"),
+        pair("(40, 50)", "(110, 110)"),
+    ];
+    assert_eq!(wrong, expected.into());
+}

@@ -11,7 +11,7 @@ use std::time::Duration;
 /// Who answers.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct ModelArguments {
-    /// Who answers: `geometric` (an embedded stand-in without key and network), `random[:SEED]`, `imperfect:RATE[:SEED]`,
+    /// Who answers: `geometric` (an embedded stand-in without key and network), `random[:SEED]`, `imperfect:RATE[:SEED[:ERRORS]]`,
     /// `replay:FILE`, or `PROVIDER:NAME` (see `fabc models`); `vision=MODEL` and `text=MODEL` name one for a role.
     /// Default: `geometric`.
     #[arg(long, value_name = "[ROLE=]MODEL")]

@@ -19,13 +19,14 @@ use fab_model::{Model, ModelError, ModelRole, Request};
 use fab_providers::catalogue::{Facts, Profile, Wire};
 use fab_providers::probe::Subject;
 use fab_providers::remote::{Lengths, Remote};
+use fab_standins::imperfect::Errors;
 use fab_standins::{Geometric, Imperfect, Random};
 use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 
 /// The models that this build knows.
-const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), `imperfect:RATE` or `imperfect:RATE:SEED` (geometric with that share of wrong answers), `replay:FILE` (a recording), and `PROVIDER:NAME` (`fabc models` lists them)";
+const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), `imperfect:RATE`, `imperfect:RATE:SEED` or `imperfect:RATE:SEED:ERRORS` (geometric with that share of wrong answers; ERRORS is `persistent` or `neighbour`), `replay:FILE` (a recording), and `PROVIDER:NAME` (`fabc models` lists them)";
 
 /// Prefix of a recording's name.
 const REPLAY: &str = "replay:";
@@ -288,7 +289,7 @@ pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
     let model = embedded(name, ModelRole::Vision)?;
     model.map(Arc::from).ok_or_else(|| {
         Failure::usage(format!(
-            "`{name}` is neither an embedded model nor a recording, and a provider's model is not served: any program here could spend your key; there is `geometric`, `random[:SEED]`, `imperfect:RATE[:SEED]` and `replay:FILE`"
+            "`{name}` is neither an embedded model nor a recording, and a provider's model is not served: any program here could spend your key; there is `geometric`, `random[:SEED]`, `imperfect:RATE[:SEED[:ERRORS]]` and `replay:FILE`"
         ))
     })
 }
@@ -380,17 +381,21 @@ fn embedded(name: &str, role: ModelRole) -> Result<Option<Box<dyn Model>>, Failu
         return Ok(Some(Box::new(replay)));
     }
     let mut parts = name.split(':');
+    let errors = parts.nth(3).map_or(Some(Errors::Mixed), Errors::from_word);
+    let is_longer = parts.next().is_some();
+    let mut parts = name.split(':');
     let parts = [parts.next(), parts.next(), parts.next(), parts.next()];
     let found: Option<Box<dyn Model>> = match parts {
         [Some("geometric"), None, ..] => Some(Box::new(Geometric)),
         [Some("random"), seed, None, _] => {
             seed_of(seed).map(|seed| Box::new(Random::seeded(seed)) as Box<dyn Model>)
         }
-        [Some("imperfect"), Some(rate), seed, None] => rate
+        [Some("imperfect"), Some(rate), seed, _] if !is_longer => rate
             .parse()
             .ok()
             .zip(seed_of(seed))
-            .and_then(|(rate, seed)| Imperfect::new(rate, seed))
+            .zip(errors)
+            .and_then(|((rate, seed), errors)| Imperfect::with_errors(rate, seed, errors))
             .map(|model| Box::new(model) as Box<dyn Model>),
         [Some("geometric" | "random" | "imperfect"), ..] | [_, None, ..] => None,
         _ => return Ok(None),

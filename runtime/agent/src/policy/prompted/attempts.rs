@@ -58,6 +58,10 @@ pub(super) struct Attempts<'a> {
     /// The schema of valid answers for this scene, if the stage reads the action.
     schema: Option<Value>,
     asked: u32,
+    /// Which of several answers to one question is asked for, from 0.
+    candidate: u32,
+    /// Questions of this stage and step that other conversations asked before.
+    asked_before: u32,
     /// Actions that were read and refused, oldest first, each with its question's number.
     refused: Vec<(u32, Proposal)>,
 }
@@ -95,8 +99,40 @@ impl<'a> Attempts<'a> {
             schema: reads_action.then(|| schema(view, &notation)),
             notation,
             asked: 0,
+            candidate: 0,
+            asked_before: 0,
             refused: Vec::new(),
         })
+    }
+
+    /// Asks for one of several answers.
+    ///
+    /// - `candidate`: which one, from 0.
+    /// - `asked`: questions of this stage and step so far.
+    pub(super) fn be_candidate(&mut self, candidate: u32, asked: u32) {
+        (self.candidate, self.asked_before) = (candidate, asked);
+    }
+
+    /// Returns how many questions it has asked.
+    pub(super) fn asked(&self) -> u32 {
+        self.asked
+    }
+
+    /// Numbers the next question after all that this stage and step has asked so far, by whichever conversation.
+    pub(super) fn number_after(&mut self, asked: u32) {
+        self.asked_before = asked - self.asked;
+    }
+
+    /// Adds an answer, and what would come of it.
+    pub(super) fn show_prediction(&mut self, answer: &str, words: &str, png: Png) {
+        let answer = PromptText {
+            text: answer.to_owned(),
+            stretches: Vec::new(),
+        };
+        self.conversation.say(Speaker::Assistant, answer);
+        let words = PromptText::by_fabc(words.to_owned());
+        self.conversation.say(Speaker::User, words);
+        self.conversation.add_prediction(png);
     }
 
     pub(super) fn ask(
@@ -131,6 +167,7 @@ impl<'a> Attempts<'a> {
             repetition: self.view.repetition,
             start: self.view.start_number,
             step: self.view.number,
+            candidate: self.candidate,
             schema: self.schema.clone(),
         }
     }
@@ -157,7 +194,7 @@ impl<'a> Attempts<'a> {
     ) -> Attempt {
         Attempt {
             stage: self.stage.name.clone(),
-            number: self.asked,
+            number: self.asked_before + self.asked,
             question: Some(Question::Prompt(Box::new(request))),
             reply,
             note: None,

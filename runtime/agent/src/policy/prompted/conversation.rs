@@ -42,6 +42,8 @@ pub enum MessagePart {
     Picture(PromptPicture),
     /// The refused action, drawn on the stage's picture.
     RefusedAction,
+    /// What would come of an answer, as a twin shows it.
+    Prediction,
 }
 
 /// The messages of a stage, in both forms, message by message.
@@ -74,9 +76,18 @@ impl Conversation {
 
     /// Adds the picture of the refused action to the last message.
     pub(super) fn add_refused_action(&mut self, png: Png) {
+        self.add_picture(MessagePart::RefusedAction, png);
+    }
+
+    /// Adds the picture of what would come of an answer to the last message.
+    pub(super) fn add_prediction(&mut self, png: Png) {
+        self.add_picture(MessagePart::Prediction, png);
+    }
+
+    fn add_picture(&mut self, part: MessagePart, png: Png) {
         if let (Some(spoken), Some(message)) = (self.spoken.last_mut(), self.messages.last_mut()) {
             message.parts.push(Part::Image(png));
-            spoken.parts.push(MessagePart::RefusedAction);
+            spoken.parts.push(part);
         }
     }
 }
@@ -157,7 +168,7 @@ pub fn conversation(
             match part {
                 MessagePart::Text(said) => sent.push(Part::Text(said.text.clone())),
                 MessagePart::Picture(picture) => sent.push(Part::Image(drawn(picture)?)),
-                MessagePart::RefusedAction => {}
+                MessagePart::RefusedAction | MessagePart::Prediction => {}
             }
         }
         messages.push(Message {

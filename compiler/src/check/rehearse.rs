@@ -1,0 +1,289 @@
+//! `rehearse plan { twin(…) choose most overlap … }`: what is tried on a twin of the cloth before the world moves.
+
+use super::context::{Context, Declared};
+use super::expressions::{Scope, call, material_name};
+use super::material;
+use super::quantity::{read, read_whole};
+use super::stage::Prompts;
+use crate::diag::{Code, Diagnostic, Reported, among};
+use crate::lang::goal::METRICS;
+use crate::lang::rehearse::{REVISIONS, TRUST, TWINS};
+use crate::merge::{Merged, VariantChange, once};
+use fab_grammar::ast::{self, Call, Choose, Name, Rehearse, Revise, Setting, Trust};
+use fab_program::{
+    Cloth, Distrusted, Metric, ModelRole, Read, Rehearsal, RehearsalMeasure, Stage, TwinRanges,
+};
+
+/// Builds the rehearsal of a stage; `None` in a base without stages.
+pub(crate) fn check<'a>(
+    part: Rehearse<'a>,
+    merged: &Merged<'a>,
+    prompts: &Prompts,
+    context: &mut Context<'a, '_>,
+) -> Declared<Rehearsal> {
+    let twins = once(part.twins(), "twin", Call::span, context.report);
+    let choices = once(part.choices(), "choose", Choose::span, context.report);
+    let revisions = once(part.revisions(), "revise", Revise::span, context.report);
+    let trusts = once(part.trusts(), "trust", Trust::span, context.report);
+    let lines = [twins.alone, choices.alone, revisions.alone, trusts.alone];
+    let has_purpose = choices.first.is_some() || revisions.first.is_some();
+    let lacks = lacking(
+        part,
+        [twins.first.is_none(), !has_purpose, trusts.first.is_none()],
+        context,
+    );
+    let stage = stage(part, merged, prompts, context);
+    let asked = stage.as_ref().ok().and_then(|it| it.as_ref());
+    let twin = twins.first.map(|it| twin(it, context)).transpose();
+    let choose = choices
+        .first
+        .map(|it| choose(it, asked, merged, context))
+        .transpose();
+    let revisions = revisions
+        .first
+        .map(|it| revisions_of(it, asked, context))
+        .transpose();
+    let trust_above = trusts
+        .first
+        .map(|it| read(it.above(), &TRUST.range, context))
+        .transpose();
+    let refuses = trusts.first.and_then(Trust::else_refuse).is_some();
+    lines.into_iter().collect::<Result<(), _>>()?;
+    lacks?;
+    let (choose, revisions) = (choose?, revisions?);
+    let (Some(twin), Some(trust_above), Some(stage)) = (twin?, trust_above?, stage?) else {
+        return Ok(None);
+    };
+    Ok(Some(Rehearsal {
+        stage: stage.name.clone(),
+        twin,
+        choose,
+        revisions: revisions.unwrap_or(0),
+        trust_above,
+        distrusted: match refuses {
+            true => Distrusted::Refuses,
+            false => Distrusted::StandsAside,
+        },
+    }))
+}
+
+/// Reports the lines that a rehearsal must have and does not, all in one error.
+///
+/// - `is_missing`: its twin, what it is for, and how far the twin is trusted.
+fn lacking(
+    part: Rehearse<'_>,
+    is_missing: [bool; 3],
+    context: &mut Context<'_, '_>,
+) -> Result<(), Reported> {
+    const NEEDED: [(&str, &str); 3] = [
+        (
+            "twin",
+            "write `twin(material: cotton, size: 0.95 to 1.05, friction: 0.4 to 0.9)`",
+        ),
+        (
+            "choose",
+            "write `choose most overlap`, or `revise 1 with picture`",
+        ),
+        (
+            "trust",
+            "write `trust overlap > 0.8`: where twin and camera agree less, it is not rehearsed",
+        ),
+    ];
+    let lacks = NEEDED
+        .iter()
+        .zip(is_missing)
+        .filter(|(_, missing)| *missing);
+    let lacks: Vec<(&str, &str)> = lacks.map(|(row, _)| *row).collect();
+    if lacks.is_empty() {
+        return Ok(());
+    }
+    let words = among(lacks.iter().map(|(word, _)| *word));
+    let stage = part.stage();
+    let message = format!("the rehearsal of `{}` has no {words}", stage.text());
+    let diagnostic = Diagnostic::new(Code::RehearsalIncomplete, stage.span(), message);
+    let diagnostic = lacks.iter().fold(diagnostic, |it, (_, how)| it.help(*how));
+    Err(context.missing(part.is_damaged(), stage.span().file, diagnostic))
+}
+
+/// Returns the stage that is rehearsed; `None` in a base without stages.
+fn stage<'p>(
+    part: Rehearse<'_>,
+    merged: &Merged<'_>,
+    prompts: &'p Prompts,
+    context: &mut Context<'_, '_>,
+) -> Declared<&'p Stage> {
+    let declared = || merged.stages.iter().map(|stage| stage.name().text());
+    let name = part.stage();
+    let Some(number) = declared().position(|declared| declared == name.text()) else {
+        if merged.stages.is_empty() {
+            return Ok(None);
+        }
+        return Err(context.unknown("stage", name, declared().collect::<Vec<_>>()));
+    };
+    let stage = prompts.stages[number].as_ref().map_err(|it| *it)?;
+    if stage.read != Read::Action {
+        let message = format!("the stage `{}` does not read the action", stage.name);
+        let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
+        let help = "only an action can be tried on a twin: name the last stage";
+        return Err(context.error(diagnostic.help(help)));
+    }
+    Ok(Some(stage))
+}
+
+/// Reads what the twins are made of.
+fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges, Reported> {
+    let signatures = TWINS.iter().map(|row| &row.signature);
+    let (row, args, bound) = call("twin", line, signatures, Scope::Everywhere, context)?;
+    let mut twin = (TWINS[row].make)(&args);
+    if let Some((_, expr)) = bound.iter().find(|(arg, _)| arg.name == "material") {
+        let name = material_name(*expr, context)?;
+        twin.material = material::named(name, context)?;
+        if let Ok(Some(cloth)) = &context.cloth
+            && name_of(&twin) == name_of_cloth(cloth)
+        {
+            own_material(name, context);
+        }
+    }
+    Ok(twin)
+}
+
+fn name_of(twin: &TwinRanges) -> Option<&str> {
+    twin.material.as_ref().map(|it| it.name.as_str())
+}
+
+fn name_of_cloth(cloth: &Cloth) -> Option<&str> {
+    cloth.material.as_ref().map(|it| it.name.as_str())
+}
+
+/// Warns of a twin that is made of what the judged cloth is made of.
+fn own_material(name: Name<'_>, context: &mut Context<'_, '_>) {
+    let message = format!(
+        "the twin is made of `{}`, as the task's cloth is",
+        name.text()
+    );
+    let diagnostic = Diagnostic::new(Code::TwinOfOwnMaterial, name.span(), message);
+    let help = "a simulated cloth would be rehearsed on its own physics, and the gain would say nothing about a real one; name another material";
+    context.remark(diagnostic.help(help));
+}
+
+/// Reads the measure by which the best candidate is chosen.
+fn choose<'a>(
+    line: Choose<'a>,
+    stage: Option<&&Stage>,
+    merged: &Merged<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<RehearsalMeasure, Reported> {
+    let name = line.measure();
+    let known = || RehearsalMeasure::WORDS.iter().map(|word| word.name);
+    let Some(measure) = RehearsalMeasure::from_word(name.text()) else {
+        let mut goals = METRICS.iter().map(|row| row.metric);
+        let Some(goal) = goals.find(|it| it.as_str() == name.text()) else {
+            return Err(context.unknown("measure on a twin", name, known()));
+        };
+        let message = format!("`{}` cannot be measured on a twin", name.text());
+        let diagnostic = Diagnostic::new(Code::NotMeasuredOnTwin, name.span(), message);
+        let why = match goal {
+            Metric::ParticleDistance => {
+                "it is the distance from an expert's result, which nobody has before the world moves"
+            }
+            Metric::Coverage | Metric::NormalizedImprovement => {
+                "it needs the coverage of the start, and a twin's start lies flat"
+            }
+        };
+        let help = format!("{why}; there is {}", among(known()));
+        return Err(context.error(diagnostic.help(help)));
+    };
+    if measure == RehearsalMeasure::Overlap
+        && merged.subgoals.is_none()
+        && merged.missing_base.is_none()
+        && !merged.stages.is_empty()
+    {
+        let message = "`overlap` needs a subgoal to compare with, and the task has none";
+        let diagnostic = Diagnostic::new(Code::NotMeasuredOnTwin, name.span(), message);
+        let help = "show `subgoals`, or write `choose most coverage`";
+        return Err(context.missing(merged.is_damaged, name.span().file, diagnostic.help(help)));
+    }
+    if let Some(stage) = stage.filter(|stage| stage.candidates() < 2) {
+        let message = format!("the stage `{}` gives one answer to choose from", stage.name);
+        let diagnostic = Diagnostic::new(Code::RehearsalIncomplete, line.span(), message);
+        let help = "write `candidates 4` and a temperature above 0 behind its `model`";
+        return Err(context.error(diagnostic.help(help)));
+    }
+    Ok(measure)
+}
+
+/// Reads how often an answer may be revised.
+fn revisions_of<'a>(
+    line: Revise<'a>,
+    stage: Option<&&Stage>,
+    context: &mut Context<'a, '_>,
+) -> Result<u32, Reported> {
+    let count = read_whole(line.count(), &REVISIONS.range, context)?;
+    if let Some(stage) = stage.filter(|stage| stage.model == ModelRole::Text) {
+        let message = format!(
+            "`revise` shows a picture, but the stage `{}` asks a text model",
+            stage.name
+        );
+        let diagnostic = Diagnostic::new(Code::PicturesForTextModel, line.span(), message);
+        let help = "write `model vision` in that stage, or leave out `revise`";
+        return Err(context.error(diagnostic.help(help)));
+    }
+    Ok(count as u32)
+}
+
+/// Reports candidates that would all be alike, and warns of those among which nothing chooses.
+pub(crate) fn candidates<'a>(
+    merged: &Merged<'a>,
+    prompts: &Prompts,
+    context: &mut Context<'a, '_>,
+) -> Result<(), Reported> {
+    let mut all = Ok(());
+    for (declared, stage) in merged.stages.iter().zip(&prompts.stages) {
+        let Ok(stage) = stage else {
+            continue;
+        };
+        let settings = declared.model().flat_map(ast::Model::settings);
+        let mut settings = settings.filter(|it| it.name().text() == "candidates");
+        let Some(setting) = settings.next() else {
+            continue;
+        };
+        if stage
+            .temperature
+            .is_none_or(|temperature| temperature <= 0.0)
+        {
+            let at = match stage.temperature {
+                Some(_) => "at temperature 0",
+                None => "without a temperature",
+            };
+            let message = format!("{} candidates are asked for {at}", stage.candidates());
+            let diagnostic = Diagnostic::new(Code::CandidatesAlike, setting.span(), message);
+            let help = "write a temperature above 0, such as `temperature 0.7`: equal questions would get equal answers";
+            all = Err(context.error(diagnostic.help(help)));
+        }
+        let chooses = |part: &Rehearse<'_>| {
+            let is_chosen = part.choices().next().is_some() || part.is_damaged();
+            part.stage().text() == stage.name && is_chosen
+        };
+        // A variant may rehearse, so that runs with and without can be compared.
+        let bodies = merged.variants.iter().filter_map(|it| match it.change {
+            VariantChange::Body(body) => Some(body),
+            VariantChange::Without(_) => None,
+        });
+        let in_variants = bodies.flat_map(|body| body.rehearsals());
+        let mut rehearsals = merged.rehearse.into_iter().chain(in_variants);
+        if !rehearsals.any(|part| chooses(&part)) && !merged.is_damaged {
+            unchosen(setting, stage, context);
+        }
+    }
+    all
+}
+
+fn unchosen(setting: Setting<'_>, stage: &Stage, context: &mut Context<'_, '_>) {
+    let message = format!("nothing chooses among the candidates of `{}`", stage.name);
+    let diagnostic = Diagnostic::new(Code::CandidatesUnchosen, setting.span(), message);
+    let help = format!(
+        "one answer is asked for all the same; write `rehearse {} {{ … choose most overlap … }}`, or leave `candidates` out",
+        stage.name
+    );
+    context.remark(diagnostic.help(help));
+}

@@ -1,0 +1,207 @@
+//! A stage whose answers are tried on twins: several are asked for and the best is taken, or the model sees what would
+//! come of its answer and may revise it.
+//!
+//! In: the stage, its models, and twins that can be trusted. Out: the answer that is taken, and in the twins' line each
+//! answer with its measure. The first candidate asks exactly what is asked without rehearsal.
+
+use super::attempts::{Answer, Attempts};
+use super::{Asked, ask};
+use crate::action::Action;
+use crate::outcome::Outcome;
+use crate::policy::{Accepted, Exchange, Finding, PolicyError, StepView};
+use crate::twins::{Twins, Untried};
+use fab_model::{Model, Png};
+use fab_picture::png;
+use fab_program::verify::Verdict;
+use fab_program::{Proposal, Rehearsal, Stage};
+use fab_world::Motion;
+use std::collections::BTreeMap;
+
+/// What the model is told with the picture of what would come of its answer.
+const PREDICTED: &str = "The picture shows how the cloth would lie after this action, as a simulation predicts it. Answer once more, in the same format: with the same action if the cloth would lie as it should, otherwise with a better one.";
+
+/// By how much a measure must differ to decide anything: silhouettes are compared to about a hundredth.
+const NOTICEABLE: f64 = 0.01;
+
+/// An accepted answer, and what would come of it.
+struct Candidate<'a> {
+    proposal: Proposal,
+    accepted: Accepted,
+    motion: Option<Motion>,
+    measure: Option<f64>,
+    attempts: Attempts<'a>,
+    /// The answer's text.
+    reply: String,
+}
+
+/// Asks a stage for its candidates, and returns the best.
+pub(super) fn answer<'a>(
+    step: StepView<'a>,
+    (stage, rehearsal): (&'a Stage, &Rehearsal),
+    model: &dyn Model,
+    texts: &BTreeMap<String, String>,
+    exchange: &mut Exchange<'_, '_>,
+) -> Result<Answer, PolicyError> {
+    let count = rehearsal.choose.map_or(1, |_| stage.candidates());
+    let mut asked = 0;
+    let mut asked_anyway = 0;
+    let mut best: Option<Candidate<'a>> = None;
+    let mut without = None;
+    for number in 0..count {
+        let Asked {
+            answer,
+            attempts,
+            reply,
+        } = ask((step, stage), model, texts, exchange, (number, asked))?;
+        asked += attempts.asked();
+        if number == 0 {
+            asked_anyway = asked;
+        }
+        match answer {
+            Answer::Action { proposal, accepted } => {
+                let mut candidate = Candidate {
+                    motion: lowered(step, &proposal),
+                    measure: None,
+                    proposal,
+                    accepted,
+                    attempts,
+                    reply,
+                };
+                match tried(&mut candidate, exchange) {
+                    Ok(()) => {}
+                    Err(Untried::Interrupted) => return Ok(Answer::None(Outcome::Interrupted)),
+                    // Kept as an answer without a measure; the line says why.
+                    Err(Untried::Failed(_)) => {}
+                }
+                if best.as_ref().is_none_or(|best| is_better(&candidate, best)) {
+                    best = Some(candidate);
+                }
+            }
+            // Only the model's own faults leave the others a chance.
+            Answer::None(outcome @ (Outcome::AttemptsExhausted | Outcome::MalformedReply)) => {
+                without.get_or_insert(outcome);
+            }
+            other => return Ok(other),
+        }
+    }
+    if let Some(first) = best.as_mut()
+        && let Err(outcome) = revise(first, step, rehearsal, model, texts, exchange, &mut asked)?
+    {
+        return Ok(Answer::None(outcome));
+    }
+    if let Some(twins) = exchange.twins.as_deref_mut() {
+        let chosen = best.as_ref().map(|best| best.accepted.attempt);
+        twins.record_choice(chosen, asked - asked_anyway);
+    }
+    Ok(match best {
+        Some(best) => Answer::Action {
+            proposal: best.proposal,
+            accepted: best.accepted,
+        },
+        None => Answer::None(without.unwrap_or(Outcome::MalformedReply)),
+    })
+}
+
+/// Returns the motion of a proposal; `None` if it leads nowhere, which the rollout reports if it is taken.
+fn lowered(step: StepView<'_>, proposal: &Proposal) -> Option<Motion> {
+    let action = Action::lower(step.program, proposal, step.scene, step.observation)?;
+    Some(action.motion)
+}
+
+/// Folds a candidate on the twins.
+fn tried(candidate: &mut Candidate<'_>, exchange: &mut Exchange<'_, '_>) -> Result<(), Untried> {
+    let (Some(twins), Some(motion)) = (exchange.twins.as_deref_mut(), &candidate.motion) else {
+        return Ok(());
+    };
+    let attempt = candidate.accepted.attempt;
+    candidate.measure = twins.try_action(attempt, motion, exchange.interrupt)?;
+    Ok(())
+}
+
+/// Returns whether a candidate is better than an earlier one. An answer that passes every check comes before one that
+/// is accepted without some; of those that measure alike, the earlier is taken.
+fn is_better(candidate: &Candidate<'_>, earlier: &Candidate<'_>) -> bool {
+    let is_whole = |it: &Candidate<'_>| it.accepted.without.is_empty();
+    match (is_whole(candidate), is_whole(earlier)) {
+        (true, false) => return true,
+        (false, true) => return false,
+        _ => {}
+    }
+    match (candidate.measure, earlier.measure) {
+        (Some(measure), Some(before)) => measure > before + NOTICEABLE,
+        (Some(_), None) => true,
+        (None, _) => false,
+    }
+}
+
+/// Shows the model what would come of its answer, as often as the task says, and takes on what it answers then.
+///
+/// An answer that cannot be read, is refused, or is measured as worse leaves the one before it. Returns an outcome if the
+/// rollout ends.
+fn revise(
+    taken: &mut Candidate<'_>,
+    step: StepView<'_>,
+    rehearsal: &Rehearsal,
+    model: &dyn Model,
+    texts: &BTreeMap<String, String>,
+    exchange: &mut Exchange<'_, '_>,
+    asked: &mut u32,
+) -> Result<Result<(), Outcome>, PolicyError> {
+    let shown = |twins: &Twins, motion: &Motion| {
+        let picture = twins.picture(motion)?;
+        let sent = model.lowering().resized(picture).into_owned();
+        Some(Png::new(png::encode(&sent)))
+    };
+    for _ in 0..rehearsal.revisions {
+        let twins = exchange.twins.as_deref();
+        let predicted = twins.zip(taken.motion.as_ref());
+        let Some(png) = predicted.and_then(|(twins, motion)| shown(twins, motion)) else {
+            break;
+        };
+        taken.attempts.show_prediction(&taken.reply, PREDICTED, png);
+        taken.attempts.number_after(*asked);
+        let attempt = taken.attempts.ask(model, exchange.asking, texts)?;
+        *asked += 1;
+        (exchange.record)(&attempt)?;
+        let reply = attempt.reply.as_ref();
+        let reply = reply.map(|it| it.text.clone()).unwrap_or_default();
+        let fields = match attempt.finding {
+            Finding::Action {
+                fields,
+                verdict: Verdict::Accept,
+                ..
+            } => fields,
+            Finding::Failed { outcome, .. } => return Ok(Err(outcome)),
+            _ => break,
+        };
+        let proposal = Proposal { fields };
+        if proposal == taken.proposal {
+            break;
+        }
+        let accepted = Accepted {
+            stage: attempt.stage,
+            attempt: attempt.number,
+            without: Vec::new(),
+        };
+        let motion = lowered(step, &proposal);
+        let tried = match (exchange.twins.as_deref_mut(), &motion) {
+            (Some(twins), Some(motion)) => {
+                twins.try_action(accepted.attempt, motion, exchange.interrupt)
+            }
+            _ => break,
+        };
+        let measure = match tried {
+            Ok(measure) => measure,
+            Err(Untried::Interrupted) => return Ok(Err(Outcome::Interrupted)),
+            Err(Untried::Failed(_)) => break,
+        };
+        if let (Some(now), Some(before)) = (measure, taken.measure)
+            && now < before - NOTICEABLE
+        {
+            break;
+        }
+        (taken.proposal, taken.accepted) = (proposal, accepted);
+        (taken.motion, taken.measure, taken.reply) = (motion, measure, reply);
+    }
+    Ok(Ok(()))
+}

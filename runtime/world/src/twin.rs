@@ -1,0 +1,348 @@
+//! Twins: simulated cloths on which an action is tried before a world moves.
+//!
+//! In: a [`Sighting`] of a flat cloth in a camera's picture, and what the task declares about its twins. Out: a [`Twin`]
+//! that folds and is looked at. A twin has a simulator of its own. It is made of no [`World`] and no
+//! [`Start`](crate::start::Start), so it cannot hold a world's particles: the only thing that it gets of a world are
+//! pictures and executed motions.
+//!
+//! ```compile_fail,E0308
+//! # fn cannot(world: &dyn fab_world::World, camera: &fab_program::Camera, kind: &fab_world::twin::Kind<'_>) {
+//! let particles = world.particles().expect("a world that knows them");
+//! // A twin is laid from what a camera saw, and from nothing else.
+//! let twin = fab_world::twin::Twin::lay(&particles, kind);
+//! # }
+//! ```
+
+use crate::simulated::{SimulatedWorld, look};
+use crate::start::Start;
+use crate::vary::AxisValues;
+use crate::{Motion, World, WorldError};
+use fab_base::chance::Chance;
+use fab_base::interrupt::Interrupt;
+use fab_picture::observation::Observation;
+use fab_picture::{Mask, depth_mask};
+use fab_program::{self as program, ClothStart, PixelPoint, TwinRanges};
+use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
+
+/// Distance between a twin's particles, metres, up to rounding and drawn size: that of the recorded cloths.
+const SPACING_M: f64 = 0.00625;
+
+/// The fewest and the most particles along a side.
+const PARTICLES: [f64; 2] = [2.0, 200.0];
+
+/// How much nearer than the bare table a pixel must be to show a twin, metres: well above the rounding of depths and
+/// below half the thinnest cloth.
+const ABOVE_TABLE_M: f64 = 0.0001;
+
+/// Where a flat cloth lies, as a camera's picture shows it. Table frame, metres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sighting {
+    center_m: [f64; 2],
+    /// Its sides along and across `turn_rad`.
+    sides_m: [f64; 2],
+    /// Counter-clockwise as seen from above, from -45 to 45 degrees.
+    turn_rad: f64,
+}
+
+impl Sighting {
+    /// Finds the cloth on the table.
+    ///
+    /// - `corners_px`: of the rectangle around the cloth in the observation's picture, `[column, row]`, in order around.
+    ///
+    /// The cloth's height is the depth in the rectangle's middle. `None` if the camera does not look at the table there,
+    /// or the rectangle has no area.
+    pub fn of(observation: &Observation, corners_px: [[f64; 2]; 4]) -> Option<Sighting> {
+        let middle = [0, 1].map(|axis| corners_px.iter().map(|it| it[axis]).sum::<f64>() / 4.0);
+        let [column, row] = middle.map(|at| at.max(0.0) as u32);
+        let reading = observation.depth_m.get_pixel_checked(column, row);
+        let depth_m = reading.map_or(0.0, |it| f64::from(it.0[0]));
+        let camera = &observation.camera;
+        let point = |at: [f64; 2]| {
+            let seen = camera.world_from_pixel(at, depth_m);
+            let point = seen.or_else(|| camera.table_from_pixel(at))?;
+            Some([point.x, point.y])
+        };
+        let [a, b, c, d] = corners_px.map(point);
+        let corners = [a?, b?, c?, d?];
+        let between = |from: [f64; 2], to: [f64; 2]| [to[0] - from[0], to[1] - from[1]];
+        let mean = |a: [f64; 2], b: [f64; 2]| [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
+        // Opposite sides, in the same direction.
+        let along = mean(
+            between(corners[0], corners[1]),
+            between(corners[3], corners[2]),
+        );
+        let across = mean(
+            between(corners[1], corners[2]),
+            between(corners[0], corners[3]),
+        );
+        let [along_m, across_m] = [along, across].map(|side| side[0].hypot(side[1]));
+        if !(along_m > 0.0 && across_m > 0.0) {
+            return None;
+        }
+        let angle = along[1].atan2(along[0]);
+        let quarters = (angle / FRAC_PI_2).round();
+        let is_turned = quarters.rem_euclid(2.0) == 1.0;
+        Some(Sighting {
+            center_m: [0, 1].map(|axis| corners.iter().map(|it| it[axis]).sum::<f64>() / 4.0),
+            sides_m: match is_turned {
+                true => [across_m, along_m],
+                false => [along_m, across_m],
+            },
+            turn_rad: angle - quarters * FRAC_PI_2,
+        })
+    }
+}
+
+/// What all twins of a task share.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind<'a> {
+    /// The task's camera, with which twins are looked at.
+    pub camera: &'a program::Camera,
+    /// How they are picked, carried and released.
+    pub picker: program::Picker,
+    /// What they are made of, and the ranges of what is drawn.
+    pub ranges: &'a TwinRanges,
+    /// What the task's cloth is said to be made of; only its colours are used.
+    pub colours: Option<&'a program::Material>,
+}
+
+/// The drawn values of a twin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    /// Its sides, as a factor of those that the camera sees.
+    pub size: f64,
+    /// Its coefficient of friction on the table.
+    pub friction: f64,
+}
+
+impl Drawn {
+    /// Draws a twin's values; equal seeds give equal ones.
+    pub fn by(ranges: &TwinRanges, seed: &str) -> Drawn {
+        let mut chance = Chance::of(seed);
+        let mut within = |[low, high]: [f64; 2]| low + (high - low) * chance.fraction();
+        Drawn {
+            size: within(ranges.size),
+            friction: within(ranges.friction),
+        }
+    }
+}
+
+/// A simulated cloth that stands for the one that a camera sees.
+#[derive(Clone)]
+pub struct Twin {
+    world: SimulatedWorld,
+    /// Depth of the bare table, metres.
+    table_m: f64,
+}
+
+/// A twin as its camera sees it.
+pub struct TwinView {
+    /// The picture.
+    pub observation: Observation,
+    /// Which pixels show the twin.
+    pub silhouette: Mask,
+}
+
+impl Twin {
+    /// Lays a twin where a cloth was seen.
+    ///
+    /// Fails if the material is too stiff for a cloth of this size, or the camera cannot be simulated.
+    pub fn lay(seen: &Sighting, kind: &Kind<'_>, drawn: Drawn) -> Result<Twin, WorldError> {
+        let friction = BTreeMap::from([("friction".to_owned(), drawn.friction)]);
+        let mut world = SimulatedWorld::new(kind.camera, kind.picker)?
+            .with_material(kind.ranges.material.as_ref())
+            .with_look(look(kind.colours))
+            .varied(&AxisValues(friction), kind.camera);
+        let count = |side_m: f64| {
+            let cells = (side_m / SPACING_M).round() + 1.0;
+            cells.clamp(PARTICLES[0], PARTICLES[1])
+        };
+        let counts = seen.sides_m.map(count);
+        let cells = |axis: usize| seen.sides_m[axis] / (counts[axis] - 1.0);
+        let cloth = program::Cloth {
+            dimx: counts[0] as u32,
+            dimy: counts[1] as u32,
+            spacing_m: drawn.size * (cells(0) * cells(1)).sqrt(),
+            start: ClothStart::Flat,
+            material: kind.ranges.material.clone(),
+        };
+        world.reset(&Start::flat(&cloth).moved(seen.turn_rad, seen.center_m))?;
+        Ok(Twin {
+            world,
+            table_m: kind.camera.height_m,
+        })
+    }
+
+    /// Picks and places on the twin. It ends early when `interrupt` is raised.
+    pub fn fold(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<(), WorldError> {
+        self.world.act(motion, interrupt).map(drop)
+    }
+
+    /// Looks at the twin with the task's camera.
+    pub fn view(&mut self) -> Result<TwinView, WorldError> {
+        let observation = self.world.observe()?;
+        let silhouette = depth_mask(&observation.depth_m, self.table_m - ABOVE_TABLE_M);
+        Ok(TwinView {
+            observation,
+            silhouette,
+        })
+    }
+}
+
+/// About how many pixels along a picture's side are compared; more would not change an overlap by a hundredth.
+const SAMPLES: u32 = 256;
+
+impl TwinView {
+    /// Returns the overlap of the twin with the cloth of a camera's picture: the area of their intersection over that
+    /// of their union, from 0 to 1. Both are compared on the table's plane.
+    ///
+    /// - `cloth`: the pixels of `seen` that show cloth.
+    pub fn overlap_with(&self, cloth: &Mask, seen: &Observation) -> f64 {
+        let step = cloth.width().max(cloth.height()).div_ceil(SAMPLES).max(1) as usize;
+        let (mut both, mut either) = (0_u32, 0_u32);
+        for row in (0..cloth.height() as i32).step_by(step) {
+            for column in (0..cloth.width() as i32).step_by(step) {
+                let is_cloth = cloth.contains(PixelPoint::new(column, row));
+                let at = [f64::from(column) + 0.5, f64::from(row) + 0.5];
+                let point = seen.camera.table_from_pixel(at);
+                let at = point.and_then(|it| self.observation.camera.pixel_from_world(it));
+                let is_twin = at.is_some_and(|[column, row]| {
+                    let pixel = PixelPoint::new(column.floor() as i32, row.floor() as i32);
+                    self.silhouette.contains(pixel)
+                });
+                both += u32::from(is_cloth && is_twin);
+                either += u32::from(is_cloth || is_twin);
+            }
+        }
+        match either {
+            0 => 0.0,
+            _ => f64::from(both) / f64::from(either),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::WorldPoint;
+    use crate::conformance;
+    use fab_program::{Cloth, Picker};
+
+    /// The recorded cloth of 25 by 17 particles, turned and shifted.
+    fn laid() -> SimulatedWorld {
+        let cloth = Cloth {
+            dimx: 25,
+            dimy: 17,
+            spacing_m: SPACING_M,
+            start: ClothStart::Flat,
+            material: None,
+        };
+        let mut world = SimulatedWorld::new(&conformance::camera(), Picker::default()).unwrap();
+        let start = Start::flat(&cloth).moved(0.3, [0.02, -0.01]);
+        world.reset(&start).unwrap();
+        world
+    }
+
+    /// The corners of [`laid`] in its picture.
+    fn corners_px(world: &SimulatedWorld, seen: &Observation) -> [[f64; 2]; 4] {
+        let particles = world.particles().unwrap();
+        [0, 24, 424, 400].map(|index| {
+            let [x, y, z] = particles[index].map(f64::from);
+            let point = WorldPoint::new(x, y, z);
+            seen.camera.pixel_from_world(point).unwrap()
+        })
+    }
+
+    fn ranges(size: [f64; 2], friction: [f64; 2]) -> TwinRanges {
+        TwinRanges {
+            material: None,
+            size,
+            friction,
+            draws: 1,
+        }
+    }
+
+    fn twin(seen: &Sighting, size: f64) -> Twin {
+        let camera = conformance::camera();
+        let kind = Kind {
+            camera: &camera,
+            picker: Picker::default(),
+            ranges: &ranges([size; 2], [0.5; 2]),
+            colours: None,
+        };
+        let drawn = Drawn::by(kind.ranges, "a");
+        assert_eq!(
+            drawn,
+            Drawn {
+                size,
+                friction: 0.5
+            }
+        );
+        Twin::lay(seen, &kind, drawn).unwrap()
+    }
+
+    #[test]
+    fn a_twin_lies_where_the_camera_sees_the_cloth_and_has_the_drawn_size() {
+        let mut world = laid();
+        let observation = world.observe().unwrap();
+        let corners = corners_px(&world, &observation);
+        for first in 0..4 {
+            // Whichever corner comes first.
+            let mut corners = corners;
+            corners.rotate_left(first);
+            let seen = Sighting::of(&observation, corners).unwrap();
+            let [x, y] = seen.center_m;
+            assert!((x - 0.02).hypot(y + 0.01) < 1e-4, "{seen:?}");
+            assert!((seen.turn_rad - 0.3).abs() < 1e-3, "{seen:?}");
+            let wanted = [0.15, 0.1];
+            assert!((0..2).all(|it| (seen.sides_m[it] - wanted[it]).abs() < 2e-4));
+            let table = observation.camera.clone();
+            let cloth = depth_mask(&observation.depth_m, f64::from(0.648_f32));
+            let overlap = |size| {
+                let view = twin(&seen, size).view().unwrap();
+                assert_eq!(view.observation.camera, table);
+                view.overlap_with(&cloth, &observation)
+            };
+            let [same, larger] = [1.0, 1.2].map(overlap);
+            assert!(same > 0.97, "{same}");
+            // 1 / 1.2^2 is 0.69.
+            assert!((0.66..0.73).contains(&larger), "{larger}");
+        }
+    }
+
+    #[test]
+    fn a_twin_holds_no_reference_and_folds_without_the_world() {
+        fn owns_all_that_it_has<T: 'static>() {}
+        owns_all_that_it_has::<Twin>();
+        owns_all_that_it_has::<Sighting>();
+        let mut world = laid();
+        let observation = world.observe().unwrap();
+        let seen = Sighting::of(&observation, corners_px(&world, &observation)).unwrap();
+        let before = world.particles();
+        let mut folded = twin(&seen, 1.0);
+        let corner = |index: usize| {
+            let [x, y, z] = before.as_ref().unwrap()[index].map(f64::from);
+            WorldPoint::new(x, y, z)
+        };
+        let motion = Motion::new(corner(0), corner(24));
+        folded.fold(&motion, &Interrupt::default()).unwrap();
+        let flat = twin(&seen, 1.0).view().unwrap().silhouette.area_px() as f64;
+        let left = folded.view().unwrap().silhouette.area_px() as f64 / flat;
+        assert!(left < 0.85, "{left}");
+        assert_eq!(world.particles(), before);
+    }
+
+    #[test]
+    fn draws_depend_on_their_seed_alone_and_stay_in_the_ranges() {
+        let ranges = ranges([0.9, 1.1], [0.2, 0.8]);
+        let drawn = |seed: u32| Drawn::by(&ranges, &format!("twin {seed}"));
+        assert_eq!(drawn(1), drawn(1));
+        assert_ne!(drawn(1), drawn(2));
+        for seed in 0..100 {
+            let Drawn { size, friction } = drawn(seed);
+            assert!((0.9..1.1).contains(&size) && (0.2..0.8).contains(&friction));
+        }
+    }
+}
