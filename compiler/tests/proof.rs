@@ -319,10 +319,14 @@ proptest! {
 
 #[test]
 fn every_word_that_the_reader_knows_can_be_a_choice() {
-    let files = std::fs::read_dir("program/src/reply").unwrap();
-    let sources = files.map(|file| std::fs::read_to_string(file.unwrap().path()).unwrap());
-    let words: std::collections::BTreeSet<String> = sources
-        .flat_map(|source| {
+    let folders = ["program/src/reply", "program/src/reply/doubt"];
+    let words: std::collections::BTreeSet<String> = folders
+        .into_iter()
+        .flat_map(|folder| std::fs::read_dir(folder).unwrap())
+        .map(|file| file.unwrap().path())
+        .filter(|path| path.is_file())
+        .flat_map(|path| {
+            let source = std::fs::read_to_string(path).unwrap();
             let words = source.split(|letter: char| !letter.is_ascii_lowercase());
             words.map(str::to_owned).collect::<Vec<_>>()
         })

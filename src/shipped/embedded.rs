@@ -80,7 +80,14 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
-    const LEFT_OUT: [&str; 4] = ["real", "snapshots", "suites", "textiles"];
+    const LEFT_OUT: [&str; 6] = [
+        "real",
+        "rehearsed",
+        "lib/rehearsed.fab",
+        "snapshots",
+        "suites",
+        "textiles",
+    ];
 
     /// Adds the files of a folder by their paths relative to `tasks`.
     fn list(tasks: &Path, folder: &Path, files: &mut BTreeSet<String>) {
