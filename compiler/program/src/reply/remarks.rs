@@ -90,14 +90,14 @@ const WITHDRAWN: &str = "the answer says that it is not to be carried out";
 const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_FRAME, &["origin", "bottom|lower|center|centre|middle|cloth"], "not|no|without|top"),
     anywhere(Pixels, OTHER_FRAME, &["( 0 , 0 )", "is|being|at", "center|centre|middle|bottom|lower"], "not|top"),
-    anywhere(Pixels, OTHER_FRAME, &["y", "measured upward|measured upwards|increases upward|increases upwards|increasing upward|increasing upwards|grows upward|grows upwards|points up|pointing up|axis up|upward from|upwards from|from the bottom"], NOT),
+    anywhere(Pixels, OTHER_FRAME, &["y", "measured upward|measured upwards|increases upward|increases upwards|increasing upward|increasing upwards|grows upward|grows upwards|points up|pointing up|axis up|upward from|upwards from|from the bottom"], "not|no|without|isn't|aren't|haven't|atan2|arctan|atan"),
     anywhere(Pixels, OTHER_FRAME, &["x|y|coordinates|coordinate|columns|rows", "counted|counts|measured|measures|grows|growing|increases|increasing|starts|starting|runs|running", "from the right|from the bottom|from the lower|from right|from bottom|to the left|leftwards"], "not|no|clockwise|counterclockwise|ccw|anticlockwise|angle|angles|direction|directions|deg|°"),
     anywhere(Pixels, OTHER_FRAME, &["relative to the pick|displacement from the pick|offset from the pick|relative to the cloth|not of the image|relative to the cropped"], ""),
     anywhere(Pixels, OTHER_FRAME, &["millimetres|millimeters|mm|centimetres|centimeters|cm|meters|metres|inches", "robot|base|world", "frame|coordinates"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["centimetres|centimeters|cm|millimetres|millimeters|mm|inches", "units :|unit :|table corner|corner of the table"], "distance|length|lengths"),
     anywhere(Pixels, OTHER_UNIT, &["normalized|normalised", "coordinates|coordinate|points|values|true|0"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["percent|percentage|percentages|thousandths", "coordinates|coordinate|x|width|height|image size|unit|units"], NOT),
-    anywhere(Pixels, OTHER_UNIT, &["1000|999", "grid|scale|range|scaled", "coordinates|coordinate|points|values|relative|normalized|:"], ""),
+    anywhere(Pixels, OTHER_UNIT, &["1000|999", "grid|scale|range|scaled", "coordinates|coordinate|points|values|relative|normalized|both|they|these|all|:"], ""),
     anywhere(Pixels, OTHER_UNIT, &["grid|patches|cells", "column|columns|row|rows|cell", "name|count|divided|number"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["not in pixels|not pixels|not px|not in px|not pixel", POINTS], ""),
     anywhere(Pixels, OTHER_ORDER, &["row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
@@ -122,6 +122,7 @@ const ROWS: &[Row] = &[
     anywhere(Action, SAMPLE, &["sample values|example values|placeholder values|are placeholders|placeholder coordinates|sample coordinates|example coordinates|only an example|just an example|merely an example|only a template|just a template|only a sample|only an illustration"], NOT),
     anywhere(Action, SAMPLE, &["would look like|would respond|you would write|format would be|would be formatted|would have the form|structure you need|replace the numbers|replace the values|replace these|replace them|replace those|fill in the actual|fill in your|once i know|one usually sees|the demonstration reads|the paper reads"], ""),
     anywhere(Action, "the answer says what would be right in another picture", &["if|assuming", "were at|were in|could see|had the image|were visible|was centered|was centred", "would|could"], ""),
+    anywhere(Action, "the answer says what would be right in another picture", &["if|assuming|supposing", "were|was|had|lay", "the answer would|answer would|action would|values would|solution would|pick would|output would|i would answer|it would be :"], ""),
     anywhere(Action, "the answer says what would be right in another picture", &["^ suppose|^ supposing|^ imagine", "were|was|had"], ""),
     anywhere(Action, UNSEEN, &["can't|cannot|unable|don't|can not|couldn't|do not|didn't|not able|no", "see the image|see an image|see any image|see images|see your image|see the picture|see a picture|see any picture|see the photo|see the cloth|view the image|view an image|view images|view the picture|analyze images|analyze the image|access the image|access images|access to the image|process images|open the image|receive an image|receive the image|tell where the cloth"], ""),
     anywhere(Action, UNSEEN, &["no access to|not have access|no image|no picture|no photo|without the image|without an image|not given the image|without seeing the image|without seeing the cloth|image failed|image was not|no cloth in|cloth not detected|didn't come through|did not come through", "attached|came|come|provided|received|through|cannot|can't|given|was|available|determine|load|opinion|image|returning"], ""),
@@ -265,7 +266,10 @@ pub(super) fn doubt(
         // `Draft, to be checked:` above the first value
         if begins < first && first <= ends {
             let above = sentence.partition_point(|token| token.at < first);
-            let is_heading = above > 0 && sentence[above - 1].is_sign(':');
+            // `If the cloth lay the other way, the answer would be`, on a line of its own
+            let is_heading = above > 0
+                && (sentence[above - 1].is_sign(':')
+                    || sentence.get(above).is_some_and(|token| token.gap >= Gap::Line));
             if is_heading
                 && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before, language)
             {

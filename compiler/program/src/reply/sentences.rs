@@ -368,8 +368,15 @@ impl<'a> Sentences<'a> {
             return None;
         }
         let leads = |token: &Token<'_>| token.is_any(&["to", "onto", "toward", "towards", "until"]);
+        let is_open =
+            |token: &Token<'_>| matches!(token.kind, Kind::Number | Kind::Sign('(' | '['));
         if matches!(mention.form, Form::VerbAt | Form::PassiveAt)
-            && self.tokens[named..cursor.at].iter().any(leads)
+            && (named..cursor.at).any(|at| {
+                // `Pull (72, 48) towards the upper right` leads to a side, and not to the point.
+                let begun = (named..at).any(|it| is_open(&self.tokens[it]));
+                let to_point = self.tokens.get(at + 1).is_some_and(is_open);
+                leads(&self.tokens[at]) && (!begun || to_point)
+            })
         {
             return None;
         }
@@ -930,7 +937,7 @@ impl<'a> Sentences<'a> {
                     || token.is_any(&["at", "by", "in", "that", "is", "i.e.", "so", "exactly"])
             });
             // `up and to the left`: the last word alone is only a part of it.
-            let is_part = at > 0 && self.tokens[at - 1].is_any(&["and", "the", "to", "-"]);
+            let is_part = at > 0 && self.tokens[at - 1].is_any(&["and", "the", "to", "-", "upper", "lower", "top", "bottom"]);
             !is_beside || is_part || side == *deg
         })
     }

@@ -76,12 +76,16 @@ pub(super) fn cast_by(
         Place::After => true,
     };
     let is_courtesy = COURTESIES.iter().any(|it| words.starts_with(it));
+    let has_strange_word = || {
+        let mut weighed = clauses.iter().filter(|it| !it.describes_the_world());
+        weighed.any(|it| known::has_strange_word(it.words))
+    };
     let is_strange = language == Language::English && may_be_strange && !is_courtesy;
     let doubted = clauses.iter().find_map(Clause::doubt);
     doubted
         .or_else(|| clauses.iter().find_map(sayings::why))
         .or_else(|| weighing::favours_another(&clauses))
-        .or_else(|| (is_strange && known::has_strange_word(&words)).then_some(STRANGE))
+        .or_else(|| (is_strange && has_strange_word()).then_some(STRANGE))
 }
 
 /// Cuts a sentence at its signs and conjunctions.
@@ -135,9 +139,22 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
             && words
                 .iter()
                 .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it))
-            && !words
-                .iter()
-                .any(|it| NEGATIONS.contains(it) || *it == "but");
+            && !words.iter().any(|it| NEGATIONS.contains(it))
+            // `A tempting but mistaken choice`
+            && words.iter().rposition(|it| *it == "but").is_none_or(|but| {
+                words[but..]
+                    .iter()
+                    .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it))
+            });
+        // `What a bad answer looks like:`
+        let is_bad = announces
+            && words
+                .windows(2)
+                .any(|pair| DOUBTS.contains(&pair[0]) && ANSWERS.contains(&pair[1]))
+            && !words.iter().any(|it| {
+                NEGATIONS.contains(it)
+                    || words!("i we instead was were but avoid avoids rather replaces").contains(it)
+            });
         let is_formal = is_doubtful
             || announces
                 && (words!("example sample template").contains(first)
@@ -145,6 +162,7 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                         && words!("to for").contains(&words[1])
                     || *first == "not" && !words.contains(&"but"));
         let dismisses = is_formal
+            || is_bad
             || announces
                 && words
                     .iter()
@@ -175,7 +193,7 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                         .any(|it| said.contains(&format!(" {verb} {it} ")))
                 })
             && said.contains(" as ");
-        return (hedges || says(FORMALITIES)).then_some(DOUBTED);
+        return (hedges || says(FORMALITIES) || reports(words)).then_some(DOUBTED);
     }
     let is_foreign = words
         .iter()
@@ -219,7 +237,8 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                 words!("matches done complete completed finished solved reached").contains(it)
             })
             && words[..at].iter().rev().take(3).any(|it| {
-                words!("cloth towel garment shirt task goal job everything fabric").contains(it)
+                words!("cloth towel garment shirt task goal subgoal target job everything fabric")
+                    .contains(it)
             })
     });
     if blurs || is_done {
@@ -274,6 +293,31 @@ fn introduces_another(words: &[&str]) -> bool {
                     && !words!("it this that").contains(&pair[0])
                     && !words.contains(&"my"))
         })
+}
+
+/// Returns whether the line above the values says that somebody else, or an earlier step, has stated them.
+fn reports(words: &[&str]) -> bool {
+    let last = words.last().copied().unwrap_or_default();
+    let is_of_now = words
+        .iter()
+        .any(|it| words!("i we my now so therefore instead instruction next").contains(it));
+    if words!(". ! ? ; …").contains(&last) || is_of_now && words.first() != Some(&"my")
+        || words.starts_with(&["as"])
+    {
+        return false;
+    }
+    let is_other = |it: &&str| {
+        PEOPLE.contains(it) || AGENTS.contains(it) && !words!("you hand one").contains(it) || REPORTERS.contains(it)
+    };
+    let stated = words.iter().position(|it| is_other(&it)).is_some_and(|at| {
+        let mut behind = words[at + 1..].iter().take(3);
+        behind.any(|it| REPORTING.contains(it))
+    });
+    let was = words!("was were did").contains(&words[words.len().saturating_sub(2)])
+        && words
+            .iter()
+            .any(|it| words!("step turn move action answer round log").contains(it));
+    stated || was
 }
 
 /// Writes a sentence in lower case, with its contractions written out.
@@ -410,6 +454,50 @@ impl<'a> Clause<'a> {
         }
     }
 
+    /// Returns whether the clause only describes the cloth or the picture, in any words.
+    ///
+    /// It does not if it says what ought to be done or may be, compares, or points at the answer or its reader.
+    fn describes_the_world(&self) -> bool {
+        let is_verb = |it: &str| {
+            BE.contains(&it)
+                || MODALS.contains(&it)
+                || SEEMING.contains(&it)
+                || it.ends_with('s') && EFFECTS.iter().any(|stem| it.starts_with(stem))
+        };
+        let points_elsewhere = |it: &&str| {
+            words!("should must ought need needs may might i my me we our you your this these here better best more")
+                .contains(it)
+                || words!("answer answers values numbers spot idea").contains(it)
+                || SUPERIOR.contains(it)
+                || AGENTS.contains(it) && *it != "one"
+        };
+        let is_description = self.subject == Subject::World
+            && self.words.iter().skip(1).any(|it| is_verb(it))
+            || self.is_explaining();
+        is_description && !self.words.iter().any(points_elsewhere) || self.tells_its_effect()
+    }
+
+    /// Returns whether the clause tells what the answer does to the cloth: `this completes the third corner`.
+    fn tells_its_effect(&self) -> bool {
+        let Predicate {
+            denies,
+            modal,
+            head,
+            rest,
+        } = Predicate::of(self.predicate);
+        self.subject == Subject::Answer
+            && !denies
+            && modal.is_none_or(|it| it == "will")
+            && head.is_some_and(|verb| {
+                verb.ends_with('s')
+                    && EFFECTS.iter().any(|stem| verb.starts_with(stem))
+                    && !weighing::is_evasive(verb)
+            })
+            && rest
+                .first()
+                .is_some_and(|it| ARTICLES.contains(it) || it.starts_with(char::is_numeric))
+    }
+
     fn is_explaining(&self) -> bool {
         EXPLAINING.contains(&self.joint)
     }
@@ -465,7 +553,8 @@ impl<'a> Clause<'a> {
             Subject::World if matches!(self.words[0], "a" | "an") => self.labels(),
             Subject::World => None,
             Subject::Nobody => self
-                .orders(self.words)
+                .rests()
+                .or_else(|| self.orders(self.words))
                 .or_else(|| self.labels())
                 .or_else(|| self.elides()),
         };
@@ -621,7 +710,9 @@ impl<'a> Clause<'a> {
             return Some(CHANGED);
         }
         let is_effect = EFFECTS.iter().any(|stem| verb.starts_with(stem));
-        (self.is_plain_reference() && !is_effect).then_some(DOUBTED)
+        // `This should not disturb the flaps`
+        let is_spared = denies && weighing::is_unwanted(verb);
+        (self.is_plain_reference() && !is_effect && !is_spared).then_some(DOUBTED)
     }
 
     /// Returns whether the subject can be nothing but the answer, and a verb must follow it.

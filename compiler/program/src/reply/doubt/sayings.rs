@@ -121,6 +121,13 @@ const ROWS: &[Row] = &[
     row(Ever, Author, "^ i am guessing", "", DOUBTED),
     row(Later, Answer, "against|contrary|violates the|to|its SHOWN|goal|rule|rules", "not", DOUBTED),
     row(Ever, Author, "would rather not", "", HALTED),
+    row(Ever, Anything, "following|below|above fails|violates|breaks|contradicts", "not|no|never", DOUBTED),
+    row(Ever, Anything, "then|next|finally|afterwards|and do|repeat the|it|this|that * again|more|twice|opposite|reverse", "side|sleeve|corner", CHANGED),
+    row(Later, Answer, "^ PART BE reversed|exchanged|interchanged|inverted", "not", CHANGED),
+    row(Later, Anything, "arm|robot|gripper can|could not", "ANOTHER", DOUBTED),
+    row(Later, World, "image|picture|photo can|could|do|does|did not allow|permit|let", "", DOUBTED),
+    row(Ever, Author, "not * have|receive|received|get|got|given|view a|an|any|the|your|actual image|picture|photo", "", DOUBTED),
+    row(Later, Anything, "^ half|quarter|third|tenth * BE overkill|excessive|plenty|ample|all", "not", OTHERWISE),
     // Nothing is to be done.
     row(After, Nobody, "^ hold|park|stop|halt the robot|arm|gripper|motion", "", HALTED),
     row(Later, Nobody, "^ confirm|review|approve|delete|replace|adjust $", "", HALTED),
@@ -206,9 +213,6 @@ fn pieces(pattern: &'static str) -> Vec<Piece> {
 
 /// Returns why a clause cannot stand beside an answer that is meant, if a row says so.
 pub(super) fn why(clause: &Clause<'_>) -> Option<&'static str> {
-    if clause.is_sequel {
-        return None;
-    }
     let named = &clause.words[..clause.words.len() - clause.predicate.len()];
     let found = ROWS
         .iter()
@@ -234,6 +238,7 @@ pub(super) fn why(clause: &Clause<'_>) -> Option<&'static str> {
                 }
             };
             is_then
+                && (row.when == Ever || !clause.is_sequel)
                 && is_of_it
                 && says_pattern(clause.words, says)
                 && !says_pattern(clause.words, unless)

@@ -12,6 +12,23 @@ pub(super) const PARTS: &[&str] = words!(
     proposal response json fold plan figures data spot lines two three above following x y"
 );
 
+/// What names an answer as a whole.
+pub(super) const ANSWERS: &[&str] = words!(
+    "answer answers action move choice result output response reply proposal suggestion pick grasp pull fold attempt example
+    values pair"
+);
+
+/// What may have stated values besides the model and people.
+pub(super) const REPORTERS: &[&str] = words!(
+    "model models assistant agent baseline heuristic planner detector script tool user team policy"
+);
+
+/// How somebody else states values, or carries them out.
+pub(super) const REPORTING: &[&str] = words!(
+    "did chose used executed performed ran tried made suggested suggests proposed proposes answered answers said says gave
+    gives wrote writes returned returns recommended recommends picked predicted predicts"
+);
+
 /// What counts parts of the answer: `none of that`, `both`.
 pub(super) const QUANTIFIERS: &[&str] = words!(
     "any all both each either neither none most some much everything anything nothing half one"
@@ -152,7 +169,7 @@ pub(super) const DISMISSALS: &[&str] = words!(
     undo redo revert treat consider regard take view see verify check confirm double-check adjust correct fix shift swap
     change replace revise nudge raise lower reverse mirror flip abandon shelve dismiss trash dump revisit repeat ditch
     distrust mistrust doubt question unsee rub suspend hold refuse veto override round scale rotate invert exchange
-    interchange switch turn drop bump tweak modify amend edit reinterpret reread keep call file postpone strike burn"
+    interchange switch halve double multiply divide add subtract turn drop bump tweak modify amend edit reinterpret reread keep call file postpone strike burn"
 );
 
 /// Orders that may name the answer without dismissing it: `Keep it flat`, `Check it in the next image`.
