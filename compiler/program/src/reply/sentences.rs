@@ -368,15 +368,8 @@ impl<'a> Sentences<'a> {
             return None;
         }
         let leads = |token: &Token<'_>| token.is_any(&["to", "onto", "toward", "towards", "until"]);
-        let is_open =
-            |token: &Token<'_>| matches!(token.kind, Kind::Number | Kind::Sign('(' | '['));
         if matches!(mention.form, Form::VerbAt | Form::PassiveAt)
-            && (named..cursor.at).any(|at| {
-                // `Pull (72, 48) towards the upper right` leads to a side, and not to the point.
-                let begun = (named..at).any(|it| is_open(&self.tokens[it]));
-                let to_point = self.tokens.get(at + 1).is_some_and(is_open);
-                leads(&self.tokens[at]) && (!begun || to_point)
-            })
+            && self.tokens[named..cursor.at].iter().any(leads)
         {
             return None;
         }

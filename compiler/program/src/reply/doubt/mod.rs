@@ -66,6 +66,10 @@ pub(super) fn cast_by(
     }
     let clauses = clauses(&words, place);
     let is_of_answer = |clause: &Clause<'_>| {
+        // `Here is a breakdown of the scene`
+        if words.starts_with(&["here"]) && !words.iter().any(|it| PARTS.contains(it)) {
+            return false;
+        }
         let named = &clause.words[..clause.words.len() - clause.predicate.len()];
         clause.subject == Subject::Answer && refers_forward(named)
     };
@@ -161,7 +165,18 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                     || words!("just only merely purely").contains(first)
                         && words!("to for").contains(&words[1])
                     || *first == "not" && !words.contains(&"but"));
+        // `Rough draft, not to be executed:`
+        let forbids = announces
+            && says("not to be|not for execution|not for use|not intended|not meant|not for this");
+        if announces
+            && said.contains(" would ")
+            && words!("for in on with").contains(first)
+            && words!("a an another").contains(&words[1])
+        {
+            return Some(CONDITIONAL);
+        }
         let dismisses = is_formal
+            || forbids
             || is_bad
             || announces
                 && words
@@ -219,6 +234,9 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         });
     if wishes {
         return Some(CONDITIONAL);
+    }
+    if place == Place::After && words.starts_with(&["if", "i"]) && said.contains(" i would ") {
+        return Some(OTHERWISE);
     }
     if says(UNCERTAIN) {
         return Some(DOUBTED);
@@ -471,7 +489,12 @@ impl<'a> Clause<'a> {
                 || SUPERIOR.contains(it)
                 || AGENTS.contains(it) && *it != "one"
         };
-        let is_description = self.subject == Subject::World
+        let is_told = match self.subject {
+            Subject::World => true,
+            Subject::Nobody => self.words.first().is_some_and(|it| !orders(it)),
+            _ => false,
+        };
+        let is_description = is_told
             && self.words.iter().skip(1).any(|it| is_verb(it))
             || self.is_explaining();
         is_description && !self.words.iter().any(points_elsewhere) || self.tells_its_effect()

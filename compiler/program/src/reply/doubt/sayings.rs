@@ -126,6 +126,9 @@ const ROWS: &[Row] = &[
     row(Later, Answer, "^ PART BE reversed|exchanged|interchanged|inverted", "not", CHANGED),
     row(Later, Anything, "arm|robot|gripper can|could not", "ANOTHER", DOUBTED),
     row(Later, World, "image|picture|photo can|could|do|does|did not allow|permit|let", "", DOUBTED),
+    row(Later, Author, "not agree|concur", "", DOUBTED),
+    row(Later, Anything, "would|will need|take|require at least|more", "not", OTHERWISE),
+    row(After, Nobody, "^ take|use|make|choose only|just|it half|quarter|third|twice|double", "", CHANGED),
     row(Ever, Author, "not * have|receive|received|get|got|given|view a|an|any|the|your|actual image|picture|photo", "", DOUBTED),
     row(Later, Anything, "^ half|quarter|third|tenth * BE overkill|excessive|plenty|ample|all", "not", OTHERWISE),
     // Nothing is to be done.

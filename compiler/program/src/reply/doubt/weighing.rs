@@ -335,7 +335,8 @@ impl Clause<'_> {
             |it: &&str| words!("this these here there at pick place point for").contains(it);
         self.subject == Subject::World
             && self.words.contains(&"not")
-            && !self.words.iter().any(|it| speaks_of_answer(it))
+            && (self.words.windows(3).any(|it| it == ["not", "part", "of"])
+                || !self.words.iter().any(|it| speaks_of_answer(it)))
     }
 
     /// Returns whether the clause denies something that nobody would want to deny of an answer that is meant.
