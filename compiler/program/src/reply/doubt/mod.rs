@@ -167,7 +167,7 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                     || *first == "not" && !words.contains(&"but"));
         // `Rough draft, not to be executed:`
         let forbids = announces
-            && says("not to be|not for execution|not for use|not intended|not meant|not for this");
+            && says("not to be|not for execution|not for use|not intended|not meant|not for this|before this one|after this one");
         if announces
             && said.contains(" would ")
             && words!("for in on with").contains(first)

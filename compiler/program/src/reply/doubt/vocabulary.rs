@@ -366,8 +366,7 @@ pub(super) const ELSEWHERE: &[&str] = words!(
 /// Sayings that doubt or halt, whatever they are said of; separated by `|`.
 pub(super) const SAYINGS: &str = "stand in for|stands in for|should rather|must rather|ought rather|could be that|may be that|might be that|could well be|may well be|might well be|more good|will want to|may want to|might want to|place to start|place to begin|more promising|more urgent|more sensible|more suitable|seems better|looks better|came to mind|chance of success|no point in|no sense in|no use in|no guarantee|no hope|no certainty|too early|too late|from nothing|on balance|wanted to say|meant to say|would benefit|should come first|must come first|needs to come first|has to come first|ought to come first|the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
     |coin flip|coin toss|flip of a coin|toss of a coin|second opinion|need a closer look|needs a closer look|deserves a closer look\
-    |take it back|take that back|take this back|strike that|my gut|top of my head|at face value|this one out|stay put\
-    |staying put|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
+    |take it back|take that back|take this back|strike that|my gut|top of my head|at face value|this one out|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
     |drawing board|not so fast|too soon|think twice|think again|who knows|your guess|no way to know|own risk|no promises\
     |no guarantee|no guarantees|no warranty|for what it is worth|made up|made it up|made them up|making this up|making it up\
     |had better|would better|best left|better left|up to you|your call|your discretion|never said|never happened|out of thin air\

@@ -40,14 +40,14 @@ const DRAWBACKS: &[&str] = words!(
     tear tore damag flip toppl collaps wors weak smaller wast unnecess redundan needless difficult awkward ambig
     unclear blurr shrink limit miss fail doubl layer whole entire expense conflict contradict violat unreach unstable
     thick stiff center centre duplicat repeat again lift move float slight bit again time folded inward loose
-    need costs inaccess back smear middle bruise overkill scratch leav strain worthless pucker waste spoil ruin wreck"
+    need costs inaccess back smear middle beyond past bruise overkill scratch leav strain worthless pucker waste spoil ruin wreck"
 );
 
 /// What another way to act does that tells against it, whatever it does it to; stems.
 const SPOILING: &[&str] = words!(
     "overshoot undershoot exceed skew drag slip slid los occlu obscur crush crease undo disturb wrinkl bunch crumpl twist tangl
     tear damag topple collaps wast miss fail conflict contradict violat ruin wreck spoil duplicat hinder displac
-    misalign destroy stretch bury"
+    misalign destroy stretch bury stack pile shear scrape poke jam"
 );
 
 /// What a part of the cloth does where the answer leads; stems.
@@ -191,7 +191,11 @@ fn gains(words: &[&str]) -> bool {
                     || words!("nor neither too cannot little only second").contains(it)
             });
         // `more than 200 px from the middle`
-        let exceeds = *it == "more" && at + 1 == words.len();
+        // and `stack even more cloth` is no gain.
+        let exceeds = *it == "more"
+            && words.get(at + 1).is_none_or(|next| {
+                CLOTHS.contains(next) || words!("layers wrinkles folds creases").contains(next)
+            });
         begins_with(it, GAINS) && !denied && !exceeds
     })
 }
@@ -269,8 +273,7 @@ impl Clause<'_> {
         let length = self.words.len();
         self.subject == Subject::World
             && self.conceived_verb().is_some_and(|verb| {
-                let is_effect = EFFECTS.iter().any(|stem| verb.starts_with(stem));
-                is_effect && !begins_with(verb, EVASIVE)
+                !begins_with(verb, EVASIVE) && !begins_with(verb, GAINS)
             })
             && length > 4
             || self.words.contains(&"mirror") || self.words.contains(&"mirrored")
