@@ -90,7 +90,7 @@ const WITHDRAWN: &str = "the answer says that it is not to be carried out";
 const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_FRAME, &["origin", "bottom|lower|center|centre|middle|cloth"], "not|no|without|top"),
     anywhere(Pixels, OTHER_FRAME, &["( 0 , 0 )", "is|being|at", "center|centre|middle|bottom|lower"], "not|top"),
-    anywhere(Pixels, OTHER_FRAME, &["y", "measured upward|measured upwards|increases upward|increases upwards|increasing upward|increasing upwards|grows upward|grows upwards|points up|pointing up|axis up|upward from|upwards from|from the bottom"], "not|no|without|isn't|aren't|haven't|atan2|arctan|atan"),
+    anywhere(Pixels, OTHER_FRAME, &["y", "starts at the bottom|begins at the bottom|zero at the bottom|0 at the bottom|measured upward|measured upwards|increases upward|increases upwards|increasing upward|increasing upwards|grows upward|grows upwards|points up|pointing up|axis up|upward from|upwards from|from the bottom"], "not|no|without|isn't|aren't|haven't|atan2|arctan|atan"),
     anywhere(Pixels, OTHER_FRAME, &["x|y|coordinates|coordinate|columns|rows", "counted|counts|measured|measures|grows|growing|increases|increasing|starts|starting|runs|running", "from the right|from the bottom|from the lower|from right|from bottom|to the left|leftwards"], "not|no|clockwise|counterclockwise|ccw|anticlockwise|angle|angles|direction|directions|deg|°"),
     anywhere(Pixels, OTHER_FRAME, &["relative to the pick|displacement from the pick|offset from the pick|relative to the cloth|not of the image|relative to the cropped"], ""),
     anywhere(Pixels, OTHER_FRAME, &["millimetres|millimeters|mm|centimetres|centimeters|cm|meters|metres|inches", "robot|base|world", "frame|coordinates"], NOT),
@@ -103,6 +103,7 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_ORDER, &["row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["copy|version|thumbnail|screenshot", "half size|half the size|double size|twice the size|smaller size|reduced size|half scale|another scale"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|refer to the depth|refers to the depth|twice the resolution|double the resolution|from the goal image|from the depth|half the resolution|half resolution"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["in the depth image|in the goal image", "coordinates|coordinate|pixels|values"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["image|picture", "be mirrored|upside down|turned it|rotated it|rotated by|is mirrored"], NOT),
@@ -270,7 +271,9 @@ pub(super) fn doubt(
             // `If the cloth lay the other way, the answer would be`, on a line of its own
             let is_heading = above > 0
                 && (sentence[above - 1].is_sign(':')
-                    || sentence.get(above).is_some_and(|token| token.gap >= Gap::Line));
+                    || sentence
+                        .get(above)
+                        .is_some_and(|token| token.gap >= Gap::Line));
             if is_heading
                 && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before, language)
             {

@@ -81,8 +81,17 @@ pub(super) fn cast_by(
     };
     let is_courtesy = COURTESIES.iter().any(|it| words.starts_with(it));
     let has_strange_word = || {
-        let mut weighed = clauses.iter().filter(|it| !it.describes_the_world());
-        weighed.any(|it| known::has_strange_word(it.words))
+        let mut goes_on = false;
+        clauses.iter().any(|clause| {
+            // `The band comes from the lamp and can be neglected`
+            let is_elided = clause.joint == "and"
+                && clause
+                    .words
+                    .first()
+                    .is_some_and(|it| MODALS.contains(it) || BE.contains(it) || it.ends_with('s'));
+            goes_on = clause.describes_the_world() || goes_on && is_elided;
+            !goes_on && known::has_strange_word(clause.words)
+        })
     };
     let is_strange = language == Language::English && may_be_strange && !is_courtesy;
     let doubted = clauses.iter().find_map(Clause::doubt);
@@ -167,7 +176,9 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                     || *first == "not" && !words.contains(&"but"));
         // `Rough draft, not to be executed:`
         let forbids = announces
-            && says("not to be|not for execution|not for use|not intended|not meant|not for this|before this one|after this one");
+            && says(
+                "not to be|not for execution|not for use|not intended|not meant|not for this|before this one|after this one",
+            );
         if announces
             && said.contains(" would ")
             && words!("for in on with").contains(first)
@@ -319,14 +330,20 @@ fn reports(words: &[&str]) -> bool {
     let is_of_now = words
         .iter()
         .any(|it| words!("i we my now so therefore instead instruction next").contains(it));
-    if words!(". ! ? ; …").contains(&last) || is_of_now && words.first() != Some(&"my")
+    if words!(". ! ? ; …").contains(&last)
+        || is_of_now && words.first() != Some(&"my")
         || words.starts_with(&["as"])
     {
         return false;
     }
     let is_other = |it: &&str| {
-        PEOPLE.contains(it) || AGENTS.contains(it) && !words!("you hand one").contains(it) || REPORTERS.contains(it)
+        PEOPLE.contains(it)
+            || AGENTS.contains(it) && !words!("you hand one").contains(it)
+            || REPORTERS.contains(it)
     };
+    // `The foreman told the robot:`
+    let begins = matches!(words, ["the" | "a" | "an" | "another" | "our", _, verb, ..]
+        if words!("told wrote said did used executed performed tried ran").contains(verb));
     let stated = words.iter().position(|it| is_other(&it)).is_some_and(|at| {
         let mut behind = words[at + 1..].iter().take(3);
         behind.any(|it| REPORTING.contains(it))
@@ -335,7 +352,7 @@ fn reports(words: &[&str]) -> bool {
         && words
             .iter()
             .any(|it| words!("step turn move action answer round log").contains(it));
-    stated || was
+    stated || begins || was
 }
 
 /// Writes a sentence in lower case, with its contractions written out.
@@ -494,9 +511,8 @@ impl<'a> Clause<'a> {
             Subject::Nobody => self.words.first().is_some_and(|it| !orders(it)),
             _ => false,
         };
-        let is_description = is_told
-            && self.words.iter().skip(1).any(|it| is_verb(it))
-            || self.is_explaining();
+        let is_description =
+            is_told && self.words.iter().skip(1).any(|it| is_verb(it)) || self.is_explaining();
         is_description && !self.words.iter().any(points_elsewhere) || self.tells_its_effect()
     }
 

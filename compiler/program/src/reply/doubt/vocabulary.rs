@@ -169,7 +169,7 @@ pub(super) const DISMISSALS: &[&str] = words!(
     undo redo revert treat consider regard take view see verify check confirm double-check adjust correct fix shift swap
     change replace revise nudge raise lower reverse mirror flip abandon shelve dismiss trash dump revisit repeat ditch
     distrust mistrust doubt question unsee rub suspend hold refuse veto override round scale rotate invert exchange
-    interchange switch halve double multiply divide add subtract turn drop bump tweak modify amend edit reinterpret reread keep call file postpone strike burn"
+    interchange switch shorten lengthen extend enlarge shrink halve double multiply divide add subtract turn drop bump tweak modify amend edit reinterpret reread keep call file postpone strike burn"
 );
 
 /// Orders that may name the answer without dismissing it: `Keep it flat`, `Check it in the next image`.
@@ -343,7 +343,7 @@ pub(super) const LATER: &[&str] =
 /// What an answer of another turn, or of another picture, is introduced with.
 pub(super) const OTHER: &[&str] = words!("last previous earlier first other former old");
 pub(super) const OTHERS: &[&str] = words!(
-    "message answer reply response step turn picture image photo photograph frame scene cloth demonstration example"
+    "week month session message answer reply response step turn picture image photo photograph frame scene cloth demonstration example"
 );
 
 /// What introduces values that are not meant; separated by `|`.

@@ -40,7 +40,7 @@ const DRAWBACKS: &[&str] = words!(
     tear tore damag flip toppl collaps wors weak smaller wast unnecess redundan needless difficult awkward ambig
     unclear blurr shrink limit miss fail doubl layer whole entire expense conflict contradict violat unreach unstable
     thick stiff center centre duplicat repeat again lift move float slight bit again time folded inward loose
-    need costs inaccess back smear middle beyond past bruise overkill scratch leav strain worthless pucker waste spoil ruin wreck"
+    need costs inaccess back smear middle beyond past bruise overdo overstr overkill scratch leav strain worthless pucker waste spoil ruin wreck"
 );
 
 /// What another way to act does that tells against it, whatever it does it to; stems.
@@ -179,7 +179,9 @@ pub(super) fn is_evasive(verb: &str) -> bool {
 }
 
 fn names_another_way(words: &[&str]) -> bool {
-    words.iter().any(|it| ANOTHER.contains(it) || *it == "instead")
+    words
+        .iter()
+        .any(|it| ANOTHER.contains(it) || *it == "instead")
 }
 
 /// Returns whether words name a gain that they do not deny.
@@ -272,11 +274,12 @@ impl Clause<'_> {
     fn tells_of_an_effect(&self) -> bool {
         let length = self.words.len();
         self.subject == Subject::World
-            && self.conceived_verb().is_some_and(|verb| {
-                !begins_with(verb, EVASIVE) && !begins_with(verb, GAINS)
-            })
+            && self
+                .conceived_verb()
+                .is_some_and(|verb| !begins_with(verb, EVASIVE) && !begins_with(verb, GAINS))
             && length > 4
-            || self.words.contains(&"mirror") || self.words.contains(&"mirrored")
+            || self.words.contains(&"mirror")
+            || self.words.contains(&"mirrored")
     }
 
     /// Returns whether the clause calls something better than the answer: `the cuff is easier to grasp`.
@@ -367,7 +370,8 @@ impl Clause<'_> {
             .filter(|at| at + 1 < words.len());
         let harmless = |at: usize| {
             let next = words.get(at + 1).copied().unwrap_or_default();
-            words[at + 1..].iter().any(|it| is_unwanted(it)) || words!("pull push press").contains(&next)
+            words[at + 1..].iter().any(|it| is_unwanted(it))
+                || words!("pull push press").contains(&next)
         };
         !is_excused && (denied.is_some_and(|at| !harmless(at)) || exceeds.is_some())
     }
