@@ -1,7 +1,7 @@
 //! The words that descriptions and reasons are made of.
 //!
-//! Withdrawals come in endless words, and descriptions of a cloth do not. So after the values, and beside them, a
-//! sentence with a word that is not known here is not understood, and the model is asked again.
+//! Withdrawals come in endless words. So after the values, and beside them, a clause that speaks of the answer, its
+//! author or its reader is not understood if it has a word that is not known here, and the model is asked again.
 
 use super::vocabulary::{PEOPLE, SUPERIOR};
 use std::collections::HashSet;

@@ -89,7 +89,9 @@ pub(super) fn cast_by(
                     .words
                     .first()
                     .is_some_and(|it| MODALS.contains(it) || BE.contains(it) || it.ends_with('s'));
-            goes_on = clause.describes_the_world() || goes_on && is_elided;
+            // `The sleeve would cover the placket, contrary to the picture`
+            let is_apposed = clause.joint.is_empty() && clause.is_mere_phrase();
+            goes_on = clause.describes_the_world() || goes_on && (is_elided || is_apposed);
             !goes_on && known::has_strange_word(clause.words)
         })
     };
@@ -336,15 +338,15 @@ fn reports(words: &[&str]) -> bool {
     {
         return false;
     }
-    let is_other = |it: &&str| {
-        PEOPLE.contains(it)
-            || AGENTS.contains(it) && !words!("you hand one").contains(it)
-            || REPORTERS.contains(it)
+    let is_other = |it: &str| {
+        PEOPLE.contains(&it)
+            || AGENTS.contains(&it) && !words!("you hand one").contains(&it)
+            || REPORTERS.contains(&it)
     };
     // `The foreman told the robot:`
     let begins = matches!(words, ["the" | "a" | "an" | "another" | "our", _, verb, ..]
         if words!("told wrote said did used executed performed tried ran").contains(verb));
-    let stated = words.iter().position(|it| is_other(&it)).is_some_and(|at| {
+    let stated = words.iter().position(|it| is_other(it)).is_some_and(|at| {
         let mut behind = words[at + 1..].iter().take(3);
         behind.any(|it| REPORTING.contains(it))
     });
@@ -514,6 +516,16 @@ impl<'a> Clause<'a> {
         let is_description =
             is_told && self.words.iter().skip(1).any(|it| is_verb(it)) || self.is_explaining();
         is_description && !self.words.iter().any(points_elsewhere) || self.tells_its_effect()
+    }
+
+    /// Returns whether the clause has no verb, orders nothing and doubts nothing.
+    fn is_mere_phrase(&self) -> bool {
+        let is_verb = |it: &str| BE.contains(&it) || MODALS.contains(&it) || SEEMING.contains(&it);
+        self.subject == Subject::Nobody
+            && self.words.first().is_some_and(|it| !orders(it))
+            && !self.words.iter().any(|it| {
+                is_verb(it) || DOUBTS.contains(it) || SUPERIOR.contains(it) || refers(&[it])
+            })
     }
 
     /// Returns whether the clause tells what the answer does to the cloth: `this completes the third corner`.

@@ -342,7 +342,7 @@ impl Clause<'_> {
         self.subject == Subject::World
             && self.words.contains(&"not")
             && (self.words.windows(3).any(|it| it == ["not", "part", "of"])
-                || !self.words.iter().any(|it| speaks_of_answer(it)))
+                || !self.words.iter().any(speaks_of_answer))
     }
 
     /// Returns whether the clause denies something that nobody would want to deny of an answer that is meant.
