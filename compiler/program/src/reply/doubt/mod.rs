@@ -135,7 +135,10 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
     if place == Place::Before {
         let announces = words.last() == Some(&":");
         // `Were the sleeve flat, I would say:`
-        if announces && matches!(*first, "were" | "had") && words.get(1) != Some(&"to") {
+        let is_heading = !words
+            .last()
+            .is_some_and(|it| words!(". ! ? ; …").contains(it));
+        if is_heading && matches!(*first, "were" | "had") && words.get(1) != Some(&"to") {
             return Some(CONDITIONAL);
         }
         // `I can offer no better than chance here:`
@@ -332,6 +335,13 @@ fn reports(words: &[&str]) -> bool {
     let is_of_now = words
         .iter()
         .any(|it| words!("i we my now so therefore instead instruction next").contains(it));
+    // `Two steps ago my answer was:`
+    if last == ":"
+        && words.contains(&"ago")
+        && words.iter().any(|it| words!("was were did").contains(it))
+    {
+        return true;
+    }
     if words!(". ! ? ; …").contains(&last)
         || is_of_now && words.first() != Some(&"my")
         || words.starts_with(&["as"])

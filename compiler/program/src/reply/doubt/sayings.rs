@@ -131,6 +131,8 @@ const ROWS: &[Row] = &[
     row(After, Anything, "do|did you mean|want|prefer", "", DOUBTED),
     row(Later, Anything, "no CLOTH at|on|in|under|near that|this|the|these|either pixel|pixels|point|points|spot|place|location", "", DOUBTED),
     row(Later, Anything, "calls|call|asks for something|somewhat|*er", "SHOWN|not", OTHERWISE),
+    row(Later, Anything, "arm|robot|gripper BE going|bound|likely|sure to hit|miss|collide|bump|fail|lose", "", DOUBTED),
+    row(Later, Author, "have|has * no|little|zero|low confidence|trust|faith", "", DOUBTED),
     row(After, Author, "^ i meant", "", CHANGED),
     row(Later, Author, "not agree|concur", "", DOUBTED),
     row(Later, Anything, "would|will need|take|require at least|more", "not", OTHERWISE),

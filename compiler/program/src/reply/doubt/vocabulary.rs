@@ -349,7 +349,7 @@ pub(super) const OTHERS: &[&str] = words!(
 /// What introduces values that are not meant; separated by `|`.
 pub(super) const FORMALITIES: &str = "as long as|so long as|provided that|on condition|since i have to answer|because i have to answer|since i must answer|because i must answer|have to say something|for the sake of|satisfy the|to comply|that parses|it parses|here is something|here are some|for completeness\
     |for form|pro forma|formally|nominally|are worth|is worth|if only to|if i had to|if i were|were i|if forced|if pressed\
-    |if you insist|just to have|so as not to|to keep the parser|wants something|needs something|expects something|requires something|something anyway|wants an answer|needs an answer|wants some|expects some|to please";
+    |if you insist|just to have|so as not to|to keep the parser|your own numbers|your own values|your own coordinates|your own points|wants something|needs something|expects something|requires something|something anyway|wants an answer|needs an answer|wants some|expects some|to please";
 
 /// Verbs that tell where an answer is from or what it is for.
 pub(super) const ORIGINATING: &[&str] = words!(

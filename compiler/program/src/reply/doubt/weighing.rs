@@ -40,7 +40,7 @@ const DRAWBACKS: &[&str] = words!(
     tear tore damag flip toppl collaps wors weak smaller wast unnecess redundan needless difficult awkward ambig
     unclear blurr shrink limit miss fail doubl layer whole entire expense conflict contradict violat unreach unstable
     thick stiff center centre duplicat repeat again lift move float slight bit again time folded inward loose
-    need costs inaccess back smear middle beyond past bruise overdo overstr overkill scratch leav strain worthless pucker waste spoil ruin wreck"
+    need costs inaccess back smear middle beyond past keep bruise overdo overstr overkill scratch leav strain worthless pucker waste spoil ruin wreck"
 );
 
 /// What another way to act does that tells against it, whatever it does it to; stems.
