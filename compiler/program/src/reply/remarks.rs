@@ -90,20 +90,21 @@ const WITHDRAWN: &str = "the answer says that it is not to be carried out";
 const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_FRAME, &["origin", "bottom|lower|center|centre|middle|cloth"], "not|no|without|top"),
     anywhere(Pixels, OTHER_FRAME, &["( 0 , 0 )", "is|being|at", "center|centre|middle|bottom|lower"], "not|top"),
-    anywhere(Pixels, OTHER_FRAME, &["y", "measured upward|measured upwards|increases upward|increases upwards|increasing upward|increasing upwards|grows upward|grows upwards|points up|pointing up|axis up|upward from|upwards from|from the bottom"], NOT),
+    anywhere(Pixels, OTHER_FRAME, &["y", "starts at the bottom|begins at the bottom|zero at the bottom|0 at the bottom|measured upward|measured upwards|increases upward|increases upwards|increasing upward|increasing upwards|grows upward|grows upwards|points up|pointing up|axis up|upward from|upwards from|from the bottom"], "not|no|without|isn't|aren't|haven't|atan2|arctan|atan"),
     anywhere(Pixels, OTHER_FRAME, &["x|y|coordinates|coordinate|columns|rows", "counted|counts|measured|measures|grows|growing|increases|increasing|starts|starting|runs|running", "from the right|from the bottom|from the lower|from right|from bottom|to the left|leftwards"], "not|no|clockwise|counterclockwise|ccw|anticlockwise|angle|angles|direction|directions|deg|°"),
     anywhere(Pixels, OTHER_FRAME, &["relative to the pick|displacement from the pick|offset from the pick|relative to the cloth|not of the image|relative to the cropped"], ""),
     anywhere(Pixels, OTHER_FRAME, &["millimetres|millimeters|mm|centimetres|centimeters|cm|meters|metres|inches", "robot|base|world", "frame|coordinates"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["centimetres|centimeters|cm|millimetres|millimeters|mm|inches", "units :|unit :|table corner|corner of the table"], "distance|length|lengths"),
     anywhere(Pixels, OTHER_UNIT, &["normalized|normalised", "coordinates|coordinate|points|values|true|0"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["percent|percentage|percentages|thousandths", "coordinates|coordinate|x|width|height|image size|unit|units"], NOT),
-    anywhere(Pixels, OTHER_UNIT, &["1000|999", "grid|scale|range|scaled", "coordinates|coordinate|points|values|relative|normalized|:"], ""),
+    anywhere(Pixels, OTHER_UNIT, &["1000|999", "grid|scale|range|scaled", "coordinates|coordinate|points|values|relative|normalized|both|they|these|all|:"], ""),
     anywhere(Pixels, OTHER_UNIT, &["grid|patches|cells", "column|columns|row|rows|cell", "name|count|divided|number"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["not in pixels|not pixels|not px|not in px|not pixel", POINTS], ""),
     anywhere(Pixels, OTHER_ORDER, &["row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], NOT),
-    anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|from the goal image|from the depth|half the resolution|half resolution"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["copy|version|thumbnail|screenshot", "half size|half the size|double size|twice the size|smaller size|reduced size|half scale|another scale"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|refer to the depth|refers to the depth|twice the resolution|double the resolution|from the goal image|from the depth|half the resolution|half resolution"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["in the depth image|in the goal image", "coordinates|coordinate|pixels|values"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["image|picture", "be mirrored|upside down|turned it|rotated it|rotated by|is mirrored"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["image|picture|photo", "rotated|turned|flipped|mirrored|resized|scaled|shrunk|downscaled|downsampled", "before reading|to read|when reading|before i read|then read|for reading"], NOT),
@@ -122,15 +123,18 @@ const ROWS: &[Row] = &[
     anywhere(Action, SAMPLE, &["sample values|example values|placeholder values|are placeholders|placeholder coordinates|sample coordinates|example coordinates|only an example|just an example|merely an example|only a template|just a template|only a sample|only an illustration"], NOT),
     anywhere(Action, SAMPLE, &["would look like|would respond|you would write|format would be|would be formatted|would have the form|structure you need|replace the numbers|replace the values|replace these|replace them|replace those|fill in the actual|fill in your|once i know|one usually sees|the demonstration reads|the paper reads"], ""),
     anywhere(Action, "the answer says what would be right in another picture", &["if|assuming", "were at|were in|could see|had the image|were visible|was centered|was centred", "would|could"], ""),
+    anywhere(Action, "the answer says what would be right in another picture", &["if|assuming|supposing", "were|was|had|lay", "the answer would|answer would|action would|values would|solution would|pick would|output would|i would answer|it would be :"], ""),
     anywhere(Action, "the answer says what would be right in another picture", &["^ suppose|^ supposing|^ imagine", "were|was|had"], ""),
     anywhere(Action, UNSEEN, &["can't|cannot|unable|don't|can not|couldn't|do not|didn't|not able|no", "see the image|see an image|see any image|see images|see your image|see the picture|see a picture|see any picture|see the photo|see the cloth|view the image|view an image|view images|view the picture|analyze images|analyze the image|access the image|access images|access to the image|process images|open the image|receive an image|receive the image|tell where the cloth"], ""),
-    anywhere(Action, UNSEEN, &["no access to|not have access|no image|no picture|no photo|without the image|without an image|not given the image|without seeing the image|without seeing the cloth|image failed|image was not|no cloth in|cloth not detected|didn't come through|did not come through", "attached|came|come|provided|received|through|cannot|can't|given|was|available|determine|load|opinion|image|returning"], ""),
+    anywhere(Action, UNSEEN, &["no access to|not have access|without access to|without having seen|no image|no picture|no photo|without the image|without an image|not given the image|without seeing the image|without seeing the cloth|image failed|image was not|no cloth in|cloth not detected|didn't come through|did not come through", "picture|photo|attached|came|come|provided|received|through|cannot|can't|given|was|available|determine|load|opinion|image|returning"], ""),
     anywhere(Action, WITHDRAWN, &["status : error|valid : false|success : false|error : true|no further action"], ""),
     anywhere(Action, WITHDRAWN, &["executable : false|safe : false|usable : false|approved : false|verified : false|ready : false|reliable : false|accepted : false|execute : false|feasible : false|certain : false|confirmed : false|final : false"], ""),
     anywhere(Action, WITHDRAWN, &["^ error :|, error :"], "error : null|error : false|error : none|error : no|error : 0|error : ,"),
     anywhere(Action, "the answer calls itself a draft", &["not my final|not the final|not final|isn't final"], ""),
     after(WITHDRAWN, &["cancel that|cancel this|cancel it|never mind|undo this|undo that|undo it|undo these|start again|start over|start anew"], NOT),
     after("the answer names another value under a condition", &["^ if|^ should|^ otherwise", "use|take|try|choose|pick", "instead"], ""),
+    after("the answer changes its values under a condition", &["^ if|^ should|^ in case|^ for|^ with", "take|use|choose|make it|pull|go", "half|quarter|third|tenth|double|twice|full|whole|longer|shorter|instead"], "i|we|would|could|might|too|next|not|then|will|second|step|so|is|are"),
+    after("the answer changes its values under a condition", &["^ if|^ should|^ in case|^ when", ", pull only|, take only|, use only|, use twice|, use half|, take half|, pull half|, pull twice|, make it|, double it|, halve it"], "i|we|next"),
     after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
     after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked|mirror image"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
@@ -265,7 +269,12 @@ pub(super) fn doubt(
         // `Draft, to be checked:` above the first value
         if begins < first && first <= ends {
             let above = sentence.partition_point(|token| token.at < first);
-            let is_heading = above > 0 && sentence[above - 1].is_sign(':');
+            // `If the cloth lay the other way, the answer would be`, on a line of its own
+            let is_heading = above > 0
+                && (sentence[above - 1].is_sign(':')
+                    || sentence
+                        .get(above)
+                        .is_some_and(|token| token.gap >= Gap::Line));
             if is_heading
                 && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before, language)
             {

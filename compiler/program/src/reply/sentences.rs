@@ -930,7 +930,9 @@ impl<'a> Sentences<'a> {
                     || token.is_any(&["at", "by", "in", "that", "is", "i.e.", "so", "exactly"])
             });
             // `up and to the left`: the last word alone is only a part of it.
-            let is_part = at > 0 && self.tokens[at - 1].is_any(&["and", "the", "to", "-"]);
+            let is_part = at > 0
+                && self.tokens[at - 1]
+                    .is_any(&["and", "the", "to", "-", "upper", "lower", "top", "bottom"]);
             !is_beside || is_part || side == *deg
         })
     }

@@ -1,8 +1,9 @@
 //! The words that descriptions and reasons are made of.
 //!
-//! Withdrawals come in endless words, and descriptions of a cloth do not. So after the values, and beside them, a
-//! sentence with a word that is not known here is not understood, and the model is asked again.
+//! Withdrawals come in endless words. So after the values, and beside them, a clause that speaks of the answer, its
+//! author or its reader is not understood if it has a word that is not known here, and the model is asked again.
 
+use super::vocabulary::{PEOPLE, SUPERIOR};
 use std::collections::HashSet;
 use std::sync::LazyLock;
 
@@ -36,9 +37,15 @@ fn count(words: &[&str]) -> (usize, usize) {
     })
 }
 
-/// Returns whether a sentence has a word that is not known.
+/// Returns whether a clause has a word that is not known.
+///
+/// `the placket` names a thing; judgements are seldom definite.
 pub(super) fn has_strange_word(words: &[&str]) -> bool {
-    count(words).1 > 0
+    let is_thing = |at: usize| {
+        let judges = PEOPLE.contains(&words[at]) || SUPERIOR.contains(&words[at]);
+        at > 0 && words[at - 1] == "the" && !judges && words[at] != "truth"
+    };
+    (0..words.len()).any(|at| count(&words[at..=at]).1 > 0 && !is_thing(at))
 }
 
 /// Returns whether a sentence is in another language than English.

@@ -66,6 +66,10 @@ pub(super) fn cast_by(
     }
     let clauses = clauses(&words, place);
     let is_of_answer = |clause: &Clause<'_>| {
+        // `Here is a breakdown of the scene`
+        if words.starts_with(&["here"]) && !words.iter().any(|it| PARTS.contains(it)) {
+            return false;
+        }
         let named = &clause.words[..clause.words.len() - clause.predicate.len()];
         clause.subject == Subject::Answer && refers_forward(named)
     };
@@ -76,12 +80,27 @@ pub(super) fn cast_by(
         Place::After => true,
     };
     let is_courtesy = COURTESIES.iter().any(|it| words.starts_with(it));
+    let has_strange_word = || {
+        let mut goes_on = false;
+        clauses.iter().any(|clause| {
+            // `The band comes from the lamp and can be neglected`
+            let is_elided = clause.joint == "and"
+                && clause
+                    .words
+                    .first()
+                    .is_some_and(|it| MODALS.contains(it) || BE.contains(it) || it.ends_with('s'));
+            // `The sleeve would cover the placket, contrary to the picture`
+            let is_apposed = clause.joint.is_empty() && clause.is_mere_phrase();
+            goes_on = clause.describes_the_world() || goes_on && (is_elided || is_apposed);
+            !goes_on && known::has_strange_word(clause.words)
+        })
+    };
     let is_strange = language == Language::English && may_be_strange && !is_courtesy;
     let doubted = clauses.iter().find_map(Clause::doubt);
     doubted
         .or_else(|| clauses.iter().find_map(sayings::why))
         .or_else(|| weighing::favours_another(&clauses))
-        .or_else(|| (is_strange && known::has_strange_word(&words)).then_some(STRANGE))
+        .or_else(|| (is_strange && has_strange_word()).then_some(STRANGE))
 }
 
 /// Cuts a sentence at its signs and conjunctions.
@@ -116,7 +135,10 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
     if place == Place::Before {
         let announces = words.last() == Some(&":");
         // `Were the sleeve flat, I would say:`
-        if announces && matches!(*first, "were" | "had") && words.get(1) != Some(&"to") {
+        let is_heading = !words
+            .last()
+            .is_some_and(|it| words!(". ! ? ; …").contains(it));
+        if is_heading && matches!(*first, "were" | "had") && words.get(1) != Some(&"to") {
             return Some(CONDITIONAL);
         }
         // `I can offer no better than chance here:`
@@ -135,16 +157,43 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
             && words
                 .iter()
                 .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it))
-            && !words
-                .iter()
-                .any(|it| NEGATIONS.contains(it) || *it == "but");
+            && !words.iter().any(|it| NEGATIONS.contains(it))
+            // `A tempting but mistaken choice`
+            && words.iter().rposition(|it| *it == "but").is_none_or(|but| {
+                words[but..]
+                    .iter()
+                    .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it))
+            });
+        // `What a bad answer looks like:`
+        let is_bad = announces
+            && words
+                .windows(2)
+                .any(|pair| DOUBTS.contains(&pair[0]) && ANSWERS.contains(&pair[1]))
+            && !words.iter().any(|it| {
+                NEGATIONS.contains(it)
+                    || words!("i we instead was were but avoid avoids rather replaces").contains(it)
+            });
         let is_formal = is_doubtful
             || announces
                 && (words!("example sample template").contains(first)
                     || words!("just only merely purely").contains(first)
                         && words!("to for").contains(&words[1])
                     || *first == "not" && !words.contains(&"but"));
+        // `Rough draft, not to be executed:`
+        let forbids = announces
+            && says(
+                "not to be|not for execution|not for use|not intended|not meant|not for this|before this one|after this one",
+            );
+        if announces
+            && said.contains(" would ")
+            && words!("for in on with").contains(first)
+            && words!("a an another").contains(&words[1])
+        {
+            return Some(CONDITIONAL);
+        }
         let dismisses = is_formal
+            || forbids
+            || is_bad
             || announces
                 && words
                     .iter()
@@ -175,7 +224,7 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                         .any(|it| said.contains(&format!(" {verb} {it} ")))
                 })
             && said.contains(" as ");
-        return (hedges || says(FORMALITIES)).then_some(DOUBTED);
+        return (hedges || says(FORMALITIES) || reports(words)).then_some(DOUBTED);
     }
     let is_foreign = words
         .iter()
@@ -202,6 +251,9 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
     if wishes {
         return Some(CONDITIONAL);
     }
+    if place == Place::After && words.starts_with(&["if", "i"]) && said.contains(" i would ") {
+        return Some(OTHERWISE);
+    }
     if says(UNCERTAIN) {
         return Some(DOUBTED);
     }
@@ -219,7 +271,8 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                 words!("matches done complete completed finished solved reached").contains(it)
             })
             && words[..at].iter().rev().take(3).any(|it| {
-                words!("cloth towel garment shirt task goal job everything fabric").contains(it)
+                words!("cloth towel garment shirt task goal subgoal target job everything fabric")
+                    .contains(it)
             })
     });
     if blurs || is_done {
@@ -274,6 +327,44 @@ fn introduces_another(words: &[&str]) -> bool {
                     && !words!("it this that").contains(&pair[0])
                     && !words.contains(&"my"))
         })
+}
+
+/// Returns whether the line above the values says that somebody else, or an earlier step, has stated them.
+fn reports(words: &[&str]) -> bool {
+    let last = words.last().copied().unwrap_or_default();
+    let is_of_now = words
+        .iter()
+        .any(|it| words!("i we my now so therefore instead instruction next").contains(it));
+    // `Two steps ago my answer was:`
+    if last == ":"
+        && words.contains(&"ago")
+        && words.iter().any(|it| words!("was were did").contains(it))
+    {
+        return true;
+    }
+    if words!(". ! ? ; …").contains(&last)
+        || is_of_now && words.first() != Some(&"my")
+        || words.starts_with(&["as"])
+    {
+        return false;
+    }
+    let is_other = |it: &str| {
+        PEOPLE.contains(&it)
+            || AGENTS.contains(&it) && !words!("you hand one").contains(&it)
+            || REPORTERS.contains(&it)
+    };
+    // `The foreman told the robot:`
+    let begins = matches!(words, ["the" | "a" | "an" | "another" | "our", _, verb, ..]
+        if words!("told wrote said did used executed performed tried ran").contains(verb));
+    let stated = words.iter().position(|it| is_other(it)).is_some_and(|at| {
+        let mut behind = words[at + 1..].iter().take(3);
+        behind.any(|it| REPORTING.contains(it))
+    });
+    let was = words!("was were did").contains(&words[words.len().saturating_sub(2)])
+        && words
+            .iter()
+            .any(|it| words!("step turn move action answer round log").contains(it));
+    stated || begins || was
 }
 
 /// Writes a sentence in lower case, with its contractions written out.
@@ -410,6 +501,64 @@ impl<'a> Clause<'a> {
         }
     }
 
+    /// Returns whether the clause only describes the cloth or the picture, in any words.
+    ///
+    /// It does not if it says what ought to be done or may be, compares, or points at the answer or its reader.
+    fn describes_the_world(&self) -> bool {
+        let is_verb = |it: &str| {
+            BE.contains(&it)
+                || MODALS.contains(&it)
+                || SEEMING.contains(&it)
+                || it.ends_with('s') && EFFECTS.iter().any(|stem| it.starts_with(stem))
+        };
+        let points_elsewhere = |it: &&str| {
+            words!("should must ought need needs may might i my me we our you your this these here better best more")
+                .contains(it)
+                || words!("answer answers values numbers spot idea").contains(it)
+                || SUPERIOR.contains(it)
+                || AGENTS.contains(it) && *it != "one"
+        };
+        let is_told = match self.subject {
+            Subject::World => true,
+            Subject::Nobody => self.words.first().is_some_and(|it| !orders(it)),
+            _ => false,
+        };
+        let is_description =
+            is_told && self.words.iter().skip(1).any(|it| is_verb(it)) || self.is_explaining();
+        is_description && !self.words.iter().any(points_elsewhere) || self.tells_its_effect()
+    }
+
+    /// Returns whether the clause has no verb, orders nothing and doubts nothing.
+    fn is_mere_phrase(&self) -> bool {
+        let is_verb = |it: &str| BE.contains(&it) || MODALS.contains(&it) || SEEMING.contains(&it);
+        self.subject == Subject::Nobody
+            && self.words.first().is_some_and(|it| !orders(it))
+            && !self.words.iter().any(|it| {
+                is_verb(it) || DOUBTS.contains(it) || SUPERIOR.contains(it) || refers(&[it])
+            })
+    }
+
+    /// Returns whether the clause tells what the answer does to the cloth: `this completes the third corner`.
+    fn tells_its_effect(&self) -> bool {
+        let Predicate {
+            denies,
+            modal,
+            head,
+            rest,
+        } = Predicate::of(self.predicate);
+        self.subject == Subject::Answer
+            && !denies
+            && modal.is_none_or(|it| it == "will")
+            && head.is_some_and(|verb| {
+                verb.ends_with('s')
+                    && EFFECTS.iter().any(|stem| verb.starts_with(stem))
+                    && !weighing::is_evasive(verb)
+            })
+            && rest
+                .first()
+                .is_some_and(|it| ARTICLES.contains(it) || it.starts_with(char::is_numeric))
+    }
+
     fn is_explaining(&self) -> bool {
         EXPLAINING.contains(&self.joint)
     }
@@ -465,7 +614,8 @@ impl<'a> Clause<'a> {
             Subject::World if matches!(self.words[0], "a" | "an") => self.labels(),
             Subject::World => None,
             Subject::Nobody => self
-                .orders(self.words)
+                .rests()
+                .or_else(|| self.orders(self.words))
                 .or_else(|| self.labels())
                 .or_else(|| self.elides()),
         };
@@ -621,7 +771,9 @@ impl<'a> Clause<'a> {
             return Some(CHANGED);
         }
         let is_effect = EFFECTS.iter().any(|stem| verb.starts_with(stem));
-        (self.is_plain_reference() && !is_effect).then_some(DOUBTED)
+        // `This should not disturb the flaps`
+        let is_spared = denies && weighing::is_unwanted(verb);
+        (self.is_plain_reference() && !is_effect && !is_spared).then_some(DOUBTED)
     }
 
     /// Returns whether the subject can be nothing but the answer, and a verb must follow it.

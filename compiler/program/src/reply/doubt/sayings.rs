@@ -121,6 +121,24 @@ const ROWS: &[Row] = &[
     row(Ever, Author, "^ i am guessing", "", DOUBTED),
     row(Later, Answer, "against|contrary|violates the|to|its SHOWN|goal|rule|rules", "not", DOUBTED),
     row(Ever, Author, "would rather not", "", HALTED),
+    row(Ever, Anything, "following|below|above fails|violates|breaks|contradicts", "not|no|never", DOUBTED),
+    row(Ever, Anything, "then|next|finally|afterwards|and do|repeat the|it|this|that * again|more|twice|opposite|reverse|mirrored|reversed|backwards", "side|sleeve|corner", CHANGED),
+    row(Later, Answer, "^ PART BE reversed|exchanged|interchanged|inverted", "not", CHANGED),
+    row(Later, Anything, "arm|robot|gripper can|could not", "ANOTHER", DOUBTED),
+    row(Later, World, "image|picture|photo can|could|do|does|did not allow|permit|let", "", DOUBTED),
+    row(Later, Answer, "stay|staying put", "", HALTED),
+    row(Later, Nobody, "stay|staying put", "", HALTED),
+    row(After, Anything, "do|did you mean|want|prefer", "", DOUBTED),
+    row(Later, Anything, "no CLOTH at|on|in|under|near that|this|the|these|either pixel|pixels|point|points|spot|place|location", "", DOUBTED),
+    row(Later, Anything, "calls|call|asks for something|somewhat|*er", "SHOWN|not", OTHERWISE),
+    row(Later, Anything, "arm|robot|gripper BE going|bound|likely|sure to hit|miss|collide|bump|fail|lose", "", DOUBTED),
+    row(Later, Author, "have|has * no|little|zero|low confidence|trust|faith", "", DOUBTED),
+    row(After, Author, "^ i meant", "", CHANGED),
+    row(Later, Author, "not agree|concur", "", DOUBTED),
+    row(Later, Anything, "would|will need|take|require at least|more", "not", OTHERWISE),
+    row(After, Nobody, "^ take|use|make|choose only|just|it half|quarter|third|twice|double", "", CHANGED),
+    row(Ever, Author, "not * have|receive|received|get|got|given|view a|an|any|the|your|actual image|picture|photo", "", DOUBTED),
+    row(Later, Anything, "^ half|quarter|third|tenth * BE overkill|excessive|plenty|ample|all", "not", OTHERWISE),
     // Nothing is to be done.
     row(After, Nobody, "^ hold|park|stop|halt the robot|arm|gripper|motion", "", HALTED),
     row(Later, Nobody, "^ confirm|review|approve|delete|replace|adjust $", "", HALTED),
@@ -145,7 +163,7 @@ const ROWS: &[Row] = &[
     row(After, Anything, "^ any|every|anything|everything PART|corner|direction $", "", OTHERWISE),
     row(After, World, "has|have|offers|offer|gives|needs more", "than", OTHERWISE),
     row(Later, Anything, "^ should|must be the|a", "", OTHERWISE),
-    row(Later, Anything, "BE not * this|these PART|place|corner", "", DOUBTED),
+    row(Later, Anything, "BE not * this|these PART|place|corner", "by|during|part", DOUBTED),
     row(Later, Anything, "BE not the one|step|right|fold|move|action|way", "ANOTHER", DOUBTED),
     row(After, Anything, "^ not the one", "", DOUBTED),
     row(Later, World, "hole|gap|table|floor at|under|below|beneath the pick|place|point", "not|no", DOUBTED),
@@ -206,9 +224,6 @@ fn pieces(pattern: &'static str) -> Vec<Piece> {
 
 /// Returns why a clause cannot stand beside an answer that is meant, if a row says so.
 pub(super) fn why(clause: &Clause<'_>) -> Option<&'static str> {
-    if clause.is_sequel {
-        return None;
-    }
     let named = &clause.words[..clause.words.len() - clause.predicate.len()];
     let found = ROWS
         .iter()
@@ -234,6 +249,7 @@ pub(super) fn why(clause: &Clause<'_>) -> Option<&'static str> {
                 }
             };
             is_then
+                && (row.when == Ever || !clause.is_sequel)
                 && is_of_it
                 && says_pattern(clause.words, says)
                 && !says_pattern(clause.words, unless)

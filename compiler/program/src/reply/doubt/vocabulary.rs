@@ -12,6 +12,23 @@ pub(super) const PARTS: &[&str] = words!(
     proposal response json fold plan figures data spot lines two three above following x y"
 );
 
+/// What names an answer as a whole.
+pub(super) const ANSWERS: &[&str] = words!(
+    "answer answers action move choice result output response reply proposal suggestion pick grasp pull fold attempt example
+    values pair"
+);
+
+/// What may have stated values besides the model and people.
+pub(super) const REPORTERS: &[&str] = words!(
+    "model models assistant agent baseline heuristic planner detector script tool user team policy"
+);
+
+/// How somebody else states values, or carries them out.
+pub(super) const REPORTING: &[&str] = words!(
+    "did chose used executed performed ran tried made suggested suggests proposed proposes answered answers said says gave
+    gives wrote writes returned returns recommended recommends picked predicted predicts"
+);
+
 /// What counts parts of the answer: `none of that`, `both`.
 pub(super) const QUANTIFIERS: &[&str] = words!(
     "any all both each either neither none most some much everything anything nothing half one"
@@ -62,7 +79,7 @@ pub(super) const OPENING: &[&str] = words!(
     personally arguably admittedly again therefore thus hence basically mind remember ah alas importantly ps nb
     overall sorry as that for now today
     reason reasoning explanation rationale comment remark notes message thought thoughts status description why
-    justification info"
+    justification info brief"
 );
 
 /// What tells of a later step.
@@ -152,7 +169,7 @@ pub(super) const DISMISSALS: &[&str] = words!(
     undo redo revert treat consider regard take view see verify check confirm double-check adjust correct fix shift swap
     change replace revise nudge raise lower reverse mirror flip abandon shelve dismiss trash dump revisit repeat ditch
     distrust mistrust doubt question unsee rub suspend hold refuse veto override round scale rotate invert exchange
-    interchange switch turn drop bump tweak modify amend edit reinterpret reread keep call file postpone strike burn"
+    interchange switch shorten lengthen extend enlarge shrink halve double multiply divide add subtract turn drop bump tweak modify amend edit reinterpret reread keep call file postpone strike burn"
 );
 
 /// Orders that may name the answer without dismissing it: `Keep it flat`, `Check it in the next image`.
@@ -326,13 +343,13 @@ pub(super) const LATER: &[&str] =
 /// What an answer of another turn, or of another picture, is introduced with.
 pub(super) const OTHER: &[&str] = words!("last previous earlier first other former old");
 pub(super) const OTHERS: &[&str] = words!(
-    "message answer reply response step turn picture image photo photograph frame scene cloth demonstration example"
+    "week month session message answer reply response step turn picture image photo photograph frame scene cloth demonstration example"
 );
 
 /// What introduces values that are not meant; separated by `|`.
 pub(super) const FORMALITIES: &str = "as long as|so long as|provided that|on condition|since i have to answer|because i have to answer|since i must answer|because i must answer|have to say something|for the sake of|satisfy the|to comply|that parses|it parses|here is something|here are some|for completeness\
     |for form|pro forma|formally|nominally|are worth|is worth|if only to|if i had to|if i were|were i|if forced|if pressed\
-    |if you insist|just to have|so as not to|to keep the parser|to please";
+    |if you insist|just to have|so as not to|to keep the parser|your own numbers|your own values|your own coordinates|your own points|wants something|needs something|expects something|requires something|something anyway|wants an answer|needs an answer|wants some|expects some|to please";
 
 /// Verbs that tell where an answer is from or what it is for.
 pub(super) const ORIGINATING: &[&str] = words!(
@@ -349,8 +366,7 @@ pub(super) const ELSEWHERE: &[&str] = words!(
 /// Sayings that doubt or halt, whatever they are said of; separated by `|`.
 pub(super) const SAYINGS: &str = "stand in for|stands in for|should rather|must rather|ought rather|could be that|may be that|might be that|could well be|may well be|might well be|more good|will want to|may want to|might want to|place to start|place to begin|more promising|more urgent|more sensible|more suitable|seems better|looks better|came to mind|chance of success|no point in|no sense in|no use in|no guarantee|no hope|no certainty|too early|too late|from nothing|on balance|wanted to say|meant to say|would benefit|should come first|must come first|needs to come first|has to come first|ought to come first|the other way round|the other way around|wrong way round|in the dark|grain of salt|pinch of salt\
     |coin flip|coin toss|flip of a coin|toss of a coin|second opinion|need a closer look|needs a closer look|deserves a closer look\
-    |take it back|take that back|take this back|strike that|my gut|top of my head|at face value|this one out|stay put\
-    |staying put|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
+    |take it back|take that back|take this back|strike that|my gut|top of my head|at face value|this one out|stand down|standing down|hold off|holding off|hold fire|hold your|hold back|call it off|call this off\
     |drawing board|not so fast|too soon|think twice|think again|who knows|your guess|no way to know|own risk|no promises\
     |no guarantee|no guarantees|no warranty|for what it is worth|made up|made it up|made them up|making this up|making it up\
     |had better|would better|best left|better left|up to you|your call|your discretion|never said|never happened|out of thin air\

@@ -40,7 +40,25 @@ const DRAWBACKS: &[&str] = words!(
     tear tore damag flip toppl collaps wors weak smaller wast unnecess redundan needless difficult awkward ambig
     unclear blurr shrink limit miss fail doubl layer whole entire expense conflict contradict violat unreach unstable
     thick stiff center centre duplicat repeat again lift move float slight bit again time folded inward loose
-    need costs inaccess back smear middle bruise overkill scratch leav strain worthless pucker waste spoil ruin wreck"
+    need costs inaccess back smear middle beyond past keep bruise overdo overstr overkill scratch leav strain worthless pucker waste spoil ruin wreck"
+);
+
+/// What another way to act does that tells against it, whatever it does it to; stems.
+const SPOILING: &[&str] = words!(
+    "overshoot undershoot exceed skew drag slip slid los occlu obscur crush crease undo disturb wrinkl bunch crumpl twist tangl
+    tear damag topple collaps wast miss fail conflict contradict violat ruin wreck spoil duplicat hinder displac
+    misalign destroy stretch bury stack pile shear scrape poke jam"
+);
+
+/// What a part of the cloth does where the answer leads; stems.
+const OUTCOMES: &[&str] = words!(
+    "cover lie land end match meet reach overlap point form coincid rest fall align sit stay remain touch show hang look line
+    cross stick span fold"
+);
+
+/// What a way to act does that tells nothing against it or for it; stems.
+const EVASIVE: &[&str] = words!(
+    "be do get give make need have has help work solv suit serv fit go come lead need use take bring start begin"
 );
 
 /// What denies a whole clause.
@@ -53,7 +71,7 @@ const UNWANTED: &[&str] = words!(
     displac visibl very other another cloth smooth say lie mark slid flip hand wrong normal correction help
     surpris worry hesitat exceed lose lost undo loose pass bother damag tear bunch open separat extra visible further
     more than just merely alone perfect exact quite all entire always ideal long large far strong fully tension
-    slack gap risk problem obstacle doubt fall hesit bend stretch"
+    slack trap pinch snag block differ difference hidden occlu tangl gap risk problem obstacle doubt fall hesit bend stretch"
 );
 
 /// What an action does that makes it unfit; stems.
@@ -107,7 +125,17 @@ fn is_drawn_back(clause: &Clause<'_>, later: &[Clause<'_>]) -> bool {
     if is_equal(clause) || later.iter().any(is_equal) {
         return true;
     }
+    // `Picking anywhere else would undo a finished fold`
+    if clause
+        .conceived_verb()
+        .is_some_and(|verb| begins_with(verb, SPOILING))
+    {
+        return true;
+    }
     let gains = compares || gains(clause.words);
+    if !gains && clause.tells_of_an_effect() {
+        return true;
+    }
     let is_drawback = says(clause.words, DRAWBACKS)
         || clause.words.last() == Some(&"more")
         || clause.words.contains(&"@");
@@ -140,6 +168,22 @@ fn begins_with(word: &str, stems: &[&str]) -> bool {
     })
 }
 
+/// Returns whether a verb tells of something that nobody wants of an answer.
+pub(super) fn is_unwanted(verb: &str) -> bool {
+    begins_with(verb, UNWANTED) || begins_with(verb, SPOILING) || begins_with(verb, HARMS)
+}
+
+/// Returns whether a verb says too little of what is done.
+pub(super) fn is_evasive(verb: &str) -> bool {
+    begins_with(verb, EVASIVE)
+}
+
+fn names_another_way(words: &[&str]) -> bool {
+    words
+        .iter()
+        .any(|it| ANOTHER.contains(it) || *it == "instead")
+}
+
 /// Returns whether words name a gain that they do not deny.
 fn gains(words: &[&str]) -> bool {
     words.iter().enumerate().any(|(at, it)| {
@@ -149,7 +193,11 @@ fn gains(words: &[&str]) -> bool {
                     || words!("nor neither too cannot little only second").contains(it)
             });
         // `more than 200 px from the middle`
-        let exceeds = *it == "more" && at + 1 == words.len();
+        // and `stack even more cloth` is no gain.
+        let exceeds = *it == "more"
+            && words.get(at + 1).is_none_or(|next| {
+                CLOTHS.contains(next) || words!("layers wrinkles folds creases").contains(next)
+            });
         begins_with(it, GAINS) && !denied && !exceeds
     })
 }
@@ -193,6 +241,14 @@ impl Clause<'_> {
             && (is_early
                 || verb < words.len()
                     && words[..verb].iter().take(5).any(|it| ANOTHER.contains(it)));
+        // `The flap would cover the pink area`
+        let is_outcome = !names_another_way(words)
+            && !words
+                .iter()
+                .any(|it| SUPERIOR.contains(it) || words!("more best first").contains(it))
+            && self
+                .conceived_verb()
+                .is_some_and(|verb| begins_with(verb, OUTCOMES));
         let instead = words
             .windows(2)
             .any(|pair| pair[0] == "instead" && pair[1] != "of")
@@ -200,8 +256,30 @@ impl Clause<'_> {
         is_subject
             || instead
             || self.compares()
-            || conceives
+            || conceives && !is_outcome
             || CONCEIVED.contains(&words[words.len() - 1])
+    }
+
+    /// Returns what something would do, where the clause says so.
+    fn conceived_verb(&self) -> Option<&str> {
+        let modal = self.words.iter().position(|it| CONCEIVED.contains(it))?;
+        let mut behind = self.words[modal + 1..].iter();
+        let verb = behind.find(|it| {
+            !(it.ends_with("ly") || words!("also only then still even just again").contains(it))
+        });
+        verb.copied()
+    }
+
+    /// Returns whether the clause says what another way does to the cloth: `would give the mirror image`.
+    fn tells_of_an_effect(&self) -> bool {
+        let length = self.words.len();
+        self.subject == Subject::World
+            && self
+                .conceived_verb()
+                .is_some_and(|verb| !begins_with(verb, EVASIVE) && !begins_with(verb, GAINS))
+            && length > 4
+            || self.words.contains(&"mirror")
+            || self.words.contains(&"mirrored")
     }
 
     /// Returns whether the clause calls something better than the answer: `the cuff is easier to grasp`.
@@ -263,7 +341,8 @@ impl Clause<'_> {
             |it: &&str| words!("this these here there at pick place point for").contains(it);
         self.subject == Subject::World
             && self.words.contains(&"not")
-            && !self.words.iter().any(|it| speaks_of_answer(it))
+            && (self.words.windows(3).any(|it| it == ["not", "part", "of"])
+                || !self.words.iter().any(speaks_of_answer))
     }
 
     /// Returns whether the clause denies something that nobody would want to deny of an answer that is meant.
@@ -291,7 +370,8 @@ impl Clause<'_> {
             .filter(|at| at + 1 < words.len());
         let harmless = |at: usize| {
             let next = words.get(at + 1).copied().unwrap_or_default();
-            says(&words[at + 1..], UNWANTED) || words!("pull push press").contains(&next)
+            words[at + 1..].iter().any(|it| is_unwanted(it))
+                || words!("pull push press").contains(&next)
         };
         !is_excused && (denied.is_some_and(|at| !harmless(at)) || exceeds.is_some())
     }
