@@ -3,10 +3,10 @@
 //! A pattern is a row of words. `a|b` stands for either, a name in capitals for a list of words, `pick*` for words that
 //! begin so and `*ly` for words that end so, `*` for up to six words. `^` stands for the beginning of a clause, and `$` for its end.
 
-use super::vocabulary::*;
-use super::{
+use super::clause::{
     CHANGED, CONDITIONAL, Clause, DOUBTED, HALTED, OTHERWISE, Place, Subject, refers_forward,
 };
+use super::vocabulary::*;
 use std::sync::LazyLock;
 
 /// The most words for which `*` stands.

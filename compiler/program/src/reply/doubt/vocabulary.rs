@@ -453,3 +453,46 @@ pub(super) const ORDERS: &[&str] = words!(
 /// What is folded or smoothed.
 pub(super) const CLOTHS: &[&str] =
     words!("cloth towel shirt garment fabric napkin scarf blanket sheet textile");
+
+/// What another way to act does that tells against it, whatever it does it to; stems.
+pub(super) const SPOILING: &[&str] = words!(
+    "overshoot undershoot exceed skew drag slip slid los occlu obscur crush crease undo disturb wrinkl bunch crumpl twist tangl
+    tear damag topple collaps wast miss fail conflict contradict violat ruin wreck spoil duplicat hinder displac
+    misalign destroy stretch bury stack pile shear scrape poke jam"
+);
+
+/// What a way to act does that tells nothing against it or for it; stems.
+pub(super) const EVASIVE: &[&str] = words!(
+    "be do get give make need have has help work solv suit serv fit go come lead need use take bring start begin"
+);
+
+/// What a good answer does not do, and what does not happen to the rest of the cloth; stems.
+pub(super) const UNWANTED: &[&str] = words!(
+    "drag wrinkl crease slip disturb touch move moving moved cross collid lift overlap cover hid hang leav stick poke interfer block
+    chang affect need necess requir involv matter else yet only fold pinned stack tuck skew tilt distort shift reach
+    displac visibl very other another cloth smooth say lie mark slid flip hand wrong normal correction help
+    surpris worry hesitat exceed lose lost undo loose pass bother damag tear bunch open separat extra visible further
+    more than just merely alone perfect exact quite all entire always ideal long large far strong fully tension
+    slack trap pinch snag block differ difference hidden occlu tangl gap risk problem obstacle doubt fall hesit bend stretch"
+);
+
+/// What an action does that makes it unfit; stems.
+pub(super) const HARMS: &[&str] =
+    words!("tear tore rips ripp snag overshoot undershoot topple collaps overkill");
+
+/// Returns whether a word begins with one of some stems, and goes on by four letters at most, or one after a short stem.
+pub(super) fn begins_with(word: &str, stems: &[&str]) -> bool {
+    stems.iter().any(|stem| {
+        word.starts_with(stem) && word.len() <= stem.len() + if stem.len() > 3 { 4 } else { 1 }
+    })
+}
+
+/// Returns whether a verb tells of something that nobody wants of an answer.
+pub(super) fn is_unwanted(verb: &str) -> bool {
+    begins_with(verb, UNWANTED) || begins_with(verb, SPOILING) || begins_with(verb, HARMS)
+}
+
+/// Returns whether a verb says too little of what is done.
+pub(super) fn is_evasive(verb: &str) -> bool {
+    begins_with(verb, EVASIVE)
+}

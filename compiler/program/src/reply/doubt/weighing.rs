@@ -4,8 +4,8 @@
 //! another way must be understood as a drawback. A gain, or words that are not understood, mean that the answer is not
 //! what its author would do. For the answer itself it is the other way round: a harm takes it back.
 
+use super::clause::{Clause, DOUBTED, OTHERWISE, Place, Predicate, Subject, refers_forward};
 use super::vocabulary::*;
-use super::{Clause, Place, Predicate, Subject};
 use crate::reply::wordlist::words;
 
 /// Conjunctions whose clauses say under which circumstances something holds, or to what it is compared.
@@ -43,40 +43,14 @@ const DRAWBACKS: &[&str] = words!(
     need costs inaccess back smear middle beyond past keep bruise overdo overstr overkill scratch leav strain worthless pucker waste spoil ruin wreck"
 );
 
-/// What another way to act does that tells against it, whatever it does it to; stems.
-const SPOILING: &[&str] = words!(
-    "overshoot undershoot exceed skew drag slip slid los occlu obscur crush crease undo disturb wrinkl bunch crumpl twist tangl
-    tear damag topple collaps wast miss fail conflict contradict violat ruin wreck spoil duplicat hinder displac
-    misalign destroy stretch bury stack pile shear scrape poke jam"
-);
-
 /// What a part of the cloth does where the answer leads; stems.
 const OUTCOMES: &[&str] = words!(
     "cover lie land end match meet reach overlap point form coincid rest fall align sit stay remain touch show hang look line
     cross stick span fold"
 );
 
-/// What a way to act does that tells nothing against it or for it; stems.
-const EVASIVE: &[&str] = words!(
-    "be do get give make need have has help work solv suit serv fit go come lead need use take bring start begin"
-);
-
 /// What denies a whole clause.
 const DENYING: &[&str] = words!("not no never nothing none nobody hardly barely scarcely");
-
-/// What a good answer does not do, and what does not happen to the rest of the cloth; stems.
-const UNWANTED: &[&str] = words!(
-    "drag wrinkl crease slip disturb touch move moving moved cross collid lift overlap cover hid hang leav stick poke interfer block
-    chang affect need necess requir involv matter else yet only fold pinned stack tuck skew tilt distort shift reach
-    displac visibl very other another cloth smooth say lie mark slid flip hand wrong normal correction help
-    surpris worry hesitat exceed lose lost undo loose pass bother damag tear bunch open separat extra visible further
-    more than just merely alone perfect exact quite all entire always ideal long large far strong fully tension
-    slack trap pinch snag block differ difference hidden occlu tangl gap risk problem obstacle doubt fall hesit bend stretch"
-);
-
-/// What an action does that makes it unfit; stems.
-const HARMS: &[&str] =
-    words!("tear tore rips ripp snag overshoot undershoot topple collaps overkill");
 
 /// What is no part of the cloth.
 const NO_CLOTH: &[&str] = words!("shadow shadows tabletop background glare");
@@ -97,13 +71,13 @@ pub(super) fn favours_another(clauses: &[Clause<'_>]) -> Option<&'static str> {
         .find_map(|(at, clause)| {
             let favours = clause.tells_of_another() && !is_drawn_back(clause, &clauses[at + 1..]);
             match () {
-                () if favours => Some(super::OTHERWISE),
-                () if clause.harms() || clause.denies_without_need() => Some(super::DOUBTED),
+                () if favours => Some(OTHERWISE),
+                () if clause.harms() || clause.denies_without_need() => Some(DOUBTED),
                 () if clauses[..at]
                     .iter()
                     .any(|it| it.asks_for_another_side(clause)) =>
                 {
-                    Some(super::DOUBTED)
+                    Some(DOUBTED)
                 }
                 () => None,
             }
@@ -162,22 +136,6 @@ fn says(words: &[&str], stems: &[&str]) -> bool {
     words.iter().any(|it| begins_with(it, stems))
 }
 
-fn begins_with(word: &str, stems: &[&str]) -> bool {
-    stems.iter().any(|stem| {
-        word.starts_with(stem) && word.len() <= stem.len() + if stem.len() > 3 { 4 } else { 1 }
-    })
-}
-
-/// Returns whether a verb tells of something that nobody wants of an answer.
-pub(super) fn is_unwanted(verb: &str) -> bool {
-    begins_with(verb, UNWANTED) || begins_with(verb, SPOILING) || begins_with(verb, HARMS)
-}
-
-/// Returns whether a verb says too little of what is done.
-pub(super) fn is_evasive(verb: &str) -> bool {
-    begins_with(verb, EVASIVE)
-}
-
 fn names_another_way(words: &[&str]) -> bool {
     words
         .iter()
@@ -205,7 +163,7 @@ fn gains(words: &[&str]) -> bool {
 impl Clause<'_> {
     fn speaks_of_what_follows(&self) -> bool {
         let named = &self.words[..self.words.len() - self.predicate.len()];
-        self.subject == Subject::Answer && super::refers_forward(named)
+        self.subject == Subject::Answer && refers_forward(named)
     }
 
     /// Returns whether the clause tells of another way to act: `the collar would`, `the other corner`.
