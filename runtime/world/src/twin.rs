@@ -2,7 +2,7 @@
 //!
 //! In: a [`Sighting`] of a flat cloth in a camera's picture, and what the task declares about its twins. Out: a [`Twin`]
 //! that folds and is looked at. A twin has a simulator of its own. It is made of no [`World`] and no
-//! [`Start`](crate::start::Start), so it cannot hold a world's particles: the only thing that it gets of a world are
+//! [`Start`], so it cannot hold a world's particles: the only thing that it gets of a world are
 //! pictures and executed motions.
 //!
 //! ```compile_fail,E0308
