@@ -11,10 +11,14 @@ starts, 10 000 draws. Needs numpy.
 
 import collections
 import csv
+import itertools
 import os
 import sys
 
 import numpy as np
+
+# Pulls of each kind in the last comparison.
+EQUAL = 3
 
 ROWS = [
     ("the stand-in's own pull", ()),
@@ -47,6 +51,17 @@ def main(folder):
             best = {key: max(sum((state[kind] for kind in ("own", *kinds)), [])) for key, state in chosen.items()}
             more = {key: gain - max(chosen[key]["own"]) for key, gain in best.items()}
             print(f"| {name} | {np.mean(tried):.1f} | {interval(best, starts)} | {interval(more, starts)} |")
+    starts = sorted({start for start, _ in whole})
+    for kind in ("elsewhere", "inward") if starts else ():
+        more = {key: added(state, kind) - added(state, "offered") for key, state in whole.items()}
+        print(f"{EQUAL} of `{kind}` less {EQUAL} of `offered`: {interval(more, starts)}")
+
+
+def added(state, kind):
+    """What up to EQUAL pulls of a kind add to the stand-in's own, over all choices of them."""
+    own = max(state["own"])
+    choices = list(itertools.combinations(state[kind], min(EQUAL, len(state[kind]))))
+    return np.mean([max((own, *choice)) - own for choice in choices])
 
 
 def interval(values, starts):
