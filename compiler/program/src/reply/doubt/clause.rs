@@ -615,7 +615,8 @@ impl<'a> Clause<'a> {
         }
         let may = modal.is_some_and(|it| it != "will");
         let rests = words!("rest stay sit remain idle park stand").contains(&verb)
-            && !matches!(self.words[0], "you");
+            && !matches!(self.words[0], "you")
+            && !rest.first().is_some_and(|it| WAYS.contains(it));
         if may && (HALTS.contains(&verb) || rests) {
             return Some(HALTED);
         }

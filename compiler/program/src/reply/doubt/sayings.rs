@@ -139,6 +139,8 @@ const ROWS: &[Row] = &[
     row(After, Nobody, "^ take|use|make|choose only|just|it half|quarter|third|twice|double", "", CHANGED),
     row(Ever, Author, "not * have|receive|received|get|got|given|view a|an|any|the|your|actual image|picture|photo", "", DOUBTED),
     row(Later, Anything, "^ half|quarter|third|tenth * BE overkill|excessive|plenty|ample|all", "not", OTHERWISE),
+    row(Later, Anything, "BE a|another different|separate one|corner|edge|fold|step", "not|no", OTHERWISE),
+    row(Later, Nobody, "^ repeat|do|run|execute this|it|that * times|twice", "", CHANGED),
     // Nothing is to be done.
     row(After, Nobody, "^ hold|park|stop|halt the robot|arm|gripper|motion", "", HALTED),
     row(Later, Nobody, "^ confirm|review|approve|delete|replace|adjust $", "", HALTED),
@@ -146,6 +148,8 @@ const ROWS: &[Row] = &[
     row(Later, Anything, "need|needs|require|requires no MOTION", "more|further|other|second|additional|extra", HALTED),
     row(Later, World, "CLOTH is|looks smooth|done|finished|complete $", "not|then|almost", HALTED),
     // The answer is not what it should be.
+    row(Later, Anything, "will|would|may|might * reject|refuse|discard|decline this|it|that|these|them", "not|never", DOUBTED),
+    row(Later, Answer, "^ * was|were the|a * of|from|for * step", "", DOUBTED),
     row(Always, Answer, "BE not $", "", DOUBTED),
     row(Always, Answer, "BE not for|from|meant|of|at|what", "very|exactly|quite|directly|right|only", DOUBTED),
     row(Later, Anything, "^ neither the|my PART", "", DOUBTED),

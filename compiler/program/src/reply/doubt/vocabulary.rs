@@ -163,6 +163,11 @@ pub(super) const HALTS: &[&str] = words!(
     remeasure recheck recalibrate rewind"
 );
 
+/// In which way an arm moves: `the gripper should stay closed`.
+pub(super) const WAYS: &[&str] = words!(
+    "closed shut open level low high above slow steady firm gentle vertical upright parallel"
+);
+
 /// Orders that dismiss or change what they name.
 pub(super) const DISMISSALS: &[&str] = words!(
     "skip ignore discard disregard scrap toss bin drop forget reject delete erase strike scratch cancel void overwrite
