@@ -409,6 +409,7 @@ pub(super) const PREPOSITIONS: &[&str] =
 
 /// What begins a sentence that only is polite.
 pub(super) const COURTESIES: &[&[&str]] = &[
+    &["with", "this", "in", "mind"],
     words!("let me know"),
     words!("feel free"),
     words!("please let me know"),
@@ -473,7 +474,7 @@ pub(super) const EVASIVE: &[&str] = words!(
 
 /// What a good answer does not do, and what does not happen to the rest of the cloth; stems.
 pub(super) const UNWANTED: &[&str] = words!(
-    "drag wrinkl crease slip disturb touch move moving moved cross collid lift overlap cover hid hang leav stick poke interfer block
+    "refus reject drag wrinkl crease slip disturb touch move moving moved cross collid lift overlap cover hid hang leav stick poke interfer block
     chang affect need necess requir involv matter else yet only fold pinned stack tuck skew tilt distort shift reach
     displac visibl very other another cloth smooth say lie mark slid flip hand wrong normal correction help
     surpris worry hesitat exceed lose lost undo loose pass bother damag tear bunch open separat extra visible further
