@@ -227,6 +227,26 @@ impl Field<'_> {
                 "Your answer calls its own {noun}, {written}, unfit."
             ));
         }
+        // `carry it down and to the left` is no 45 deg.
+        let courses: Vec<&Claim> = claims
+            .iter()
+            .copied()
+            .filter(|claim| matches!(claim.claimed, Claimed::Course(_)))
+            .collect();
+        let differs = |claim: &&Claim| match (&claim.claimed, value) {
+            (Claimed::Course(course), Value::Direction { deg }) => {
+                let apart = (course - deg).rem_euclid(360.0);
+                apart.min(360.0 - apart) >= 90.0
+            }
+            _ => false,
+        };
+        if let Some(course) = courses.first().filter(|_| courses.iter().all(differs)) {
+            let said = self.reply.get(course.span.clone()).unwrap_or_default();
+            return Err(format!(
+                "Your answer says both `{}` and {written}. State only the {noun} that you choose.",
+                quoted(said)
+            ));
+        }
         let text = self.reply.get(span.clone()).unwrap_or_default();
         if let (Value::Point(_), Some(taken)) = (value, note) {
             repairs.push(format!("{}: {taken}", self.declared.name));
@@ -275,6 +295,7 @@ impl Field<'_> {
                 }
                 Claimed::Bad(_)
                 | Claimed::Prose(..)
+                | Claimed::Course(_)
                 | Claimed::Unfit(_)
                 | Claimed::Hedge(_)
                 | Claimed::Nothing => {}

@@ -224,6 +224,18 @@ fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Menti
             .iter()
             .position(|field| field.name == wanted && field.is_point())
     };
+    // `take hold of the cloth at`
+    let takes = tokens[at].is("hold")
+        && at > 0
+        && tokens[at - 1].is_any(&["take", "takes", "taking", "get"]);
+    if takes && let Some(field) = has("pick") {
+        return Some(Mention {
+            field,
+            form: Form::Verb,
+            at,
+            end: at + 1,
+        });
+    }
     let (name, _, form) = VERBS.iter().find(|(name, verbs, form)| {
         let is_shared = matches!(form, Form::VerbAt | Form::PassiveAt);
         tokens[at].is_any(verbs)

@@ -4,7 +4,7 @@
 //! those that the answer means. Each remark is a row of a table.
 
 use super::data::Beside;
-use super::doubt::{self, Place};
+use super::doubt::{self, Place, Prose};
 use super::lexer::{self, Gap, Kind, Token};
 use super::point;
 use super::value;
@@ -40,6 +40,8 @@ use About::{Action, Directions, Lengths, Pixels};
 /// separated by `|`; signs are words of their own.
 struct Row {
     about: About,
+    /// Whether only a lone remark is one; in an explanation it tells how the answer was found.
+    is_lone: bool,
     /// Whether it counts only after the values; before them, it is about something else.
     is_after: bool,
     says: &'static [&'static str],
@@ -55,6 +57,7 @@ const fn anywhere(
 ) -> Row {
     Row {
         about,
+        is_lone: false,
         is_after: false,
         says,
         unless,
@@ -65,10 +68,18 @@ const fn anywhere(
 const fn after(why: &'static str, says: &'static [&'static str], unless: &'static str) -> Row {
     Row {
         about: Action,
+        is_lone: false,
         is_after: true,
         says,
         unless,
         why,
+    }
+}
+
+const fn lone(why: &'static str, says: &'static [&'static str], unless: &'static str) -> Row {
+    Row {
+        is_lone: true,
+        ..after(why, says, unless)
     }
 }
 
@@ -110,7 +121,7 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_PICTURE, &["image|picture|photo", "rotated|turned|flipped|mirrored|resized|scaled|shrunk|downscaled|downsampled", "before reading|to read|when reading|before i read|then read|for reading"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["i rescaled|i resized|i downscaled|i upscaled|i shrank|i enlarged|i cropped|i rotated|i flipped|i mirrored", "image|picture|photo|it|everything"], "not|no|without|back|cloth|fold|original"),
     anywhere(Pixels, OTHER_PICTURE, &["relative to|refer to|based on|measured in|measured on|read from|read in|are in the", "version of|copy of|thumbnail|resized|downscaled|downsampled"], NOT),
-    anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "angle|angles|direction|directions|measured|measure|counted|count"], "counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
+    anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "angle|angles|direction|directions|measured|measure|counted|count"], "corners|outline|right angle|right angles|counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
     anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "from the top|from top|from up|from north|from 12"], "corner|corners|counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
     anywhere(Directions, OTHER_ANGLE, &["0 deg|0 degrees|0 °|zero degrees", "is up|points up|pointing up|means up|pointing upwards|is straight up|means straight up|pointing straight up|is north|at the top|straight down"], "not|right"),
     anywhere(Directions, OTHER_ANGLE, &["90 deg|90 degrees|90 °", "points to the bottom|points down|pointing down|is down|means down"], "not|270"),
@@ -140,9 +151,9 @@ const ROWS: &[Row] = &[
     after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
     after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked|mirror image"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
-    after(CHANGED, &["^ sorry|^ oops|^ hold on|^ wait|^ apologies|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ double - check|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience"),
-    after(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
-    after(CHANGED, &["should be the one|opposite way|than i wrote|one step lower|one step higher|one level"], NOT),
+    after(CHANGED, &["^ sorry|^ oops|^ hold on|^ wait|^ apologies|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ double - check|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience|order|confusion|delay|for that|for this|for missing|for the"),
+    lone(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
+    lone(CHANGED, &["should be the one|opposite way|than i wrote|one step lower|one step higher|one level"], NOT),
 ];
 
 /// What says that values of another picture were converted.
@@ -174,6 +185,7 @@ pub(super) fn of(
     stated: Option<Stated>,
 ) -> Vec<(About, String)> {
     let last_claim = stated.map(|stated| stated.last);
+    let prose = doubt::prose(tokens);
     let mut found: Vec<(About, String)> = Vec::new();
     for sentence in sentences(tokens, last_claim) {
         // Nobody writes sentences of this length; looking for every phrase in them would only take time.
@@ -186,7 +198,7 @@ pub(super) fn of(
             found.retain(|(about, _)| *about != Pixels);
             continue;
         }
-        found.extend(rows_of(&words, is_after).map(|row| (row.about, row.why.to_owned())));
+        found.extend(rows_of(&words, is_after, prose).map(|row| (row.about, row.why.to_owned())));
         found.extend(another_size(sentence, notation).map(|why| (Pixels, why)));
         if !says(&words, NOT) && another_order(sentence, notation) {
             found.push((Pixels, OTHER_ORDER.to_owned()));
@@ -199,9 +211,10 @@ pub(super) fn of(
     found
 }
 
-fn rows_of(words: &str, is_after: bool) -> impl Iterator<Item = &'static Row> {
+fn rows_of(words: &str, is_after: bool, prose: Prose) -> impl Iterator<Item = &'static Row> {
     ROWS.iter().filter(move |row| {
         (!row.is_after || is_after)
+            && (!row.is_lone || prose == Prose::Remark)
             && row.says.iter().all(|group| says(words, group))
             && !says(words, row.unless)
     })
@@ -209,11 +222,12 @@ fn rows_of(words: &str, is_after: bool) -> impl Iterator<Item = &'static Row> {
 
 /// Returns why sentences before or after a text say that it is not to be carried out.
 pub(super) fn of_text(tokens: &[Token<'_>], place: Place) -> Option<&'static str> {
+    let prose = doubt::prose(tokens);
     let sentences = sentences(tokens, None).into_iter();
     let mut short = sentences.filter(|sentence| sentence.len() <= MAX_SENTENCE);
     short.find_map(|sentence| {
         let words = spoken(sentence);
-        let mut rows = rows_of(&words, place == Place::After);
+        let mut rows = rows_of(&words, place == Place::After, prose);
         rows.find(|row| row.about == Action).map(|row| row.why)
     })
 }
@@ -252,6 +266,7 @@ pub(super) fn doubt(
         .filter(|sentence| sentence.len() <= MAX_SENTENCE)
         .collect();
     let language = doubt::language(&spoken);
+    let prose = doubt::prose(tokens);
     spoken.into_iter().find_map(|sentence| {
         let Some(Stated {
             first,
@@ -260,11 +275,11 @@ pub(super) fn doubt(
             end,
         }) = stated
         else {
-            return doubt::cast_by(sentence, place, language);
+            return doubt::cast_by(sentence, place, language, prose);
         };
         let (begins, ends) = (sentence.first()?.at, sentence.last()?.at);
         if begins > settled
-            && let Some(why) = doubt::cast_by(sentence, Place::After, language)
+            && let Some(why) = doubt::cast_by(sentence, Place::After, language, prose)
         {
             return Some(why);
         }
@@ -278,7 +293,7 @@ pub(super) fn doubt(
                         .get(above)
                         .is_some_and(|token| token.gap >= Gap::Line));
             if is_heading
-                && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before, language)
+                && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before, language, prose)
             {
                 return Some(why);
             }
@@ -289,7 +304,7 @@ pub(super) fn doubt(
                 .iter()
                 .position(|token| token.at > first && token.gap >= Gap::Line);
             if let Some(why) =
-                below.and_then(|at| doubt::cast_by(&sentence[at..], Place::Beside, language))
+                below.and_then(|at| doubt::cast_by(&sentence[at..], Place::Beside, language, prose))
             {
                 return Some(why);
             }
@@ -304,7 +319,7 @@ pub(super) fn doubt(
         } else {
             sentence.partition_point(|token| token.at < end)
         };
-        doubt::cast_by(&sentence[behind..], place, language)
+        doubt::cast_by(&sentence[behind..], place, language, prose)
     })
 }
 

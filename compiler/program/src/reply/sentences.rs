@@ -37,6 +37,8 @@ pub(super) enum Claimed {
     Axis(char, f64),
     /// The answer judges that this value is unfit: `0.75 edge is too far`.
     Unfit(Value),
+    /// Something is moved in this direction, degrees; the words are coarser than the choices.
+    Course(f64),
     /// Words that do not begin with a value, the reason, and how each value that they name is meant.
     Prose(String, Vec<Named>),
     /// Something that is not a value, and why not.
@@ -82,6 +84,24 @@ const HARMING: &[&str] = words!("slips slip tears crushes loses lose");
 /// What begins another clause.
 const JOINING: &[&str] = words!("and but while whereas so because");
 
+/// Verbs that move what is picked, in the answer's direction.
+const CARRYING: &[&str] = words!(
+    "pull pulls pulled pulling carry carries carried carrying drag drags dragged dragging move moves moved moving bring
+    brings brought bringing"
+);
+
+/// Nouns after a side: `to the left corner` is a place.
+const THINGS: &[&str] = words!(
+    "corner corners edge edges side hem flap layer part half end tip of sleeve border point wrinkle fold crease"
+);
+
+/// What makes a sentence about a motion none about the answer's own.
+const UNREAL: &[&str] = words!(
+    "not no never n't would could might may cannot can't don't shouldn't instead rather than avoid avoids without
+    previous previously earlier last had was were been next then later after if unless when before already other
+    another opposite itself eventually finally rest neighbouring neighboring while whereas"
+);
+
 /// How far a direction in words may be from the angle that it describes, degrees.
 const WORDED_DEG: f64 = 67.5;
 
@@ -102,7 +122,7 @@ const DENYING: &[&str] = words!(
     "case not don't don’t didn't isn't won't wouldn't shouldn't can't cannot never avoid avoiding no nor neither
     previous previously last old earlier former initial initially example e.g. rejected refused wrong incorrect
     instead than considered considering candidate candidates alternative alternatives alternatively option options choices if
-    unless could might may maybe perhaps possible possibly unlike was were template tempting without ❌ ✗ rather human"
+    unless could might may maybe perhaps possible possibly unlike was were template tempting without ❌ ✗ rather human ideally"
 );
 
 /// Words between a name and its sign that change nothing.
@@ -158,6 +178,7 @@ impl Reader<'_> {
         found
             .chain(sentences.motions())
             .chain(sentences.pulls())
+            .chain(sentences.courses())
             .chain(sentences.judgements())
             .chain(sentences.carries())
             .map(|claim| Claim {
@@ -266,7 +287,7 @@ impl<'a> Sentences<'a> {
         } else {
             hint = self.hint(&mut cursor);
         }
-        if cursor.is_joined() {
+        if cursor.is_joined() && !value::ends_sentence(self.tokens, cursor.at) {
             cursor.eat_sign('.');
         }
         self.skip_wrap(&mut cursor, mention);
@@ -378,7 +399,8 @@ impl<'a> Sentences<'a> {
             && cursor
                 .peek()
                 .is_some_and(|next| next.is_any(value::CONDITIONAL));
-        if is_supposed || self.asks(cursor.at, clarity) {
+        let is_weighed = clarity == Clarity::Spoken && self.is_weighed(mention.at, cursor.at);
+        if is_supposed || is_weighed || self.asks(cursor.at, clarity) {
             return None;
         }
         let last = cursor.at.max(start + 1).min(limit) - 1;
@@ -598,13 +620,29 @@ impl<'a> Sentences<'a> {
                         && verb.kind == Kind::Word
                         && !verb.is_any(&["is", "for", "with", "at", "of", "and", "or", "as"])
                 });
-            next.at > mention.at && !is_remark
+            // `Release height = 0 mm (do not drop it)`
+            let is_beside = next.form != Form::Name && self.is_in_brackets(mention.end, next.at);
+            next.at > mention.at && !is_remark && !is_beside
         });
         let next = named
             .map_or(self.tokens.len(), |next| next.at)
             .min(mention.end + MAX_CLAUSE);
         let end = (mention.end..next).find(|at| self.tokens[*at].is_sign(lexer::TAG_END));
         end.map_or(next, |at| at + 1)
+    }
+
+    /// Returns whether a bracket that opens after `begin` is open at `at`, on the same line.
+    fn is_in_brackets(&self, begin: usize, at: usize) -> bool {
+        let mut depth = 0_usize;
+        for token in &self.tokens[begin..at.min(begin + MAX_CLAUSE)] {
+            match token.kind {
+                _ if token.gap >= Gap::Line => return false,
+                Kind::Sign('(') => depth += 1,
+                Kind::Sign(')') => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+        }
+        depth > 0
     }
 
     /// Returns whether the line at a token begins with a statement of its own.
@@ -723,6 +761,24 @@ impl<'a> Sentences<'a> {
             }
         }
         false
+    }
+
+    /// Returns whether the sentence tells what a value did in an earlier try, or would do: `with a firm grip it could
+    /// slip`.
+    ///
+    /// - `at`, `end`: where the statement begins and ends.
+    fn is_weighed(&self, at: usize, end: usize) -> bool {
+        let Range { start, end: last } = self.sentence(at);
+        let rest = &self.tokens[end.min(last)..last];
+        let is_supposed = self.tokens[start].is_any(&["with", "under"])
+            && rest.iter().any(|token| {
+                token.is_any(&["would", "could", "might", "may", "can"])
+            });
+        let is_earlier = rest.iter().any(|token| token.is_any(&["previously", "earlier"]))
+            || rest.windows(2).any(|pair| {
+                pair[0].is("last") && pair[1].is_any(&["time", "try", "attempt", "round"])
+            });
+        is_supposed || is_earlier
     }
 
     /// Returns whether `to` leads to the point that ends at a token.
@@ -910,6 +966,77 @@ impl<'a> Sentences<'a> {
             })
         });
         found.collect()
+    }
+
+    /// Returns the directions in words in which something is said to be moved: `carry it down and to the left`.
+    fn courses(&self) -> Vec<Claim> {
+        let is_compass = |field: &ActionField| match &field.choices {
+            Choices::Directions { choices } => [0.0, 90.0, 180.0, 270.0]
+                .iter()
+                .all(|deg| choices.iter().any(|choice| choice.deg == *deg)),
+            _ => false,
+        };
+        let mut fields = (0..self.reader.fields.len())
+            .filter(|field| is_compass(&self.reader.fields[*field]));
+        let (Some(field), None) = (fields.next(), fields.next()) else {
+            return Vec::new();
+        };
+        let mut claims = Vec::new();
+        for at in 0..self.tokens.len() {
+            let is_noun = at > 0
+                && self.tokens[at].is_any(&["pull", "move", "drag", "carry"])
+                && self.tokens[at - 1].is_any(&["the", "a", "this", "each", "that", "one"]);
+            if is_noun || !self.tokens[at].is_any(CARRYING) {
+                continue;
+            }
+            let sentence = self.sentence(at);
+            if self.tokens[sentence.clone()].iter().any(|token| token.is_any(UNREAL)) {
+                continue;
+            }
+            let course = (at + 1..sentence.end.min(at + MAX_CARRIED)).find_map(|begin| {
+                let leads = self.tokens[begin].is_any(&[
+                    "to", "toward", "towards", "up", "upward", "upwards", "down", "downward",
+                    "downwards", "diagonally", "straight", "directly",
+                ]);
+                let mut cursor = Cursor {
+                    tokens: &self.tokens[..sentence.end],
+                    at: begin,
+                };
+                let deg = words::side(&mut cursor).filter(|_| leads)?;
+                let is_object = cursor
+                    .peek()
+                    .is_some_and(|next| next.kind == Kind::Word && next.is_any(THINGS));
+                (!is_object).then_some((deg, cursor.at))
+            });
+            if let Some((deg, end)) = course {
+                claims.push(Claim {
+                    field,
+                    span: self.tokens[at].at..self.tokens[end - 1].end(),
+                    claimed: Claimed::Course(deg),
+                });
+            }
+        }
+        claims
+    }
+
+    /// Returns where the sentence of a token begins and ends; a line ends it.
+    fn sentence(&self, at: usize) -> Range<usize> {
+        let least = at.saturating_sub(MAX_BEFORE);
+        let begin = (least..at)
+            .rev()
+            .find(|index| {
+                self.tokens[index + 1].gap >= Gap::Line || value::ends_sentence(self.tokens, *index)
+            })
+            .map_or(least, |index| index + 1);
+        let most = self.tokens.len().min(at + MAX_BEFORE);
+        let end = (at..most).find(|index| {
+            value::ends_sentence(self.tokens, *index)
+                || self
+                    .tokens
+                    .get(index + 1)
+                    .is_some_and(|next| next.gap >= Gap::Line)
+        });
+        begin..end.map_or(most, |end| end + 1)
     }
 
     /// Returns whether a direction in words just before an angle, `down (270 deg)`, is the same one.
@@ -1130,6 +1257,7 @@ impl<'a> Sentences<'a> {
         });
         if is_owned
             || self.is_denied(begin, Clarity::Spoken, false)
+            || self.is_weighed(begin, mention.end)
             || self.asks(mention.end, Clarity::Spoken)
         {
             return None;

@@ -65,6 +65,11 @@ const DESCRIBING: &[&str] = words!(
     green black purple white yellow marked detected visible gripper with by target here located which northwest"
 );
 
+/// Verbs after a point that describe what lies there: `(10, 20) appears to be the tip`.
+const SHOWING: &[&str] = words!(
+    "appears seems looks sits lies forms belongs protrudes sticks marks has shows remains rests stands represents"
+);
+
 /// The most words before a point that describe it.
 const MAX_DESCRIPTION: usize = 20;
 
@@ -1254,10 +1259,16 @@ fn explanation(
                 .take(2)
                 .any(|token| token.is_any(&["counter", "anti"]))
     };
-    let alters = rest
-        .iter()
-        .enumerate()
-        .any(|(index, token)| (token.is_any(ALTERING) || token.is_sign('±')) && !is_counter(index));
+    // `slow, the fabric would flutter otherwise`
+    let is_reason = |index: usize| {
+        rest[index].is_any(&["otherwise", "else"])
+            && rest[..index]
+                .iter()
+                .any(|token| token.is_any(&["would", "could", "might", "may", "will", "can"]))
+    };
+    let alters = rest.iter().enumerate().any(|(index, token)| {
+        (token.is_any(ALTERING) || token.is_sign('±')) && !is_counter(index) && !is_reason(index)
+    });
     let is_point = context.expected.field.is_point();
     // `pick (10, 20) and fold it up`
     let goes_further =
@@ -1290,6 +1301,7 @@ fn explanation(
     }
     let starts = first.is_any(EXPLAINING)
         || (context.clarity == Clarity::Assigned && first.is_any(TELLING))
+        || (is_point && first.is_any(SHOWING))
         || (is_point && first.is_any(DESCRIBING) && !first.is_any(&["left", "right", "up"]));
     if is_apart {
         return Ok(());

@@ -1,5 +1,6 @@
 //! A clause as a statement: whom it speaks of, what it says of them, and whether that puts the answer in doubt.
 
+use super::Prose;
 use super::vocabulary::*;
 use crate::reply::wordlist::words;
 
@@ -43,6 +44,7 @@ pub(super) struct Clause<'a> {
     pub(super) words: &'a [&'a str],
     pub(super) joint: &'a str,
     pub(super) place: Place,
+    pub(super) prose: Prose,
     /// Whether it tells of a later step.
     pub(super) is_sequel: bool,
     pub(super) subject: Subject,
@@ -56,7 +58,7 @@ impl<'a> Clause<'a> {
     pub(super) fn new(
         words: &'a [&'a str],
         joint: &'a str,
-        place: Place,
+        (place, prose): (Place, Prose),
         was_sequel: bool,
     ) -> Clause<'a> {
         let is_subject = |at: usize| {
@@ -92,6 +94,7 @@ impl<'a> Clause<'a> {
             words,
             joint,
             place,
+            prose,
             is_sequel,
             subject,
             predicate: &words[length..],
@@ -157,7 +160,11 @@ impl<'a> Clause<'a> {
                 .is_some_and(|it| ARTICLES.contains(it) || it.starts_with(char::is_numeric))
     }
 
-    fn is_explaining(&self) -> bool {
+    fn is_remark(&self) -> bool {
+        self.prose == Prose::Remark
+    }
+
+    pub(super) fn is_explaining(&self) -> bool {
         EXPLAINING.contains(&self.joint)
     }
 
@@ -243,7 +250,7 @@ impl<'a> Clause<'a> {
     }
 
     fn quotes_saying(&self) -> Option<&'static str> {
-        if self.place == Place::Before || self.is_explaining() {
+        if self.place == Place::Before || self.is_explaining() || !self.is_remark() {
             return None;
         }
         let text = format!(" {} ", self.words.join(" "));
@@ -252,7 +259,7 @@ impl<'a> Clause<'a> {
     }
 
     /// `None of that is reliable`, `The pick should be shifted`, `These belong to the previous picture`
-    fn judges_answer(&self) -> Option<&'static str> {
+    pub(super) fn judges_answer(&self) -> Option<&'static str> {
         let Predicate {
             denies,
             modal,
@@ -297,7 +304,8 @@ impl<'a> Clause<'a> {
         if spoils && !denies && !is_it && !self.is_explaining() {
             return Some(DOUBTED);
         }
-        let grows = rest.iter().take(5).any(|it| {
+        let n_near = if self.is_remark() { 5 } else { 1 };
+        let grows = rest.iter().take(n_near).any(|it| {
             it.len() > 4
                 && it.ends_with("er")
                 && !FIT.contains(it)
@@ -383,7 +391,8 @@ impl<'a> Clause<'a> {
             || next.ends_with("ed")
             || BE.contains(&next)
             || MODALS.contains(&next);
-        self.place != Place::Before
+        self.prose == Prose::Remark
+            && self.place != Place::Before
             && !self.is_explaining()
             && match named {
                 [] => false,
@@ -455,7 +464,8 @@ impl<'a> Clause<'a> {
                     && !rest.iter().take(3).any(|it| {
                         COMPOSED.contains(it) || it.ends_with("ing") || it.ends_with("ed")
                     });
-            return ((feels && !denies || trusts && denies || is_other) && !weighs)
+            return ((feels && !denies || trusts && denies || is_other && self.is_remark())
+                && !weighs)
                 .then_some(DOUBTED);
         }
         if AUTHOR_DOUBTS.contains(&verb) && !denies {
@@ -465,13 +475,16 @@ impl<'a> Clause<'a> {
                     && self.place == Place::Before;
             return (!is_free).then_some(DOUBTED);
         }
+        let is_aware = words!("know see mean use say").contains(&verb) && !self.is_remark();
         if COMMITTING.contains(&verb)
             && denies
+            && !is_aware
             && (refers || rest.is_empty() || matches!(first, "for" | "by" | "behind"))
         {
             return Some(DOUBTED);
         }
-        let denies_sight = denies
+        let denies_sight = self.is_remark()
+            && denies
             && words!("tell find see locate identify determine recognise recognize know measure say verify check make judge pinpoint").contains(&verb)
             && self.place != Place::Before
             && (rest.is_empty()
@@ -510,7 +523,8 @@ impl<'a> Clause<'a> {
             .iter()
             .take(3)
             .any(|it| matches!(*it, "this" | "these"));
-        if object
+        if self.is_remark()
+            && object
             && (slight || !AUTHORED.contains(&verb) && modal.is_none())
             && !self.is_explaining()
             && !denies
@@ -520,7 +534,7 @@ impl<'a> Clause<'a> {
         let would = modal.is_some_and(|it| it == "would");
         if would
             && !rest.contains(&"@")
-            && (PREFERRING.contains(&verb) || !POLITE.contains(&verb))
+            && (PREFERRING.contains(&verb) || self.is_remark() && !POLITE.contains(&verb))
             && !self.is_sequel
             && !self.is_explaining()
             && !denies
@@ -547,7 +561,12 @@ impl<'a> Clause<'a> {
                 })
         };
         let at = (1..self.words.len().saturating_sub(1)).find(|at| begins(*at))?;
-        let clause = Clause::new(&self.words[at..], self.joint, self.place, self.is_sequel);
+        let clause = Clause::new(
+            &self.words[at..],
+            self.joint,
+            (self.place, self.prose),
+            self.is_sequel,
+        );
         (clause.subject == Subject::Answer).then(|| clause.judges_answer())?
     }
 
@@ -625,10 +644,14 @@ impl<'a> Clause<'a> {
 
     /// `A human should look at this`, `until the operator nods`
     fn defers(&self) -> Option<&'static str> {
-        let modal =
-            self.predicate.iter().take(3).any(|it| {
-                DUTIES.contains(it) || self.place == Place::After && SUPPOSING.contains(it)
-            });
+        let modal = (0..self.predicate.len().min(3)).any(|at| {
+            let it = self.predicate[at];
+            // `somebody had pushed it` is no duty.
+            let is_perfect = matches!(it, "has" | "have" | "had")
+                && self.predicate.get(at + 1).is_none_or(|next| *next != "to");
+            DUTIES.contains(&it) && !is_perfect
+                || self.place == Place::After && SUPPOSING.contains(&it)
+        });
         let waits = words!("until unless before once").contains(&self.joint);
         let like = self.words.iter().any(|it| matches!(*it, "like" | "as"));
         ((waits || modal && !self.is_none) && !like).then_some(HALTED)
@@ -748,7 +771,7 @@ impl<'a> Clause<'a> {
     }
 
     /// `a wild guess`, `not a real answer`
-    fn labels(&self) -> Option<&'static str> {
+    pub(super) fn labels(&self) -> Option<&'static str> {
         if self.is_explaining() {
             return None;
         }

@@ -6,6 +6,7 @@
 //! the cloth and the picture is free.
 
 mod clause;
+mod explained;
 mod known;
 mod sayings;
 mod vocabulary;
@@ -27,6 +28,27 @@ pub(super) enum Language {
     Other,
 }
 
+/// How much an answer says beside its values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Prose {
+    /// A few words. They are written for a reason, so all of them have to be understood.
+    Remark,
+    /// An explanation, most of which describes the cloth, the picture and other ways to act.
+    Explanation,
+}
+
+/// The fewest words of an answer that explains itself.
+const MIN_EXPLANATION: usize = 30;
+
+/// Returns how much an answer of these tokens says.
+pub(super) fn prose(tokens: &[Token<'_>]) -> Prose {
+    let words = tokens.iter().filter(|it| it.kind == Kind::Word);
+    match words.take(MIN_EXPLANATION).count() < MIN_EXPLANATION {
+        true => Prose::Remark,
+        false => Prose::Explanation,
+    }
+}
+
 /// Returns the language of an answer that consists of these sentences.
 pub(super) fn language(sentences: &[&[Token<'_>]]) -> Language {
     let is_foreign = |sentence: &&[Token<'_>]| {
@@ -44,14 +66,21 @@ pub(super) fn cast_by(
     sentence: &[Token<'_>],
     place: Place,
     language: Language,
+    prose: Prose,
 ) -> Option<&'static str> {
     let text = plain(sentence);
     let words: Vec<&str> = text.split_whitespace().collect();
     let said = format!(" {} ", words.join(" "));
-    if let Some(why) = whole(sentence, &words, &said, place) {
+    let debug = |what: &str, why: Option<&'static str>| {
+        if why.is_some() && std::env::var_os("DOUBT").is_some() {
+            eprintln!("DOUBT {what} {place:?}: {said}");
+        }
+        why
+    };
+    if let Some(why) = debug("whole", whole(sentence, &words, &said, place, prose)) {
         return Some(why);
     }
-    let clauses = clauses(&words, place);
+    let clauses = clauses(&words, place, prose);
     let is_of_answer = |clause: &Clause<'_>| {
         // `Here is a breakdown of the scene`
         if words.starts_with(&["here"]) && !words.iter().any(|it| PARTS.contains(it)) {
@@ -83,15 +112,19 @@ pub(super) fn cast_by(
         })
     };
     let is_strange = language == Language::English && may_be_strange && !is_courtesy;
-    let doubted = clauses.iter().find_map(Clause::doubt);
+    if prose == Prose::Explanation {
+        return debug("explained", explained::why(&clauses));
+    }
+    let doubted = debug("clause", clauses.iter().find_map(Clause::doubt));
     doubted
-        .or_else(|| clauses.iter().find_map(sayings::why))
-        .or_else(|| weighing::favours_another(&clauses))
-        .or_else(|| (is_strange && has_strange_word()).then_some(STRANGE))
+        .or_else(|| debug("saying", clauses.iter().find_map(sayings::why)))
+        .or_else(|| debug("plain", clauses.iter().find_map(sayings::plainly)))
+        .or_else(|| debug("weighing", weighing::favours_another(&clauses)))
+        .or_else(|| debug("strange", (is_strange && has_strange_word()).then_some(STRANGE)))
 }
 
 /// Cuts a sentence at its signs and conjunctions.
-fn clauses<'a>(words: &'a [&'a str], place: Place) -> Vec<Clause<'a>> {
+fn clauses<'a>(words: &'a [&'a str], place: Place, prose: Prose) -> Vec<Clause<'a>> {
     let mut found: Vec<Clause<'_>> = Vec::new();
     let (mut start, mut joint, mut is_sequel) = (0, "", false);
     for end in 0..=words.len() {
@@ -101,7 +134,7 @@ fn clauses<'a>(words: &'a [&'a str], place: Place) -> Vec<Clause<'a>> {
         if !(is_sign || EXPLAINING.contains(&word) || JOINING.contains(&word)) || is_not_yet {
             continue;
         }
-        let clause = Clause::new(&words[start..end], joint, place, is_sequel);
+        let clause = Clause::new(&words[start..end], joint, (place, prose), is_sequel);
         is_sequel |= clause.is_sequel;
         found.push(clause);
         // `Reason: …`; a longer clause before a colon is no label.
@@ -112,7 +145,8 @@ fn clauses<'a>(words: &'a [&'a str], place: Place) -> Vec<Clause<'a>> {
 }
 
 /// Returns why a sentence as a whole puts the answer in doubt.
-fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Option<&'static str> {
+fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place, prose: Prose) -> Option<&'static str> {
+    let is_remark = prose == Prose::Remark;
     let first = words.first()?;
     let says = |sayings: &str| {
         sayings
@@ -131,6 +165,9 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         // `I can offer no better than chance here:`
         let denies = words.rsplit(|it| *it == ",").next().is_some_and(|last| {
             last.iter().any(|it| NEGATIONS.contains(it))
+                && !last
+                    .windows(2)
+                    .any(|near| near[0] == "not" && matches!(near[1], "just" | "only"))
                 && (words!("i we here you").iter().any(|it| last.contains(it))
                     || last.contains(&"yet") && (PARTS.contains(first) || PRONOUNS.contains(first)))
         });
@@ -211,7 +248,8 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                         .any(|it| said.contains(&format!(" {verb} {it} ")))
                 })
             && said.contains(" as ");
-        return (hedges || says(FORMALITIES) || reports(words)).then_some(DOUBTED);
+        let is_formality = (is_remark || announces) && says(FORMALITIES);
+        return (hedges || is_formality || reports(words)).then_some(DOUBTED);
     }
     let is_foreign = words
         .iter()
@@ -222,12 +260,16 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
         || says(FOREIGN_SAYINGS);
     let hangs =
         words.starts_with(&["it", "is"]) && said.contains(" whether ") && place == Place::After;
-    let is_vague = hangs || place == Place::After && words.contains(&"±");
+    let is_vague = is_remark && (hangs || place == Place::After && words.contains(&"±"));
     if is_foreign
         || is_vague
         || said.contains(" in doubt ")
-        || place == Place::After && says(CONDITIONS)
+        || is_remark && place == Place::After && says(CONDITIONS)
     {
+        return Some(DOUBTED);
+    }
+    let turns = place != Place::Before && says("no , actually|no , wait|wait , no|no no");
+    if turns {
         return Some(DOUBTED);
     }
     // `I would pick the collar if it were offered`
@@ -262,10 +304,10 @@ fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place) -> Op
                     .contains(it)
             })
     });
-    if blurs || is_done {
+    if is_remark && blurs || is_done {
         return Some(DOUBTED);
     }
-    if place == Place::After {
+    if is_remark && place == Place::After {
         let corrects =
             words.starts_with(&["no", ","]) && !words[1..].iter().any(|it| NEGATIONS.contains(it));
         let sees_other = words.starts_with(&["i", "see"]) && words.contains(&"not");

@@ -120,7 +120,7 @@ const ROWS: &[Row] = &[
     row(Ever, Author, "made an|a|some error|mistake|slip", "", DOUBTED),
     row(Ever, Author, "^ i am guessing", "", DOUBTED),
     row(Later, Answer, "against|contrary|violates the|to|its SHOWN|goal|rule|rules", "not", DOUBTED),
-    row(Ever, Author, "would rather not", "", HALTED),
+    row(Ever, Author, "would rather not $|answer|say|guess|commit|act|move|do|decide|state", "", HALTED),
     row(Ever, Anything, "following|below|above fails|violates|breaks|contradicts", "not|no|never", DOUBTED),
     row(Ever, Anything, "then|next|finally|afterwards|and do|repeat the|it|this|that * again|more|twice|opposite|reverse|mirrored|reversed|backwards", "side|sleeve|corner", CHANGED),
     row(Later, Answer, "^ PART BE reversed|exchanged|interchanged|inverted", "not", CHANGED),
@@ -187,6 +187,82 @@ const ROWS: &[Row] = &[
     row(Later, World, "order|roles|sequence BE reversed|swapped|switched|wrong|exchanged", "", CHANGED),
 ];
 
+/// What takes an answer back in a remark and in the midst of a long explanation alike, whomever the clause speaks of.
+#[rustfmt::skip]
+const PLAIN: &[Row] = &[
+    // Somebody else has to look, choose or send something first.
+    row(Later, Anything, "^ you|we|one|i send|resend|upload|provide|share|attach|supply|repeat|detect * image|images|picture|pictures|photo|version|list|frame|view|scan|corners|again|first", "", HALTED),
+    row(Later, Anything, "can|could|would you send|resend|upload|provide|share|attach|supply|repeat|detect|confirm|check|verify|tell|clarify", "explain", HALTED),
+    row(Later, Nobody, "^ send|resend|upload|provide|share|attach|supply a|an|the|another|me|new|fresh * image|images|picture|pictures|photo|version|list|frame|view|scan", "", HALTED),
+    row(Later, Nobody, "^ take|get|make|capture another|a|one|fresh|new * image|picture|photo|frame|scan", "next|then|after|afterwards|once", HALTED),
+    row(Later, Nobody, "^ check|verify|confirm|clarify|tell|decide which|whether|what|that|it|this|these|the|me|left|right|first", "next|then|after|afterwards", HALTED),
+    row(Later, Anything, "describe|first|planning stage|step|module be|should|must|needs|has * repeated|rerun|redone", "", HALTED),
+    row(Later, Anything, "you may|might|could prefer|rather", "", OTHERWISE),
+    row(Later, Anything, "would|do you like|want|prefer the|it|to robot|arm|start|begin", "", DOUBTED),
+    row(Later, Anything, "just|please|only tell me", "", DOUBTED),
+    row(Later, Anything, "should|shall|may i|we use|take|pick|choose|go|proceed", "", DOUBTED),
+    // The answer is to be dropped, or taken for something else.
+    row(Ever, Anything, "discard|disregard|ignore|scrap|delete|forget|drop this|these|the|my|those * answer|answers|values|lines|numbers|coordinates|output|above|action|reply|response", "not|no|never", CHANGED),
+    row(Ever, Anything, "treat|regard|consider|take|read|see * as unknown|tentative|provisional|placeholder|placeholders|guess|draft|void|open|illustration|illustrative|hypothetical|rough", "not|no|never", DOUBTED),
+    row(Later, Anything, "should|can|could|must|may|might not be relied|trusted|executed|obeyed|followed", "ANOTHER", DOUBTED),
+    row(Later, Anything, "not be used|run|tried on|by|for|with the robot|arm|gripper", "", DOUBTED),
+    row(Later, Anything, "not rely|count on the|these|this|my|those|them", "", DOUBTED),
+    row(Later, Anything, "not trust the|these|this|my|those|them numbers|values|points|coordinates|lines|answer|$", "", DOUBTED),
+    row(Later, Anything, "stand|stands|stood|standing in for", "not", DOUBTED),
+    row(Ever, Anything, "answer|answers|response|responses|output|outputs|reply|actions look|looks|appear|appears|read|reads as|like follows|this|so|that", "", DOUBTED),
+    row(Ever, Anything, "line|lines|answer|answers|values|output BE supposed|meant|expected to look|read", "", DOUBTED),
+    row(Later, Anything, "show|illustrate|demonstrate|see the|how|what|your * layout|format|structure|syntax|parser", "", DOUBTED),
+    row(Later, Author, "filled|fill|put|typed|entered|wrote the|these|those|them|it|in * like this|so|merely|only", "", DOUBTED),
+    row(Later, Anything, "format|parser|schema|template demands|wants|needs|forces|insists|expects something|three|two|an|a|some|values|lines|numbers|me", "", DOUBTED),
+    row(Later, Anything, "to have|give|offer|say something|anything to|at $|all", "", DOUBTED),
+    // The values are those of another picture, step, robot or time.
+    row(Later, Anything, "belong|belongs|belonged to|with different|another|other|earlier|older|previous", "not", DOUBTED),
+    row(Later, Anything, "belong|belongs|belonged to|with|from the|an|a|my|its * earlier|older|previous|different|other|first|last picture|image|frame|scene|step|cloth|subgoal", "not", DOUBTED),
+    row(Later, Answer, "^ these|this|those was|were the|my value|values|numbers|coordinates|answer|answers|lines|point|points|action|pull|fold", "", DOUBTED),
+    row(Later, Anything, "robot|arm|gripper has|have carried|executed|performed|run|made|done them|it|this|these", "", HALTED),
+    row(Later, Author, "worked|computed|wrote|made|meant|intended|planned|derived|calculated this|it|these|them * for a|an|another|the * robot|arm|gripper|cloth|picture|scene|setup|step", "current|present|this", DOUBTED),
+    row(Later, Anything, "not to the|these|your|this picture|pictures|image|images|scene|cloth", "", DOUBTED),
+    row(Later, Anything, "an|the|my|our|another earlier|previous|other|older|last conversation|session|chat", "", DOUBTED),
+    row(Later, Anything, "as i remember|recall|remembered it|them|the|from", "", DOUBTED),
+    row(Later, Anything, "in|on|to my version|copy|crop|thumbnail", "", DOUBTED),
+    row(Later, Author, "not converted|rescaled|scaled|rotated|corrected it|them|these|those|the|for", "", DOUBTED),
+    row(Later, Anything, "the|a way it|they|these|those stand|stands", "", DOUBTED),
+    row(Later, Anything, "would|will|should be suitable|right|correct|fine|meant for the|a next|step|fold|picture|pull|later|earlier", "", DOUBTED),
+    row(Ever, Anything, "i|you received|got|sent|see BE cropped|blurred|corrupted|black|empty|blank|broken|damaged", "", DOUBTED),
+    row(Later, Anything, "pictures|images|picture|image appear|appears|seem|seems|look|looks|are to|be|identical|corrupted|unrelated identical|the|same|corrupted|unrelated|$", "subgoal|goal|next|after|not", DOUBTED),
+    row(Later, Anything, "may|might|could have|be nothing|unrelated to", "", DOUBTED),
+    // The author cannot see, or does not stand by it.
+    row(Ever, Anything, "can|could|do|did not see|view|open|access|load|process the|any|an|your|these|those|two|either|both|images|pictures images|pictures|image|picture|photo|photos|two|at|here|in|myself|$", "in the", DOUBTED),
+    row(Ever, Anything, "not able|unable to view|see|access|open|load|process the|any|an|your|these|those|two|images|pictures", "corner|edge", DOUBTED),
+    row(Ever, Anything, "unable to view|see|access|open|load|process the|any|an|your|these|those|two|images|pictures", "corner|edge|hidden", DOUBTED),
+    row(Ever, Author, "am a|an|only|just * text|language only|based|model", "", DOUBTED),
+    row(Later, Anything, "what i would|want|wanted|meant|recommend|suggest|advise|intend|intended", "BE", OTHERWISE),
+    row(Later, Anything, "not what i would|want|wanted|meant|recommend|suggest|advise|intend|intended", "", DOUBTED),
+    row(Later, Anything, "toss up", "", DOUBTED),
+    row(Later, Anything, "without|no a|any|real|particular|good|strong reason|basis|evidence|ground to|for", "not", DOUBTED),
+    row(Later, Author, "will|can|shall|would|could put|give|fill|issue|send|provide|state|name|supply|replace|update|correct * actual|real|final|correctly|proper|precise|exact|updated|right|true|correct", "", DOUBTED),
+    row(Later, Author, "will tell|give|send|name you the|my|a pull|values|answer|point|points|action|fold|coordinates", "", DOUBTED),
+    row(Later, Author, "wrote|gave|stated|answered|typed|named|entered * the|a other|wrong|opposite", "had|before|previously|earlier|last", DOUBTED),
+    row(Later, Author, "see|realise|realize|notice now", "", DOUBTED),
+    row(Later, Author, "now see|realise|realize|notice", "", DOUBTED),
+    row(Later, Author, "noticed|saw|realised|realized * too late", "", DOUBTED),
+    row(Later, Anything, "as i wrote|gave|stated|proposed|put|said would|will|only|just|it", "", DOUBTED),
+    row(Later, Anything, "what i have given|written|wrote|gave|stated|put would|should|could|might|belongs|is", "", DOUBTED),
+    // Something else, or nothing, should be done.
+    row(Later, Anything, "robot|arm|gripper|one|you|we ought|should to|go|start|begin|work go|start|begin|at|on|with|from|there|this|$", "then|next|later|afterwards|slow*|gent*", OTHERWISE),
+    row(Later, Anything, "one|you|we would|will have|need to start|begin|pick|go|take|pull|proceed|use|choose", "then|next|later|afterwards|if", OTHERWISE),
+    row(Later, Anything, "it|that would be better|best|preferable|wiser|safer|wise|good $", "", OTHERWISE),
+    row(Later, Anything, "it|that would be better|best|preferable|wiser|safer|wise to", "not|than", OTHERWISE),
+    row(Later, Anything, "would be a|an|rather * mistake|error|folly to", "ANOTHER", HALTED),
+    row(Later, Anything, "BE to stop|wait|pause|halt|abort|leave|stay", "not|will|corner|flap|half", HALTED),
+    row(Later, Anything, "stop|end|finish here $", "", HALTED),
+    row(Later, Anything, "^ this|that|it * done|completed|executed|performed already", "not", HALTED),
+    row(Later, Anything, "nothing left|more|else * do|fold|smooth|flatten", "", HALTED),
+    row(Later, Anything, "smoothing|task|job|folding|goal|sequence BE finished|complete|completed|done|reached|accomplished|achieved", "not|then|when|once|until|almost|nearly|next|after|before|will|would", HALTED),
+    row(Later, Anything, "no|without further|more|additional|any pull|fold|action|step|move|motion BE|$ needed|required|necessary|$", "", HALTED),
+    row(Later, Nobody, "^ may|might not be|match|fit|correspond|hold|show", "", DOUBTED),
+];
+
 /// A word of a pattern: one of several that fit, or a gap.
 enum Piece {
     Words(Vec<Fit>),
@@ -202,10 +278,16 @@ enum Fit {
     List(&'static [&'static str]),
 }
 
-static PATTERNS: LazyLock<Vec<(Vec<Piece>, Vec<Piece>)>> = LazyLock::new(|| {
+/// What the rows of a table say, and what they say instead.
+type Patterns = Vec<(Vec<Piece>, Vec<Piece>)>;
+
+fn patterns(rows: &[Row]) -> Patterns {
     let read = |row: &Row| (pieces(row.says), pieces(row.unless));
-    ROWS.iter().map(read).collect()
-});
+    rows.iter().map(read).collect()
+}
+
+static OF_ROWS: LazyLock<Patterns> = LazyLock::new(|| patterns(ROWS));
+static OF_PLAIN: LazyLock<Patterns> = LazyLock::new(|| patterns(PLAIN));
 
 fn pieces(pattern: &'static str) -> Vec<Piece> {
     let fit = |word: &'static str| {
@@ -228,10 +310,19 @@ fn pieces(pattern: &'static str) -> Vec<Piece> {
 
 /// Returns why a clause cannot stand beside an answer that is meant, if a row says so.
 pub(super) fn why(clause: &Clause<'_>) -> Option<&'static str> {
+    first(ROWS, &OF_ROWS, clause)
+}
+
+/// The same, by the rows that hold in the midst of an explanation.
+pub(super) fn plainly(clause: &Clause<'_>) -> Option<&'static str> {
+    first(PLAIN, &OF_PLAIN, clause)
+}
+
+fn first(rows: &[Row], patterns: &Patterns, clause: &Clause<'_>) -> Option<&'static str> {
     let named = &clause.words[..clause.words.len() - clause.predicate.len()];
-    let found = ROWS
+    let found = rows
         .iter()
-        .zip(PATTERNS.iter())
+        .zip(patterns)
         .find(|(row, (says, unless))| {
             let is_then = match row.when {
                 When::After => clause.place == Place::After,

@@ -415,6 +415,7 @@ pub(super) const COURTESIES: &[&[&str]] = &[
     words!("please let me know"),
     words!("please feel free"),
     words!("i hope"),
+    words!("sorry for the"),
     words!("hope this"),
     words!("thank you"),
     words!("thanks"),

@@ -1,0 +1,91 @@
+//! Finds the clauses of a longer explanation that take the answer back.
+//!
+//! Most of an explanation describes the cloth, the picture, earlier tries and other ways to act, in any words. So only
+//! what plainly speaks of the answer, of its author or to whoever carries it out counts.
+
+use super::clause::{Clause, DOUBTED, Place, Predicate, Subject, orders};
+use super::sayings;
+use super::vocabulary::*;
+use crate::reply::wordlist::words;
+
+/// What points back to what was just described, and seldom to the answer.
+const BACKWARD: &[&str] = words!("it that they those them which one");
+
+/// What tells of an earlier try.
+const EARLIER: &[&str] =
+    words!("before earlier previous previously last ago former formerly attempt attempts first");
+
+/// Returns why a sentence of an explanation takes the answer back.
+pub(super) fn why(clauses: &[Clause<'_>]) -> Option<&'static str> {
+    clauses
+        .iter()
+        .enumerate()
+        .filter(|(_, it)| !it.words.is_empty() && !it.tells_of_an_earlier_try())
+        .find_map(|(at, clause)| {
+            sayings::plainly(clause).or_else(|| {
+                let next = clauses.get(at + 1);
+                if next.is_some_and(Clause::wonders_about_the_cloth) {
+                    return None;
+                }
+                clause.takes_back(at)
+            })
+        })
+}
+
+impl Clause<'_> {
+    /// Whom the clause speaks of decides what counts.
+    ///
+    /// - `at`: its index in the sentence.
+    fn takes_back(&self, at: usize) -> Option<&'static str> {
+        match self.subject {
+            Subject::World => None,
+            Subject::Nobody => (at == 0 || self.joint == "but")
+                .then(|| self.demands())
+                .flatten(),
+            Subject::Answer if BACKWARD.contains(&self.words[0]) => self.is_belittled(),
+            _ if self.is_explaining() => self.doubt(),
+            _ => self.doubt().or_else(|| sayings::why(self)),
+        }
+    }
+
+    /// `[I am not sure] whether this wedge is a single layer`; of the answer, it would be doubt.
+    fn wonders_about_the_cloth(&self) -> bool {
+        let judges = |it: &&str| {
+            words!("right correct best answer values numbers pick place works work helps helps intended meant").contains(it)
+        };
+        words!("whether how why").contains(&self.joint) && !self.words.iter().any(judges)
+    }
+
+    /// `The last attempt was wrong`, `the two points that I gave before were too close`, `I had misread the arrow`
+    fn tells_of_an_earlier_try(&self) -> bool {
+        let named = &self.words[..self.words.len() - self.predicate.len()];
+        let gave = self
+            .words
+            .windows(3)
+            .any(|near| near[0] == "i" && EARLIER.contains(&near[2]));
+        let had = self.subject == Subject::Author && self.predicate.first() == Some(&"had");
+        gave || had || named.iter().any(|it| EARLIER.contains(it))
+    }
+
+    /// `Wait for the operator`, `a mere guess`
+    fn demands(&self) -> Option<&'static str> {
+        let first = self.words[0];
+        if PREPOSITIONS.contains(&first) || first.ends_with("ing") {
+            return None;
+        }
+        if orders(first) {
+            return self.orders(self.words).or_else(|| sayings::why(self));
+        }
+        self.labels()
+    }
+
+    /// `It is only a guess`
+    fn is_belittled(&self) -> Option<&'static str> {
+        let Predicate { denies, rest, .. } = Predicate::of(self.predicate);
+        let doubts = rest
+            .iter()
+            .take(4)
+            .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it));
+        (doubts && !denies && self.place != Place::Before).then_some(DOUBTED)
+    }
+}
