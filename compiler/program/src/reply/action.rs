@@ -8,7 +8,7 @@ use super::point::{self, PointFound};
 use super::reading::{Malformed, Reading, Stated, bounded, quoted};
 use super::sentences::{Claim, Claimed, Reader};
 use crate::data::actions::Proposal;
-use crate::data::actions::{ActionField, Value};
+use crate::data::actions::{ActionField, Choices, Value};
 use crate::data::program::Program;
 use crate::pointing::{Notation, Pointing};
 use crate::space;
@@ -186,6 +186,10 @@ impl Field<'_> {
             ));
         }
         let stated = self.stated(&claims)?;
+        let stated = match stated.is_empty() {
+            true => self.course(&claims),
+            false => stated,
+        };
         let prose = claims.iter().find_map(|claim| match &claim.claimed {
             Claimed::Prose(why, named) => {
                 let tells = |(value, ..): &Statement| named.iter().all(|it| it.may_mean(value));
@@ -263,6 +267,21 @@ impl Field<'_> {
             span: span.clone(),
             repairs,
         })
+    }
+
+    /// Returns the direction in which something is moved, where only words state it: `pull it up and to the right`.
+    fn course(&self, claims: &[&Claim]) -> Vec<Statement> {
+        let Choices::Directions { choices } = &self.declared.choices else {
+            return Vec::new();
+        };
+        let courses = claims.iter().filter_map(|claim| match claim.claimed {
+            Claimed::Course(deg) => Some((deg, claim.span.clone())),
+            _ => None,
+        });
+        courses
+            .filter(|(deg, _)| choices.iter().any(|choice| choice.deg == *deg))
+            .map(|(deg, span)| (Value::Direction { deg }, None, span))
+            .collect()
     }
 
     /// Returns whether all claims state the same value.

@@ -108,10 +108,10 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_UNIT, &["centimetres|centimeters|cm|millimetres|millimeters|mm|inches", "units :|unit :|table corner|corner of the table"], "distance|length|lengths"),
     anywhere(Pixels, OTHER_UNIT, &["normalized|normalised", "coordinates|coordinate|points|values|true|0"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["percent|percentage|percentages|thousandths", "coordinates|coordinate|x|width|height|image size|unit|units"], NOT),
-    anywhere(Pixels, OTHER_UNIT, &["1000|999", "grid|scale|range|scaled", "coordinates|coordinate|points|values|relative|normalized|both|they|these|all|:"], ""),
+    anywhere(Pixels, OTHER_UNIT, &["1000|999", "grid|scale|range|scaled", "coordinates|coordinate|point|points|values|relative|normalized|both|they|these|all|:"], ""),
     anywhere(Pixels, OTHER_UNIT, &["grid|patches|cells", "column|columns|row|rows|cell", "name|count|divided|number"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["not in pixels|not pixels|not px|not in px|not pixel", POINTS], ""),
-    anywhere(Pixels, OTHER_ORDER, &["row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
+    anywhere(Pixels, OTHER_ORDER, &["row before the column|rows before columns|row before column|is the vertical one|row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["copy|version|thumbnail|screenshot", "half size|half the size|double size|twice the size|smaller size|reduced size|half scale|another scale"], NOT),
@@ -121,7 +121,7 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_PICTURE, &["image|picture|photo", "rotated|turned|flipped|mirrored|resized|scaled|shrunk|downscaled|downsampled", "before reading|to read|when reading|before i read|then read|for reading"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["i rescaled|i resized|i downscaled|i upscaled|i shrank|i enlarged|i cropped|i rotated|i flipped|i mirrored", "image|picture|photo|it|everything"], "not|no|without|back|cloth|fold|original"),
     anywhere(Pixels, OTHER_PICTURE, &["relative to|refer to|based on|measured in|measured on|read from|read in|are in the", "version of|copy of|thumbnail|resized|downscaled|downsampled"], NOT),
-    anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "angle|angles|direction|directions|measured|measure|counted|count"], "corners|outline|right angle|right angles|counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
+    anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "angle|angles|direction|directions|measured|measure|counted|count"], "mistake|mistakes|attempt|corners|outline|right angle|right angles|counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
     anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "from the top|from top|from up|from north|from 12"], "corner|corners|counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
     anywhere(Directions, OTHER_ANGLE, &["0 deg|0 degrees|0 °|zero degrees", "is up|points up|pointing up|means up|pointing upwards|is straight up|means straight up|pointing straight up|is north|at the top|straight down"], "not|right"),
     anywhere(Directions, OTHER_ANGLE, &["90 deg|90 degrees|90 °", "points to the bottom|points down|pointing down|is down|means down"], "not|270"),
@@ -148,7 +148,7 @@ const ROWS: &[Row] = &[
     after("the answer names another value under a condition", &["^ if|^ should|^ otherwise", "use|take|try|choose|pick", "instead"], ""),
     after("the answer changes its values under a condition", &["^ if|^ should|^ in case|^ for|^ with", "take|use|choose|make it|pull|go", "half|quarter|third|tenth|double|twice|full|whole|longer|shorter|instead"], "i|we|would|could|might|too|next|not|then|will|second|step|so|is|are"),
     after("the answer changes its values under a condition", &["^ if|^ should|^ in case|^ when", ", pull only|, take only|, use only|, use twice|, use half|, take half|, pull half|, pull twice|, make it|, double it|, halve it"], "i|we|next"),
-    after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could"),
+    after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could|side"),
     after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked|mirror image"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
     after(CHANGED, &["^ sorry|^ oops|^ hold on|^ wait|^ apologies|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ double - check|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience|order|confusion|delay|for that|for this|for missing|for the"),
@@ -185,7 +185,7 @@ pub(super) fn of(
     stated: Option<Stated>,
 ) -> Vec<(About, String)> {
     let last_claim = stated.map(|stated| stated.last);
-    let prose = doubt::prose(tokens);
+    let prose = doubt::prose(tokens, doubt::MIN_EXPLANATION);
     let mut found: Vec<(About, String)> = Vec::new();
     for sentence in sentences(tokens, last_claim) {
         // Nobody writes sentences of this length; looking for every phrase in them would only take time.
@@ -222,7 +222,7 @@ fn rows_of(words: &str, is_after: bool, prose: Prose) -> impl Iterator<Item = &'
 
 /// Returns why sentences before or after a text say that it is not to be carried out.
 pub(super) fn of_text(tokens: &[Token<'_>], place: Place) -> Option<&'static str> {
-    let prose = doubt::prose(tokens);
+    let prose = doubt::prose(tokens, doubt::MIN_EXPLANATION);
     let sentences = sentences(tokens, None).into_iter();
     let mut short = sentences.filter(|sentence| sentence.len() <= MAX_SENTENCE);
     short.find_map(|sentence| {
@@ -266,7 +266,11 @@ pub(super) fn doubt(
         .filter(|sentence| sentence.len() <= MAX_SENTENCE)
         .collect();
     let language = doubt::language(&spoken);
-    let prose = doubt::prose(tokens);
+    let least = match place {
+        Place::Beside => doubt::MIN_BESIDE,
+        Place::Before | Place::After => doubt::MIN_EXPLANATION,
+    };
+    let prose = doubt::prose(tokens, least);
     spoken.into_iter().find_map(|sentence| {
         let Some(Stated {
             first,
@@ -293,7 +297,8 @@ pub(super) fn doubt(
                         .get(above)
                         .is_some_and(|token| token.gap >= Gap::Line));
             if is_heading
-                && let Some(why) = doubt::cast_by(&sentence[..above], Place::Before, language, prose)
+                && let Some(why) =
+                    doubt::cast_by(&sentence[..above], Place::Before, language, prose)
             {
                 return Some(why);
             }

@@ -86,8 +86,7 @@ const JOINING: &[&str] = words!("and but while whereas so because");
 
 /// Verbs that move what is picked, in the answer's direction.
 const CARRYING: &[&str] = words!(
-    "pull pulls pulled pulling carry carries carried carrying drag drags dragged dragging move moves moved moving bring
-    brings brought bringing"
+    "pull pulls pulled carry carries carried drag drags dragged draw draws drawn move moves moved bring brings brought"
 );
 
 /// Nouns after a side: `to the left corner` is a place.
@@ -99,7 +98,7 @@ const THINGS: &[&str] = words!(
 const UNREAL: &[&str] = words!(
     "not no never n't would could might may cannot can't don't shouldn't instead rather than avoid avoids without
     previous previously earlier last had was were been next then later after if unless when before already other
-    another opposite itself eventually finally rest neighbouring neighboring while whereas"
+    another opposite itself eventually finally rest neighbouring neighboring while whereas went said doesn't isn't won't didn't wouldn't couldn't aren't"
 );
 
 /// How far a direction in words may be from the angle that it describes, degrees.
@@ -290,6 +289,7 @@ impl<'a> Sentences<'a> {
         if cursor.is_joined() && !value::ends_sentence(self.tokens, cursor.at) {
             cursor.eat_sign('.');
         }
+        self.skip_translation(&mut cursor);
         self.skip_wrap(&mut cursor, mention);
         let axis_at = cursor;
         // `<pick x="10" y="20"/>` and `<pick>(10, 20)</pick>`
@@ -522,6 +522,26 @@ impl<'a> Sentences<'a> {
         })
     }
 
+    /// Skips the name in another language: `Pick point / Greifpunkt =`.
+    fn skip_translation(&self, cursor: &mut Cursor<'_, '_>) {
+        let start = *cursor;
+        let is_named = |at: usize| {
+            self.mentions
+                .binary_search_by_key(&at, |mention| mention.at)
+                .is_ok()
+        };
+        let is_word = cursor.eat_sign('/')
+            && cursor
+                .peek()
+                .is_some_and(|word| word.kind == Kind::Word && word.gap < Gap::Line)
+            && !is_named(cursor.at);
+        cursor.at += 1;
+        let is_sign = |token: &Token<'_>| matches!(token.kind, Kind::Sign('=' | ':'));
+        if !(is_word && cursor.peek().is_some_and(is_sign)) {
+            *cursor = start;
+        }
+    }
+
     /// Skips the end of what wraps a name: `P_{pick}`, `(pick)`.
     fn skip_wrap(&self, cursor: &mut Cursor<'_, '_>, mention: Mention) {
         let before = mention.at.checked_sub(1).map(|at| self.tokens[at].kind);
@@ -622,7 +642,16 @@ impl<'a> Sentences<'a> {
                 });
             // `Release height = 0 mm (do not drop it)`
             let is_beside = next.form != Form::Name && self.is_in_brackets(mention.end, next.at);
-            next.at > mention.at && !is_remark && !is_beside
+            // `Speed = 500 mm/s for the lift, 100 mm/s after it`
+            let is_noun = next.form == Form::Name
+                && next.at > 0
+                && self.tokens[next.at - 1].is("the")
+                && self.tokens[next.at].gap < Gap::Line
+                && self
+                    .tokens
+                    .get(next.end)
+                    .is_some_and(|sign| matches!(sign.kind, Kind::Sign(',' | ';' | '.')));
+            next.at > mention.at && !is_remark && !is_beside && !is_noun
         });
         let next = named
             .map_or(self.tokens.len(), |next| next.at)
@@ -771,10 +800,12 @@ impl<'a> Sentences<'a> {
         let Range { start, end: last } = self.sentence(at);
         let rest = &self.tokens[end.min(last)..last];
         let is_supposed = self.tokens[start].is_any(&["with", "under"])
-            && rest.iter().any(|token| {
-                token.is_any(&["would", "could", "might", "may", "can"])
-            });
-        let is_earlier = rest.iter().any(|token| token.is_any(&["previously", "earlier"]))
+            && rest
+                .iter()
+                .any(|token| token.is_any(&["would", "could", "might", "may", "can"]));
+        let is_earlier = rest
+            .iter()
+            .any(|token| token.is_any(&["previously", "earlier"]))
             || rest.windows(2).any(|pair| {
                 pair[0].is("last") && pair[1].is_any(&["time", "try", "attempt", "round"])
             });
@@ -976,8 +1007,8 @@ impl<'a> Sentences<'a> {
                 .all(|deg| choices.iter().any(|choice| choice.deg == *deg)),
             _ => false,
         };
-        let mut fields = (0..self.reader.fields.len())
-            .filter(|field| is_compass(&self.reader.fields[*field]));
+        let mut fields =
+            (0..self.reader.fields.len()).filter(|field| is_compass(&self.reader.fields[*field]));
         let (Some(field), None) = (fields.next(), fields.next()) else {
             return Vec::new();
         };
@@ -986,17 +1017,34 @@ impl<'a> Sentences<'a> {
             let is_noun = at > 0
                 && self.tokens[at].is_any(&["pull", "move", "drag", "carry"])
                 && self.tokens[at - 1].is_any(&["the", "a", "this", "each", "that", "one"]);
-            if is_noun || !self.tokens[at].is_any(CARRYING) {
+            // `The corner has to go down and to the left`
+            let goes = at > 0
+                && self.tokens[at].is_any(&["go", "travel"])
+                && self.tokens[at - 1].is_any(&["to", "must", "should"]);
+            if is_noun || !(goes || self.tokens[at].is_any(CARRYING)) {
                 continue;
             }
             let sentence = self.sentence(at);
-            if self.tokens[sentence.clone()].iter().any(|token| token.is_any(UNREAL)) {
+            if self.tokens[sentence.clone()]
+                .iter()
+                .any(|token| token.is_any(UNREAL))
+            {
                 continue;
             }
             let course = (at + 1..sentence.end.min(at + MAX_CARRIED)).find_map(|begin| {
                 let leads = self.tokens[begin].is_any(&[
-                    "to", "toward", "towards", "up", "upward", "upwards", "down", "downward",
-                    "downwards", "diagonally", "straight", "directly",
+                    "to",
+                    "toward",
+                    "towards",
+                    "up",
+                    "upward",
+                    "upwards",
+                    "down",
+                    "downward",
+                    "downwards",
+                    "diagonally",
+                    "straight",
+                    "directly",
                 ]);
                 let mut cursor = Cursor {
                     tokens: &self.tokens[..sentence.end],

@@ -518,8 +518,30 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
     {
         return Some("Your answer takes back a part of the text.".to_owned());
     }
-    let chooses_none =
-        (begins(&["either "]) && lower.contains(" or ")) || lower.contains("not sure which");
+    let offers_another = [
+        ", or, ",
+        ", or if ",
+        ", or else ",
+        " or else ",
+        ", or fold ",
+        ", or pick ",
+        ", or bring ",
+        ", or carry ",
+        ", or take ",
+        ", or place ",
+        ", or move ",
+        ", or the other way",
+        " or alternatively ",
+        ", or maybe ",
+        ", or perhaps ",
+        ", or possibly ",
+        "; or ",
+    ]
+    .iter()
+    .any(|joint| lower.contains(joint));
+    let chooses_none = offers_another
+        || (begins(&["either "]) && lower.contains(" or "))
+        || lower.contains("not sure which");
     if chooses_none {
         return Some("Your answer leaves more than one text open.".to_owned());
     }

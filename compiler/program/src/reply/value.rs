@@ -143,6 +143,7 @@ const PLACEHOLDERS: &[&str] = words!("x n na none null nil unknown tbd undefined
 /// Reads the value that a clause states.
 pub(super) fn read<'t>(cursor: &mut Cursor<'_, 't>, context: &Context<'_>) -> Found {
     let mut ahead = *cursor;
+    skip_rejected(&mut ahead, context);
     let found = match context.expected.field.is_point() {
         true => at_point(&mut ahead, context),
         false => at_value(&mut ahead, context),
@@ -181,6 +182,35 @@ pub(super) fn read<'t>(cursor: &mut Cursor<'_, 't>, context: &Context<'_>) -> Fo
             let start = *cursor;
             result(cursor, &context, start).unwrap_or_else(|| demoted(Found::Bad(why), &context))
         }
+    }
+}
+
+/// Skips what an assigned value is chosen from or set against: `not (1, 2) but`, `of 0 and 45 deg I choose`.
+fn skip_rejected(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) {
+    if context.clarity != Clarity::Assigned {
+        return;
+    }
+    let mut ahead = *cursor;
+    if ahead.eat_word("not") && bare(&mut ahead, context).is_some() {
+        ahead.eat_sign(',');
+        if ahead.eat_word("but") {
+            *cursor = ahead;
+        }
+        return;
+    }
+    if !cursor
+        .peek()
+        .is_some_and(|first| first.is_any(&["of", "among", "out", "from"]))
+    {
+        return;
+    }
+    let clause = clause_of(cursor);
+    let chosen = (cursor.at..clause.len().saturating_sub(1)).find(|at| {
+        clause[*at].is("i")
+            && clause[at + 1].is_any(&["choose", "chose", "pick", "picked", "take", "select"])
+    });
+    if let Some(at) = chosen {
+        cursor.at = at + 2;
     }
 }
 
@@ -469,10 +499,10 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
     Found::Nothing
 }
 
-/// Returns the values that prose names, and whether each is a direction in words; nothing if it may change them.
+/// Returns the values that prose names, and whether each is a direction in words; nothing if its words may change them.
 pub(super) fn named(cursor: Cursor<'_, '_>, context: &Context<'_>) -> Option<Vec<(Value, bool)>> {
     const CHANGING: &[&str] =
-        words!("opposite or between either not should however but actually reversed other");
+        words!("opposite or between either not however but actually reversed other");
     let clause = clause_of(&cursor);
     let is_plain = !matches!(context.expected.field.choices, Choices::Words { .. })
         && !clause[cursor.at.min(clause.len())..]
@@ -487,17 +517,23 @@ pub(super) fn named(cursor: Cursor<'_, '_>, context: &Context<'_>) -> Option<Vec
         tokens: clause,
         at: cursor.at,
     };
-    while is_plain && let Some(token) = ahead.peek() {
+    while let Some(token) = ahead.peek() {
         match bare(&mut ahead, &spoken) {
             Some((value, _)) => {
-                if !ahead.peek().is_some_and(|next| next.is_any(CONDITIONAL)) {
+                // `A half-edge pull would carry it too far`
+                let is_weighed = ahead
+                    .rest()
+                    .iter()
+                    .take(2)
+                    .any(|next| next.is_any(CONDITIONAL));
+                if !is_weighed {
                     found.push((value, token.kind == Kind::Word));
                 }
             }
             None => ahead.at += 1,
         }
     }
-    is_plain.then_some(found)
+    (is_plain || found.is_empty()).then_some(found)
 }
 
 /// Returns whether one word stands before a value in brackets and does not change it: `vertical (90 deg)`.
@@ -979,6 +1015,14 @@ fn own_words(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) {
                 }
             }
             cursor.skip(&["direction", "angle"], &[]);
+            // `straight up from the center`
+            let behind = *cursor;
+            cursor.eat_word("away");
+            let is_from = cursor.eat_word("from");
+            cursor.skip(&["the", "cloth's", "its"], &[]);
+            if !(is_from && cursor.eat_any(&["center", "centre", "middle"])) {
+                *cursor = behind;
+            }
         }
         Choices::Lengths { .. } => cursor.skip(&["long", "distance", "length"], &[]),
         Choices::Words { .. } => {
@@ -1226,7 +1270,10 @@ fn states_other(cursor: Cursor<'_, '_>, context: &Context<'_>, value: &Value) ->
         let is_worded = matches!(context.expected.field.choices, Choices::Directions { .. })
             && !quantity::begins(other);
         let found = bare(&mut other, &spoken);
+        // `30 mm clears it; 100 mm would raise half the cloth`
+        let is_weighed = !goes_on && other.peek().is_some_and(|next| next.is_any(CONDITIONAL));
         if adds
+            && !is_weighed
             && !is_worded
             && (goes_on || !tells_of_word(other, context))
             && found.is_some_and(|(found, _)| found != *value)

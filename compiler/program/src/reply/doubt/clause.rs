@@ -308,6 +308,7 @@ impl<'a> Clause<'a> {
         let grows = rest.iter().take(n_near).any(|it| {
             it.len() > 4
                 && it.ends_with("er")
+                && (self.is_remark() || REVISED.contains(it))
                 && !FIT.contains(it)
                 && !words!("under after other together upper lower finger gripper either rather")
                     .contains(it)
@@ -472,10 +473,12 @@ impl<'a> Clause<'a> {
             let is_free =
                 words!("apologise apologize suspect worry fear question misplaced object")
                     .contains(&verb)
-                    && self.place == Place::Before;
+                    && self.place == Place::Before
+                    || words!("admit concede wonder worry fear suspect").contains(&verb)
+                        && !self.is_remark();
             return (!is_free).then_some(DOUBTED);
         }
-        let is_aware = words!("know see mean use say").contains(&verb) && !self.is_remark();
+        let is_aware = words!("know see mean use say count").contains(&verb) && !self.is_remark();
         if COMMITTING.contains(&verb)
             && denies
             && !is_aware
@@ -712,6 +715,8 @@ impl<'a> Clause<'a> {
                 words!("alone lie be as settle rest dry untouched cool parked still where")
                     .contains(it)
             })
+            // `Let the gripper open only after the tip has come to rest`
+            && !rest.iter().any(|it| words!("open close release").contains(it))
         {
             return Some(HALTED);
         }

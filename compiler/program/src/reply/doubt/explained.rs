@@ -3,7 +3,7 @@
 //! Most of an explanation describes the cloth, the picture, earlier tries and other ways to act, in any words. So only
 //! what plainly speaks of the answer, of its author or to whoever carries it out counts.
 
-use super::clause::{Clause, DOUBTED, Place, Predicate, Subject, orders};
+use super::clause::{Clause, DOUBTED, OTHERWISE, Place, Predicate, Subject, orders};
 use super::sayings;
 use super::vocabulary::*;
 use crate::reply::wordlist::words;
@@ -19,12 +19,15 @@ const EARLIER: &[&str] =
 pub(super) fn why(clauses: &[Clause<'_>]) -> Option<&'static str> {
     clauses
         .iter()
+        .filter(|it| !it.words.is_empty())
         .enumerate()
-        .filter(|(_, it)| !it.words.is_empty() && !it.tells_of_an_earlier_try())
+        .filter(|(_, it)| !it.tells_of_an_earlier_try())
         .find_map(|(at, clause)| {
             sayings::plainly(clause).or_else(|| {
                 let next = clauses.get(at + 1);
-                if next.is_some_and(Clause::wonders_about_the_cloth) {
+                // `I would rather gain a little than lose what is won`
+                let compares = next.is_some_and(|next| next.joint == "than");
+                if compares || next.is_some_and(Clause::wonders_about_the_cloth) {
                     return None;
                 }
                 clause.takes_back(at)
@@ -51,9 +54,16 @@ impl Clause<'_> {
     /// `[I am not sure] whether this wedge is a single layer`; of the answer, it would be doubt.
     fn wonders_about_the_cloth(&self) -> bool {
         let judges = |it: &&str| {
-            words!("right correct best answer values numbers pick place works work helps helps intended meant").contains(it)
+            words!("correct best answer values numbers pick works work helps intended meant")
+                .contains(it)
         };
-        words!("whether how why").contains(&self.joint) && !self.words.iter().any(judges)
+        let is_right = |pair: &[&str]| {
+            BE.contains(&pair[0]) && pair[1] == "right"
+                || pair[0] == "this" && (BE.contains(&pair[1]) || MODALS.contains(&pair[1]))
+        };
+        words!("whether how why").contains(&self.joint)
+            && !self.words.iter().any(judges)
+            && !self.words.windows(2).any(is_right)
     }
 
     /// `The last attempt was wrong`, `the two points that I gave before were too close`, `I had misread the arrow`
@@ -64,7 +74,12 @@ impl Clause<'_> {
             .windows(3)
             .any(|near| near[0] == "i" && EARLIER.contains(&near[2]));
         let had = self.subject == Subject::Author && self.predicate.first() == Some(&"had");
-        gave || had || named.iter().any(|it| EARLIER.contains(it))
+        // `What I was unsure about`
+        let wondered = matches!(
+            self.words,
+            [.., "i", "was", "unsure" | "uncertain", _] | ["i", "was", "unsure" | "uncertain", ..]
+        );
+        gave || had || wondered || named.iter().any(|it| EARLIER.contains(it))
     }
 
     /// `Wait for the operator`, `a mere guess`
@@ -74,7 +89,10 @@ impl Clause<'_> {
             return None;
         }
         if orders(first) {
-            return self.orders(self.words).or_else(|| sayings::why(self));
+            // `Fold the left corner to the middle` repeats what is asked for.
+            let saying = sayings::why(self)
+                .filter(|why| *why != OTHERWISE || self.words.contains(&"instead"));
+            return self.orders(self.words).or(saying);
         }
         self.labels()
     }

@@ -38,12 +38,17 @@ pub(super) enum Prose {
 }
 
 /// The fewest words of an answer that explains itself.
-const MIN_EXPLANATION: usize = 30;
+pub(super) const MIN_EXPLANATION: usize = 30;
+
+/// The fewest words of what an object says beside its values; its keys are no words of it.
+pub(super) const MIN_BESIDE: usize = 15;
 
 /// Returns how much an answer of these tokens says.
-pub(super) fn prose(tokens: &[Token<'_>]) -> Prose {
+///
+/// - `least`: the fewest words of an explanation.
+pub(super) fn prose(tokens: &[Token<'_>], least: usize) -> Prose {
     let words = tokens.iter().filter(|it| it.kind == Kind::Word);
-    match words.take(MIN_EXPLANATION).count() < MIN_EXPLANATION {
+    match words.take(least).count() < least {
         true => Prose::Remark,
         false => Prose::Explanation,
     }
@@ -71,13 +76,7 @@ pub(super) fn cast_by(
     let text = plain(sentence);
     let words: Vec<&str> = text.split_whitespace().collect();
     let said = format!(" {} ", words.join(" "));
-    let debug = |what: &str, why: Option<&'static str>| {
-        if why.is_some() && std::env::var_os("DOUBT").is_some() {
-            eprintln!("DOUBT {what} {place:?}: {said}");
-        }
-        why
-    };
-    if let Some(why) = debug("whole", whole(sentence, &words, &said, place, prose)) {
+    if let Some(why) = whole(sentence, &words, &said, place, prose) {
         return Some(why);
     }
     let clauses = clauses(&words, place, prose);
@@ -113,14 +112,19 @@ pub(super) fn cast_by(
     };
     let is_strange = language == Language::English && may_be_strange && !is_courtesy;
     if prose == Prose::Explanation {
-        return debug("explained", explained::why(&clauses));
+        return explained::why(&clauses);
     }
-    let doubted = debug("clause", clauses.iter().find_map(Clause::doubt));
+    let doubted = clauses.iter().find_map(Clause::doubt);
     doubted
-        .or_else(|| debug("saying", clauses.iter().find_map(sayings::why)))
-        .or_else(|| debug("plain", clauses.iter().find_map(sayings::plainly)))
-        .or_else(|| debug("weighing", weighing::favours_another(&clauses)))
-        .or_else(|| debug("strange", (is_strange && has_strange_word()).then_some(STRANGE)))
+        .or_else(|| {
+            let saying = clauses.iter().find_map(sayings::why);
+            // `To sum up: pick (10, 20), pull it to the left` states values, which are compared.
+            let restates = words.contains(&"pick") && words.contains(&"@");
+            saying.filter(|why| *why != OTHERWISE || !restates)
+        })
+        .or_else(|| clauses.iter().find_map(sayings::plainly))
+        .or_else(|| weighing::favours_another(&clauses))
+        .or_else(|| (is_strange && has_strange_word()).then_some(STRANGE))
 }
 
 /// Cuts a sentence at its signs and conjunctions.
@@ -145,7 +149,13 @@ fn clauses<'a>(words: &'a [&'a str], place: Place, prose: Prose) -> Vec<Clause<'
 }
 
 /// Returns why a sentence as a whole puts the answer in doubt.
-fn whole(sentence: &[Token<'_>], words: &[&str], said: &str, place: Place, prose: Prose) -> Option<&'static str> {
+fn whole(
+    sentence: &[Token<'_>],
+    words: &[&str],
+    said: &str,
+    place: Place,
+    prose: Prose,
+) -> Option<&'static str> {
     let is_remark = prose == Prose::Remark;
     let first = words.first()?;
     let says = |sayings: &str| {

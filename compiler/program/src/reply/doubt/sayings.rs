@@ -193,13 +193,13 @@ const PLAIN: &[Row] = &[
     // Somebody else has to look, choose or send something first.
     row(Later, Anything, "^ you|we|one|i send|resend|upload|provide|share|attach|supply|repeat|detect * image|images|picture|pictures|photo|version|list|frame|view|scan|corners|again|first", "", HALTED),
     row(Later, Anything, "can|could|would you send|resend|upload|provide|share|attach|supply|repeat|detect|confirm|check|verify|tell|clarify", "explain", HALTED),
-    row(Later, Nobody, "^ send|resend|upload|provide|share|attach|supply a|an|the|another|me|new|fresh * image|images|picture|pictures|photo|version|list|frame|view|scan", "", HALTED),
+    row(Later, Nobody, "^ send|resend|upload|provide|share|attach|supply a|an|the|another|me|new|fresh * image|images|picture|pictures|photo|version|list|frame|view|scan", "resulting|updated|next", HALTED),
     row(Later, Nobody, "^ take|get|make|capture another|a|one|fresh|new * image|picture|photo|frame|scan", "next|then|after|afterwards|once", HALTED),
-    row(Later, Nobody, "^ check|verify|confirm|clarify|tell|decide which|whether|what|that|it|this|these|the|me|left|right|first", "next|then|after|afterwards", HALTED),
+    row(Later, Nobody, "^ check|verify|confirm|clarify|decide which|whether|what|that|it|this|these|the|left|right|first", "next|then|after|afterwards", HALTED),
     row(Later, Anything, "describe|first|planning stage|step|module be|should|must|needs|has * repeated|rerun|redone", "", HALTED),
     row(Later, Anything, "you may|might|could prefer|rather", "", OTHERWISE),
     row(Later, Anything, "would|do you like|want|prefer the|it|to robot|arm|start|begin", "", DOUBTED),
-    row(Later, Anything, "just|please|only tell me", "", DOUBTED),
+    row(Later, Anything, "just|only tell me", "", DOUBTED),
     row(Later, Anything, "should|shall|may i|we use|take|pick|choose|go|proceed", "", DOUBTED),
     // The answer is to be dropped, or taken for something else.
     row(Ever, Anything, "discard|disregard|ignore|scrap|delete|forget|drop this|these|the|my|those * answer|answers|values|lines|numbers|coordinates|output|above|action|reply|response", "not|no|never", CHANGED),
@@ -215,6 +215,10 @@ const PLAIN: &[Row] = &[
     row(Later, Author, "filled|fill|put|typed|entered|wrote the|these|those|them|it|in * like this|so|merely|only", "", DOUBTED),
     row(Later, Anything, "format|parser|schema|template demands|wants|needs|forces|insists|expects something|three|two|an|a|some|values|lines|numbers|me", "", DOUBTED),
     row(Later, Anything, "to have|give|offer|say something|anything to|at $|all", "", DOUBTED),
+    row(Later, Anything, "do|must|should not carry|execute|run|use|perform|apply|send|act|follow|trust this|these|it|that|them|anything|on|yet", "ANOTHER", HALTED),
+    row(Later, Anything, "the wrong way around|round", "not", DOUBTED),
+    row(Ever, Anything, "given|is|are|stated in that|this|another scale|size|resolution", "not", DOUBTED),
+    row(Later, Anything, "^ multiply|divide|scale|rescale|convert it|them|the|both|these by|to|back|up|down", "robot|base|world", CHANGED),
     // The values are those of another picture, step, robot or time.
     row(Later, Anything, "belong|belongs|belonged to|with different|another|other|earlier|older|previous", "not", DOUBTED),
     row(Later, Anything, "belong|belongs|belonged to|with|from the|an|a|my|its * earlier|older|previous|different|other|first|last picture|image|frame|scene|step|cloth|subgoal", "not", DOUBTED),
@@ -231,7 +235,21 @@ const PLAIN: &[Row] = &[
     row(Ever, Anything, "i|you received|got|sent|see BE cropped|blurred|corrupted|black|empty|blank|broken|damaged", "", DOUBTED),
     row(Later, Anything, "pictures|images|picture|image appear|appears|seem|seems|look|looks|are to|be|identical|corrupted|unrelated identical|the|same|corrupted|unrelated|$", "subgoal|goal|next|after|not", DOUBTED),
     row(Later, Anything, "may|might|could have|be nothing|unrelated to", "", DOUBTED),
+    row(Ever, Anything, "picture|image|photo scaled|resized|rescaled|shrunk down|up|to", "not", DOUBTED),
+    row(Ever, Anything, "image|picture|photo BE|been * resized|downscaled|downsampled|rescaled|scaled|shrunk|reduced|enlarged|upscaled to|on|by|down|up", "not", DOUBTED),
+    row(Ever, Anything, "in|from|on|of|to that|this|a|the|my smaller|larger|reduced|resized|scaled picture|image|version|copy", "not", DOUBTED),
+    row(Later, Anything, "has|have|needs|need|must|should to|be * exchanged|interchanged|swapped|switched|rescaled|multiplied|converted", "not", CHANGED),
+    row(Later, Anything, "refers to the|a picture|image|scene|frame|photo labelled|labeled|called|named|before|after", "", DOUBTED),
+    row(Later, Anything, "have|has since sent|changed|moved", "", DOUBTED),
+    row(Later, Author, "not got|had|looked|analysed|analyzed|seen round|around|time|at that|this|it|to * one|it|yet|$", "", DOUBTED),
+    row(Later, Anything, "only once|after|when|if you", "", CONDITIONAL),
     // The author cannot see, or does not stand by it.
+    row(Later, Anything, "have|had|has misgivings|doubts|reservations about|with|on|$", "no", DOUBTED),
+    row(Later, Anything, "no longer recommend|stand|believe|think|trust|suggest|propose", "", DOUBTED),
+    row(Later, Anything, "might|may|could well be", "", DOUBTED),
+    row(Later, Author, "lost track", "", DOUBTED),
+    row(Later, Anything, "should|ought|must really|rather|better be|have", "", CHANGED),
+    row(Later, Anything, "^ the|what one|ones|i i|wrote|gave wrote|gave|stated|put|chose|$ $", "", CHANGED),
     row(Ever, Anything, "can|could|do|did not see|view|open|access|load|process the|any|an|your|these|those|two|either|both|images|pictures images|pictures|image|picture|photo|photos|two|at|here|in|myself|$", "in the", DOUBTED),
     row(Ever, Anything, "not able|unable to view|see|access|open|load|process the|any|an|your|these|those|two|images|pictures", "corner|edge", DOUBTED),
     row(Ever, Anything, "unable to view|see|access|open|load|process the|any|an|your|these|those|two|images|pictures", "corner|edge|hidden", DOUBTED),
@@ -257,10 +275,64 @@ const PLAIN: &[Row] = &[
     row(Later, Anything, "BE to stop|wait|pause|halt|abort|leave|stay", "not|will|corner|flap|half", HALTED),
     row(Later, Anything, "stop|end|finish here $", "", HALTED),
     row(Later, Anything, "^ this|that|it * done|completed|executed|performed already", "not", HALTED),
+    row(Always, World, "nothing left|more|else * do|fold|smooth|flatten", "", HALTED),
     row(Later, Anything, "nothing left|more|else * do|fold|smooth|flatten", "", HALTED),
     row(Later, Anything, "smoothing|task|job|folding|goal|sequence BE finished|complete|completed|done|reached|accomplished|achieved", "not|then|when|once|until|almost|nearly|next|after|before|will|would", HALTED),
     row(Later, Anything, "no|without further|more|additional|any pull|fold|action|step|move|motion BE|$ needed|required|necessary|$", "", HALTED),
     row(Later, Nobody, "^ may|might not be|match|fit|correspond|hold|show", "", DOUBTED),
+    row(Later, Anything, "threw|rolled|tossed|flipped the|a|some dice|die|coin", "", DOUBTED),
+    row(Later, Anything, "picked|chose|took|chosen|selected * at random|blindly", "not", DOUBTED),
+    row(Later, Anything, "BE * slip|typo|oversight|misprint|misreading", "not|no|earlier", DOUBTED),
+    row(Later, Anything, "do|does not belong here|there", "", DOUBTED),
+    row(Later, Author, "nothing to propose|suggest|offer|recommend|contribute|add", "else|further|more", HALTED),
+    row(Ever, Anything, "gripper|robot|arm was|were|is sent|run|driven with|by|to", "next|then|will", DOUBTED),
+    row(Later, Author, "repeated|copied|reused|recycled the|my old|previous|last|earlier", "not", DOUBTED),
+    row(Later, Anything, "need|needs|have|has to be reworked|redone|revised|reconsidered|rethought|rechecked|verified|confirmed", "next|then|later", HALTED),
+    row(Later, Anything, "leave|leaving|left it|this|that|them|the|choice|decision to|up you|your|someone|somebody", "", DOUBTED),
+    row(Later, Anything, "which * you want|prefer|would|like|mean|meant", "", DOUBTED),
+    row(Ever, Anything, "pull|step|fold|move|action|command|it already been carried|executed|performed|done|completed", "first|second|third|previous|earlier|last|one|two|half|not", HALTED),
+    row(Ever, Anything, "the|this step|pull|move|action|command has|have * been performed|executed|carried|completed|done", "first|second|third|previous|earlier|last|once|until|then|half|one|two|not|after|when", HALTED),
+    row(Later, Answer, "breaks|violates|breaches|contradicts the|a|your|its rule|rules|instruction|constraint|condition|limit", "not|would|no", DOUBTED),
+    row(Later, Anything, "^ what should|must|has|needs|ought * now|instead", "", OTHERWISE),
+    row(Later, Author, "not think|believe|recommend|advise the|that|this|it|we * should|ought|be", "problem|matter|issue|risk|obstacle", DOUBTED),
+    row(Later, Anything, "skip|omit|cancel the|this|that movement|move|motion|pull|action|command", "not|next", HALTED),
+    row(Later, Anything, "nothing more has|needs|is to|needed", "", HALTED),
+    row(Later, Anything, "nothing should|must|can be folded|moved|pulled|done|executed|picked", "", HALTED),
+    row(Later, Author, "listed|put|wrote|gave|stated|entered the target|goal|destination|place|start|pick * first|line|second", "", CHANGED),
+    row(Ever, Anything, "not received|seen|got|given|been * pictures|picture|image|images|photo|photos", "corner|flap", DOUBTED),
+    row(Later, Anything, "merely|just|only|simply a|an|the|one * typical|common|usual|generic|frequent|standard|plausible|template", "", DOUBTED),
+    row(Later, Anything, "honest|proper|real|true answer|choice|option|action would|is|should|BE", "not", DOUBTED),
+    row(Later, Anything, "no evidence|basis for|of any", "", DOUBTED),
+    row(Later, Answer, "point|pick|place|above|direction|distance|value should|ought|must be the|a one|other|opposite", "", CHANGED),
+    row(Later, Author, "would have|need|want to know|see|check|verify|ask", "if", DOUBTED),
+    row(Later, Author, "would like|need|want|prefer * picture|view|image|photo|look|scan", "", DOUBTED),
+    row(Later, Anything, "^ do not * before|until", "", HALTED),
+    row(Ever, Anything, "robot|gripper|arm should|must|need not|never touch|move|act|do|grip|pull", "ANOTHER|further|too|far|beyond|faster", HALTED),
+    row(Ever, Anything, "run|rollout|task|process can|may|should be closed|ended|stopped|finished", "", HALTED),
+    row(Ever, Anything, "robot|arm|gripper stays|rests|remains|waits put|idle|parked|$", "", HALTED),
+    row(Ever, Anything, "format|template|fields|lines has|have|had|must to|be * filled", "", DOUBTED),
+    row(Later, Anything, "that|this|it can|could not be right|correct|true", "", DOUBTED),
+    row(Later, Anything, "no other|better proposal|suggestion|idea", "", DOUBTED),
+    row(Ever, Anything, "numbers|values|lines|coordinates|points merely|only|just fill|serve|illustrate|restate|repeat|show", "", DOUBTED),
+    row(Later, Anything, "not reflect any|an|the|my|real|actual", "", DOUBTED),
+    row(Later, Anything, "what should|must|ought be done|picked|pulled|folded", "^ what", OTHERWISE),
+    row(Ever, Anything, "^ what was|has * carried|executed|done first|before|last|earlier|out", "not", DOUBTED),
+    row(Later, Anything, "BE what was|has|have carried|executed|done|been", "not", DOUBTED),
+    row(Later, Answer, "illustrate|illustrates|refer|apply|relate to|how|your", "also", DOUBTED),
+    row(Later, Anything, "for the record", "", DOUBTED),
+    row(Later, Answer, "^ these|this|those would be the|my", "", CONDITIONAL),
+    row(Later, Anything, "seem|seems|appear|appears to stem|originate|date", "", DOUBTED),
+    row(Later, Anything, "detection|detector|camera|picture|list|calibration|scan should|must|needs|has|ought * run|repeated|redone|updated|refreshed|retaken", "", HALTED),
+    row(Later, Anything, "what worries|bothers|troubles me", "", DOUBTED),
+    row(Ever, Anything, "not for|to|intended|meant execution|execute|use|be|for * executed|execution|used|use|run", "", HALTED),
+    row(Ever, Anything, "^ not for|intended|meant execution|use|for|to", "", HALTED),
+    row(Later, Anything, "final|actual|real version|answer|values|action follows|comes|will", "", DOUBTED),
+    row(Later, World, "step|pull|fold * has|have * been completed|performed|executed", "first|second|third|previous|earlier|last|once|until|then|half|one|two|not|after|when", HALTED),
+    row(Later, Nobody, "^ proceed|continue|go to|on|with * next|following step|instruction|picture", "then|after|afterwards", HALTED),
+    row(Later, Anything, "instead of running|repeating|executing this|it", "", HALTED),
+    row(Later, Anything, "contrary to what|my", "", DOUBTED),
+    row(Later, Answer, "^ this|these was|were the first|last|previous|earlier", "", DOUBTED),
+    row(Later, Anything, "BE still to come|follow", "", DOUBTED),
 ];
 
 /// A word of a pattern: one of several that fit, or a gap.
@@ -320,35 +392,32 @@ pub(super) fn plainly(clause: &Clause<'_>) -> Option<&'static str> {
 
 fn first(rows: &[Row], patterns: &Patterns, clause: &Clause<'_>) -> Option<&'static str> {
     let named = &clause.words[..clause.words.len() - clause.predicate.len()];
-    let found = rows
-        .iter()
-        .zip(patterns)
-        .find(|(row, (says, unless))| {
-            let is_then = match row.when {
-                When::After => clause.place == Place::After,
-                When::Later => clause.place != Place::Before,
-                When::Ever => true,
-                When::Always => {
-                    clause.place != Place::Before || row.of == World || refers_forward(named)
-                }
-            };
-            let is_of_it = match row.of {
-                Anything => true,
-                Answer => clause.subject == Subject::Answer,
-                Author => clause.subject == Subject::Author,
-                World => clause.subject == Subject::World,
-                // `Reason: fold the hem up` is no order, and neither is `this lifts the hem and moves it`.
-                Nobody => {
-                    let goes_on = row.when == After && [":", "and", "or"].contains(&clause.joint);
-                    clause.subject == Subject::Nobody && !goes_on
-                }
-            };
-            is_then
-                && (row.when == Ever || !clause.is_sequel)
-                && is_of_it
-                && says_pattern(clause.words, says)
-                && !says_pattern(clause.words, unless)
-        });
+    let found = rows.iter().zip(patterns).find(|(row, (says, unless))| {
+        let is_then = match row.when {
+            When::After => clause.place == Place::After,
+            When::Later => clause.place != Place::Before,
+            When::Ever => true,
+            When::Always => {
+                clause.place != Place::Before || row.of == World || refers_forward(named)
+            }
+        };
+        let is_of_it = match row.of {
+            Anything => true,
+            Answer => clause.subject == Subject::Answer,
+            Author => clause.subject == Subject::Author,
+            World => clause.subject == Subject::World,
+            // `Reason: fold the hem up` is no order, and neither is `this lifts the hem and moves it`.
+            Nobody => {
+                let goes_on = row.when == After && [":", "and", "or"].contains(&clause.joint);
+                clause.subject == Subject::Nobody && !goes_on
+            }
+        };
+        is_then
+            && (row.when == Ever || !clause.is_sequel)
+            && is_of_it
+            && says_pattern(clause.words, says)
+            && !says_pattern(clause.words, unless)
+    });
     found.map(|(row, _)| row.why)
 }
 

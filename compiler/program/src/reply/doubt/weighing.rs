@@ -40,7 +40,7 @@ const DRAWBACKS: &[&str] = words!(
     tear tore damag flip toppl collaps wors weak smaller wast unnecess redundan needless difficult awkward ambig
     unclear blurr shrink limit miss fail doubl layer whole entire expense conflict contradict violat unreach unstable
     thick stiff center centre duplicat repeat again lift move float slight bit again time folded inward loose
-    need costs inaccess back smear middle beyond past keep bruise overdo overstr overkill scratch leav strain worthless pucker waste spoil ruin wreck"
+    need costs inaccess back smear middle beyond past keep bruise overdo overstr overkill scratch leav strain along worthless pucker waste spoil ruin wreck"
 );
 
 /// What a part of the cloth does where the answer leads; stems.
@@ -69,7 +69,13 @@ pub(super) fn favours_another(clauses: &[Clause<'_>]) -> Option<&'static str> {
                 && (clause.place != Place::Before || clause.speaks_of_what_follows())
         })
         .find_map(|(at, clause)| {
-            let favours = clause.tells_of_another() && !is_drawn_back(clause, &clauses[at + 1..]);
+            // `since any lift would let the flap spring open`
+            let is_reason = words!("because since").contains(&clause.joint)
+                && !clause.compares()
+                && !gains(clause.words);
+            let favours = clause.tells_of_another()
+                && !is_reason
+                && !is_drawn_back(clause, &clauses[at + 1..]);
             match () {
                 () if favours => Some(OTHERWISE),
                 () if clause.harms() || clause.denies_without_need() => Some(DOUBTED),
@@ -329,7 +335,8 @@ impl Clause<'_> {
         let harmless = |at: usize| {
             let next = words.get(at + 1).copied().unwrap_or_default();
             words[at + 1..].iter().any(|it| is_unwanted(it))
-                || words!("pull push press").contains(&next)
+                || words!("pull push press underneath beneath under below above behind")
+                    .contains(&next)
         };
         !is_excused && (denied.is_some_and(|at| !harmless(at)) || exceeds.is_some())
     }
