@@ -540,7 +540,7 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
     .iter()
     .any(|joint| lower.contains(joint));
     let chooses_none = offers_another
-        || (begins(&["either "]) && lower.contains(" or "))
+        || (format!(" {lower}").contains(" either ") && lower.contains(" or "))
         || lower.contains("not sure which");
     if chooses_none {
         return Some("Your answer leaves more than one text open.".to_owned());

@@ -1,6 +1,5 @@
 //! A clause as a statement: whom it speaks of, what it says of them, and whether that puts the answer in doubt.
 
-use super::Prose;
 use super::vocabulary::*;
 use crate::reply::wordlist::words;
 
@@ -13,6 +12,15 @@ pub enum Place {
     Beside,
     /// After the last value.
     After,
+}
+
+/// How much an answer says beside its values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Prose {
+    /// A few words. They are written for a reason, so all of them have to be understood.
+    Remark,
+    /// An explanation, most of which describes the cloth, the picture and other ways to act.
+    Explanation,
 }
 
 pub(super) const DOUBTED: &str = "the answer doubts its own values";

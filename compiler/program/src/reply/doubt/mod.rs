@@ -14,8 +14,8 @@ mod weighing;
 
 use super::lexer::{Gap, Kind, Token};
 use super::wordlist::words;
-pub(super) use clause::Place;
 use clause::{CONDITIONAL, Clause, DOUBTED, HALTED, OTHERWISE, Subject, refers_forward};
+pub(super) use clause::{Place, Prose};
 use vocabulary::*;
 
 const STRANGE: &str = "the answer says something beside its values that is not understood";
@@ -26,15 +26,6 @@ pub(super) enum Language {
     English,
     /// Another one, of which only the words of doubt are known.
     Other,
-}
-
-/// How much an answer says beside its values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Prose {
-    /// A few words. They are written for a reason, so all of them have to be understood.
-    Remark,
-    /// An explanation, most of which describes the cloth, the picture and other ways to act.
-    Explanation,
 }
 
 /// The fewest words of an answer that explains itself.
