@@ -144,6 +144,11 @@ fn a_point_that_is_not_offered_is_named_with_the_line_that_offers_it() {
         "{cure}"
     );
     assert!(better["value"].as_f64() < start["value"].as_f64());
+
+    // Half of the trials, and not one more.
+    let (_, found) = run(folder.path(), LACKING, "--trials 12");
+    let tried = found["starts"][0]["unoffered_trials"].as_u64().unwrap();
+    assert!((1..=6).contains(&tried), "{tried}");
 }
 
 #[test]

@@ -18,11 +18,11 @@ use clap::Args;
 use clap::ValueHint;
 use fab_agent::best::journal::{Identity, TrialJournal};
 use fab_agent::best::unoffered::{Unoffered, unoffered};
-use fab_agent::best::{self, BestError, Found, Limits, Search};
+use fab_agent::best::{self, BestError, Found, Limits, Measure, Search, unless_stopped};
 use fab_agent::examples::Examples;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
-use fab_program::{Metric, Program};
+use fab_program::Program;
 use fab_world::start::Start;
 use fab_world::{SimulatedWorld, World, WorldError};
 use report::Report;
@@ -87,7 +87,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         )));
     }
     let program = sources::compile_task(&arguments.task, io)?;
-    let metric = best::metric(&program).map_err(failure)?;
+    let measure = Measure::of(&program).map_err(failure)?;
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = io.interrupt()?;
@@ -103,7 +103,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let shared = Shared {
         arguments,
         declared: &program,
-        metric,
+        measure,
         beside: &beside,
         examples: &examples,
         out: &out,
@@ -116,7 +116,10 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         if interrupt.is_raised() {
             break;
         }
-        all.push(shared.search(number, start)?);
+        match shared.search(number, start)? {
+            Some(found) => all.push(found),
+            None => break,
+        }
     }
     let report = Report {
         arguments,
@@ -174,7 +177,7 @@ fn starts(
 struct Shared<'a> {
     arguments: &'a BestArguments,
     declared: &'a Program,
-    metric: Metric,
+    measure: Measure,
     beside: &'a Path,
     examples: &'a Examples,
     out: &'a Path,
@@ -184,8 +187,8 @@ struct Shared<'a> {
 }
 
 impl Shared<'_> {
-    /// Searches one start, and plays the rows beside it.
-    fn search(&self, number: usize, start: Start) -> Result<AtStart, Failure> {
+    /// Searches one start, and plays the rows beside it; `None` if it was stopped before anything was tried.
+    fn search(&self, number: usize, start: Start) -> Result<Option<AtStart>, Failure> {
         let Shared {
             arguments,
             cache,
@@ -203,7 +206,9 @@ impl Shared<'_> {
             Ok(Box::new(SimulatedWorld::of(&program)?))
         };
         let subgoals = prepare(self.declared, &start, self.beside, &make_boxed, interrupt)?;
-        let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
+        let Some(subgoals) = subgoals else {
+            return Ok(None);
+        };
         if number == 0 {
             say_origin(subgoals.origin, &arguments.task.file, io);
         }
@@ -216,21 +221,6 @@ impl Shared<'_> {
             subgoals: subgoals.digest(),
         };
         let journal = TrialJournal::open(&folder, &identity).map_err(failure)?;
-        let playing = rows::Playing {
-            program: &program,
-            start: &start,
-            subgoals: &subgoals,
-            examples: self.examples,
-            make_world: &make_boxed,
-            folder: &folder,
-            horizon: arguments.horizon,
-            seed: arguments.seed,
-            threads: threads(&arguments.threads),
-            cache,
-            interrupt,
-            io,
-        };
-        let (policies, hints) = playing.policies(self.metric)?;
         let begun = Instant::now();
         let most = arguments.trials;
         let progress = |trials: u32| {
@@ -242,7 +232,7 @@ impl Shared<'_> {
                 report::duration(left_s)
             ));
         };
-        let search = Search {
+        let unhinted = Search {
             program: &program,
             start: &start,
             subgoals: &subgoals,
@@ -255,38 +245,47 @@ impl Shared<'_> {
                 seed: arguments.seed,
                 threads: threads(&arguments.threads),
             },
-            hints: &hints,
+            hints: &[],
             journal: Some(&journal),
             interrupt,
             progress: &progress,
         };
-        let searched = best::search(&search);
+        let playing = rows::Playing {
+            search: &unhinted,
+            examples: self.examples,
+            folder: &folder,
+            io,
+        };
+        let (policies, hints) = playing.policies(self.measure.metric)?;
+        let search = Search {
+            hints: &hints,
+            ..unhinted
+        };
+        let searched = unless_stopped(best::search(&search));
         io.progress("");
-        let (found, tree) = searched.map_err(failure)?;
+        let Some((found, tree)) = searched.map_err(failure)? else {
+            return Ok(None);
+        };
         let quiet = Search {
             progress: &|_| {},
             ..search
         };
-        let beyond = match unoffered(&quiet, &tree, &found, arguments.trials / 2) {
-            Err(BestError::World(WorldError::Interrupted)) => Unoffered::default(),
-            beyond => beyond.map_err(failure)?,
-        };
+        let beyond = unoffered(&quiet, &tree, &found, arguments.trials / 2).map_err(failure)?;
         drop(tree);
         let mut rows = vec![playing.best(&found)?];
         rows.extend(policies);
-        Ok(AtStart {
+        Ok(Some(AtStart {
             found,
             unoffered: beyond,
             rows,
             start,
             program,
-        })
+        }))
     }
 }
 
 fn failure(error: BestError) -> Failure {
     match error {
-        BestError::World(WorldError::Interrupted) => Failure::interrupted(),
         BestError::Aimless { .. } => Failure::usage(error.to_string()),
         error => Failure::environment(error),
     }

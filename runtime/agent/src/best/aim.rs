@@ -3,8 +3,8 @@
 //! In: particle positions. Out: numbers of which the lower is the better. On the way, a fold is compared with the states
 //! of the experts after as many folds; the least distance counts.
 
-use super::{BestError, Search};
-use fab_program::{Comparison, Metric, Sequence};
+use super::{BestError, Measure, Search};
+use fab_program::{Metric, Sequence};
 use fab_world::expert::{self, Sequences};
 use fab_world::metrics;
 use fab_world::start::Start;
@@ -14,8 +14,7 @@ use std::collections::BTreeMap;
 /// The aim of one search.
 #[derive(Debug)]
 pub(super) struct Aim {
-    pub metric: Metric,
-    pub more_is_better: bool,
+    pub measure: Measure,
     start: Start,
     coverage_at_start: Option<f64>,
     sequences: Vec<Sequence>,
@@ -27,18 +26,13 @@ impl Aim {
     /// Finds what is measured, and simulates the experts' states that are not stored yet.
     pub fn of(search: &Search<'_>) -> Result<Aim, BestError> {
         let program = search.program;
-        let metric = super::metric(program)?;
-        let goal = program.goal.as_ref();
-        let more_is_better =
-            goal.is_some_and(|goal| matches!(goal.is, Comparison::Greater | Comparison::AtLeast));
-        let by_distance = metric == Metric::ParticleDistance;
-        let sequences = match by_distance {
+        let measure = Measure::of(program)?;
+        let sequences = match measure.experts_lead() {
             true => program.experts.clone(),
             false => Vec::new(),
         };
         Ok(Aim {
-            metric,
-            more_is_better,
+            measure,
             start: search.start.clone(),
             coverage_at_start: metrics::coverage(&search.start.positions, &search.start.grid),
             states: states(search, &sequences)?,
@@ -49,7 +43,7 @@ impl Aim {
     /// Measures a state as the rollout's last one; `None` if it cannot be measured.
     pub fn value(&self, positions: &[[f32; 3]]) -> Option<f64> {
         let coverage = || metrics::coverage(positions, &self.start.grid);
-        match self.metric {
+        match self.measure.metric {
             Metric::Coverage => coverage(),
             Metric::NormalizedImprovement => {
                 metrics::normalized_improvement(coverage()?, self.coverage_at_start?)
@@ -62,14 +56,6 @@ impl Aim {
         }
     }
 
-    /// Returns a number that is lower for a better measure.
-    pub fn loss(&self, value: f64) -> f64 {
-        match self.more_is_better {
-            true => -value,
-            false => value,
-        }
-    }
-
     /// Returns how far a state is from the nearest state of an expert after `folds` folds, metres; its loss where no
     /// expert leads.
     pub fn behind(&self, positions: &[[f32; 3]], folds: u32) -> Option<f64> {
@@ -79,7 +65,7 @@ impl Aim {
         });
         match distances.min_by(f64::total_cmp) {
             Some(least) => Some(least),
-            None => Some(self.loss(self.value(positions)?)),
+            None => Some(self.measure.loss(self.value(positions)?)),
         }
     }
 

@@ -5,45 +5,36 @@
 
 use super::offers::{self, Offers, Situation};
 use super::tree::Tree;
-use super::unoffered::{Better, Lacking, Measured, Unoffered};
-use super::{BestError, Choice, Found, Search};
+use super::unoffered::{Allowance, Better, Lacking, Measured};
+use super::{BestError, Choice, Found, Search, unless_stopped};
 use crate::action::Action;
 use fab_program::{Choices, Direction, LengthChoice, Program, Proposal, Value};
 use fab_world::simulated::trials::{Trial, try_motions};
 
-/// How much better the cloth must lie, in the unit of the measure.
-const GAIN: f64 = 0.0005;
-
-/// Tries values that are not offered in the steps of the best actions, beginning with the step that limits; begins no
-/// more once `trials` are made.
+/// Tries values that are not offered in the steps of the best actions, beginning with the step that limits; returns the
+/// best of the first step that has a better one.
 pub(super) fn between(
     search: &Search<'_>,
     tree: &Tree,
     found: &Found,
-    trials: u32,
-) -> Result<Unoffered, BestError> {
-    let mut tried = Unoffered::default();
+    allowance: &mut Allowance,
+) -> Result<Option<Better>, BestError> {
     let (Some(limiting), Some(end)) = (found.limiting(), tree.best_end()) else {
-        return Ok(tried);
+        return Ok(None);
     };
     let path = tree.path(end);
     let others = (0..path.len() - 1).filter(|&index| index != limiting);
     for index in std::iter::once(limiting).chain(others) {
-        if tried.trials >= trials || search.interrupt.is_raised() {
+        if allowance.ends(search) {
             break;
         }
-        tried.better = in_step(
-            search,
-            tree,
-            [path[index], path[index + 1]],
-            &mut tried.trials,
-        )?
-        .map(|better| Better { index, ..better });
-        if tried.better.is_some() {
-            break;
+        let around = [path[index], path[index + 1]];
+        let better = unless_stopped(in_step(search, tree, around, allowance))?.flatten();
+        if let Some(better) = better {
+            return Ok(Some(Better { index, ..better }));
         }
     }
-    Ok(tried)
+    Ok(None)
 }
 
 /// Tries values in one step, from the state before it; `after` is the state that the offered action led to.
@@ -51,7 +42,7 @@ fn in_step(
     search: &Search<'_>,
     tree: &Tree,
     [before, after]: [usize; 2],
-    trials: &mut u32,
+    allowance: &mut Allowance,
 ) -> Result<Option<Better>, BestError> {
     let Some(Choice::Act { proposal, .. }) = &tree.nodes[after].choice else {
         return Ok(None);
@@ -77,6 +68,7 @@ fn in_step(
             candidates.push((proposal, action.motion));
         }
     }
+    candidates.truncate(allowance.left());
     let due: Vec<Trial<'_>> = candidates
         .iter()
         .map(|(_, motion)| Trial {
@@ -88,16 +80,16 @@ fn in_step(
         &due,
         search.limits.threads,
         search.interrupt,
-        |_, tried| -> Result<_, BestError> {
-            let positions = &tried.state.positions;
+        |_, end| -> Result<_, BestError> {
+            let positions = &end.state.positions;
             Ok(tree
                 .aim
                 .value(positions)
                 .zip(tree.aim.behind(positions, step)))
         },
     )?;
-    *trials += due.len() as u32;
-    let offered = &tree.nodes[after];
+    allowance.spend(done.iter().flatten().count());
+    let (measure, offered) = (tree.aim.measure, &tree.nodes[after]);
     let best = candidates
         .into_iter()
         .zip(done)
@@ -105,14 +97,14 @@ fn in_step(
             let (value, behind) = done.flatten()?;
             Some((proposal, value, behind))
         })
-        .filter(|(_, _, behind)| *behind < offered.behind - GAIN)
+        .filter(|(_, _, behind)| *behind < offered.behind - measure.least_gain())
         .min_by(|a, b| a.2.total_cmp(&b.2));
-    Ok(best.map(|(proposal, value, _)| Better {
+    Ok(best.map(|(proposal, value, behind)| Better {
         index: 0,
         step,
         lacking: Lacking::Values(needed(search.program, &program, &proposal)),
-        value,
-        instead_of: offered.value,
+        value: measure.on_the_way(value, behind),
+        instead_of: measure.on_the_way(offered.value, offered.behind),
         measured: Measured::AfterStep,
     }))
 }

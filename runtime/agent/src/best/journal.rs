@@ -35,7 +35,7 @@ pub struct Identity {
 
 /// What a trial led to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Outcome {
+pub struct TrialRecord {
     /// What was grasped.
     pub grasp: Grasp,
     /// The measure of the cloth; `None` if it cannot be measured.
@@ -51,13 +51,18 @@ pub struct Outcome {
 #[serde(rename_all = "snake_case")]
 enum Line {
     Search(Identity),
-    Trial { key: String, outcome: Outcome },
+    Trial {
+        key: String,
+        // The name in the file.
+        #[serde(rename = "outcome")]
+        record: TrialRecord,
+    },
 }
 
 /// An open journal.
 #[derive(Debug)]
 pub struct TrialJournal {
-    known: BTreeMap<String, Outcome>,
+    known: BTreeMap<String, TrialRecord>,
     file: Mutex<Appender>,
 }
 
@@ -92,7 +97,7 @@ impl TrialJournal {
                             "its first line does not say what was searched".to_owned(),
                         ));
                     }
-                    Line::Trial { key, outcome } => drop(known.insert(key, outcome)),
+                    Line::Trial { key, record } => drop(known.insert(key, record)),
                 }
             }
             file.keep(lines.whole_bytes());
@@ -108,15 +113,15 @@ impl TrialJournal {
     }
 
     /// Returns what a trial led to, if an earlier search finished it.
-    pub(super) fn known(&self, key: &str) -> Option<&Outcome> {
+    pub(super) fn known(&self, key: &str) -> Option<&TrialRecord> {
         self.known.get(key)
     }
 
     /// Keeps what a trial led to.
-    pub(super) fn keep(&self, key: &str, outcome: &Outcome) -> Result<(), BestError> {
+    pub(super) fn keep(&self, key: &str, record: &TrialRecord) -> Result<(), BestError> {
         let line = Line::Trial {
             key: key.to_owned(),
-            outcome: outcome.clone(),
+            record: record.clone(),
         };
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let kept = file.append(&line);

@@ -4,7 +4,7 @@
 //! judged as a rollout judges it. Actions that move the cloth alike are offered once.
 
 use super::aim::Aim;
-use super::{BestError, Choice};
+use super::{BestError, Choice, key_of};
 use crate::action::Action;
 use crate::scene::Scene;
 use fab_base::chance::Chance;
@@ -14,8 +14,8 @@ use fab_program::pointing::{Notation, Pointing};
 use fab_program::scene::SceneView;
 use fab_program::verify::{self, Strictness, Verdict};
 use fab_program::{ActionField, Choices, Exhausted, Program, Proposal, Value, reply, space};
-use fab_world::{Motion, WorldPoint};
-use std::collections::BTreeMap;
+use fab_world::WorldPoint;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The most combinations of a step's choices that are listed; of more, as many are drawn.
 const MOST: u64 = 20_000;
@@ -52,7 +52,7 @@ pub(super) fn offers(at: &Situation<'_>) -> Result<Offers, BestError> {
     let mut chance = Chance::of(&at.draw);
     let mut offers = Offers::default();
     let proposals = proposals(at, &mut chance, &mut offers);
-    let mut seen: Vec<Motion> = Vec::new();
+    let mut seen = BTreeSet::new();
     let mut ranked = Vec::new();
     for proposal in proposals {
         let Some(without) = accepted(at, &proposal, &mut offers)? else {
@@ -62,10 +62,9 @@ pub(super) fn offers(at: &Situation<'_>) -> Result<Offers, BestError> {
             offers.refused += 1;
             continue;
         };
-        if seen.contains(&action.motion) {
+        if !seen.insert(key_of(&action.motion)) {
             continue;
         }
-        seen.push(action.motion);
         let off = Aim::off(&at.wanted, &action.motion);
         ranked.push((
             off,

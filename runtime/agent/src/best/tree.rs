@@ -4,9 +4,9 @@
 //! promising states of each are gone on from, and share the trials that are left with the depths that follow.
 
 use super::aim::Aim;
-use super::journal::Outcome;
+use super::journal::TrialRecord;
 use super::offers::{self, Offers, Situation};
-use super::{BestError, Choice, Found, Search, Taken};
+use super::{BestError, Choice, Found, Search, Taken, key_of, unless_stopped};
 use crate::result::StepResult;
 use crate::rollout::Tries;
 use crate::scene::{Scene, SceneError};
@@ -15,8 +15,8 @@ use fab_base::parallel::in_parallel;
 use fab_picture::observation::Observation;
 use fab_program::Metric;
 use fab_program::facts::ExecutedAction;
-use fab_world::simulated::trials::{Snapshot, Trial, Tried, try_motions};
-use fab_world::{Grasp, SimulatedWorld, World, WorldError};
+use fab_world::simulated::trials::{Snapshot, Trial, TrialEnd, try_motions};
+use fab_world::{Grasp, SimulatedWorld, World};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -77,7 +77,7 @@ impl Tree {
         let Some((value, behind)) = measured else {
             return Err(BestError::Unmeasured {
                 start: search.start.name.clone(),
-                why: match aim.metric {
+                why: match aim.measure.metric {
                     Metric::NormalizedImprovement => {
                         "it covers as much as the flat cloth, so that nothing can be gained"
                     }
@@ -165,17 +165,18 @@ impl Tree {
 
     /// Goes through all depths once.
     fn pass(&mut self, search: &Search<'_>, width: u32, most: u32) -> Result<(), BestError> {
-        let horizon = search.horizon.unwrap_or(search.program.horizon);
-        let actions = horizon.saturating_mul(search.program.actions_per_step());
+        let actions = search
+            .steps()
+            .saturating_mul(search.program.actions_per_step());
         let first = self.nodes[0].tries.number;
         for depth in first..actions {
+            let left = most.saturating_sub(self.trials);
             let beam = self.beam(depth, width);
-            if beam.is_empty() {
+            if left == 0 || beam.is_empty() {
                 return Ok(());
             }
             self.look(search, &beam)?;
             // What is left is shared with the depths that follow.
-            let left = most.saturating_sub(self.trials);
             let share = left.div_ceil(actions - depth);
             let due = self.due(&beam, share as usize);
             self.make(search, &due)?;
@@ -219,10 +220,7 @@ impl Tree {
         let looked = in_parallel(
             unseen.len(),
             search.limits.threads,
-            |index| match tree.offers_at(search, unseen[index]) {
-                Err(BestError::World(WorldError::Interrupted)) => Ok(None),
-                looked => looked.map(Some),
-            },
+            |index| unless_stopped(tree.offers_at(search, unseen[index])),
             |_| {},
         )?;
         for (node, looked) in unseen.into_iter().zip(looked) {
@@ -279,9 +277,8 @@ impl Tree {
 
     /// Returns the task's step that is due in a state, from 1.
     pub(super) fn step_of(&self, search: &Search<'_>, node: usize) -> u32 {
-        let horizon = search.horizon.unwrap_or(search.program.horizon);
-        let step = self.nodes[node].tries.step(horizon);
-        step.unwrap_or(horizon)
+        let step = self.nodes[node].tries.step(search.steps());
+        step.unwrap_or(search.steps())
     }
 
     /// Lays the cloth as it is in a state; where that is not kept, its actions are executed again.
@@ -337,17 +334,14 @@ impl Tree {
             .iter()
             .map(|&node| Ok(self.world_at(search, node)?.0))
             .collect::<Result<Vec<_>, BestError>>();
-        let worlds = match worlds {
-            Err(BestError::World(WorldError::Interrupted)) => {
-                self.interrupted = true;
-                return Ok(());
-            }
-            worlds => worlds?,
+        let Some(worlds) = unless_stopped(worlds)? else {
+            self.interrupted = true;
+            return Ok(());
         };
         let mut planned: Vec<Planned> = due.iter().map(|&due| self.planned(search, due)).collect();
         let mut trials = Vec::new();
         for (index, planned) in planned.iter().enumerate() {
-            if let (None, Choice::Act { action, .. }) = (&planned.outcome, &planned.choice) {
+            if let (None, Choice::Act { action, .. }) = (&planned.record, &planned.choice) {
                 let world = begun.binary_search(&planned.due.node).unwrap_or_default();
                 trials.push((
                     index,
@@ -365,15 +359,15 @@ impl Tree {
             &trials,
             search.limits.threads,
             search.interrupt,
-            |index, tried| {
-                let judged = tree.judged(search, &planned[indices[index]], tried);
+            |index, end| {
+                let judged = tree.judged(search, &planned[indices[index]], end);
                 (search.progress)(so_far.fetch_add(1, Ordering::Relaxed) + 1);
                 judged
             },
         )?;
         for (index, done) in indices.into_iter().zip(done) {
-            if let Some((outcome, state)) = done {
-                planned[index].outcome = Some(outcome);
+            if let Some((record, state)) = done {
+                planned[index].record = Some(record);
                 planned[index].state = Some(state);
             }
         }
@@ -392,14 +386,13 @@ impl Tree {
             .expect("only states that were looked at have trials due");
         let choice = offers.choices[due.choice].clone();
         let step = match &choice {
-            Choice::Act { action, .. } => serde_json::to_string(&action.motion)
-                .expect("a motion has string keys and finite numbers"),
+            Choice::Act { action, .. } => key_of(&action.motion),
             Choice::Skip => "skip".to_owned(),
         };
         let key = Cache::key([node.key.as_str(), step.as_str()])[..32].to_owned();
         let known = search.journal.and_then(|journal| journal.known(&key));
         Planned {
-            outcome: known.cloned(),
+            record: known.cloned(),
             is_known: known.is_some(),
             state: None,
             due,
@@ -413,21 +406,21 @@ impl Tree {
         &self,
         search: &Search<'_>,
         planned: &Planned,
-        tried: Tried,
-    ) -> Result<(Outcome, Snapshot), BestError> {
+        end: TrialEnd,
+    ) -> Result<(TrialRecord, Snapshot), BestError> {
         let step = self.step_of(search, planned.due.node);
-        let positions = &tried.state.positions;
-        let result = self.result(search, step, &tried.state)?;
-        let outcome = Outcome {
-            grasp: tried.executed.grasp,
+        let positions = &end.state.positions;
+        let result = self.result(search, step, &end.state)?;
+        let record = TrialRecord {
+            grasp: end.executed.grasp,
             value: self.aim.value(positions),
             behind: self.aim.behind(positions, step),
             result,
         };
         if let Some(journal) = search.journal {
-            journal.keep(&planned.key, &outcome)?;
+            journal.keep(&planned.key, &record)?;
         }
-        Ok((outcome, tried.state))
+        Ok((record, end.state))
     }
 
     /// Compares a state with the subgoal of its step, as a rollout does.
@@ -453,16 +446,15 @@ impl Tree {
             due,
             choice,
             key,
-            outcome,
+            record,
             is_known,
             state,
         } = planned;
-        let horizon = search.horizon.unwrap_or(search.program.horizon);
         let parent = &self.nodes[due.node];
         let mut tries = parent.tries;
         tries.number += 1;
         let most = search.program.actions_per_step();
-        let node = match (&choice, outcome) {
+        let node = match (&choice, record) {
             (Choice::Act { .. }, None) => {
                 self.interrupted = true;
                 return;
@@ -475,9 +467,9 @@ impl Tree {
                 Choice::Act {
                     proposal, action, ..
                 },
-                Some(outcome),
+                Some(record),
             ) => {
-                tries.after(most, outcome.result);
+                tries.after(most, record.result);
                 self.trials += 1;
                 self.known += u32::from(is_known);
                 let last = ExecutedAction {
@@ -485,8 +477,8 @@ impl Tree {
                     pick: action.pick_on_cloth_px,
                     place: action.place_px,
                 };
-                let measured = outcome.value.zip(outcome.behind);
-                measured.map(|(value, behind)| (value, behind, Some(last), Some(outcome.grasp)))
+                let measured = record.value.zip(record.behind);
+                measured.map(|(value, behind)| (value, behind, Some(last), Some(record.grasp)))
             }
         };
         // Choices are tried in their order; after a stop, none is tried any more.
@@ -502,7 +494,7 @@ impl Tree {
             state,
             value,
             behind,
-            ended: tries.step(horizon).is_none() || self.aim.ends(search, value),
+            ended: tries.step(search.steps()).is_none() || self.aim.ends(search, value),
             offers: None,
             tried: 0,
             choice: Some(choice),
@@ -512,12 +504,13 @@ impl Tree {
 
     /// Forgets the cloths of a depth that no pass will go on from, since others are more promising.
     fn forget(&mut self, depth: u32, beam: u32) {
-        let ranked = self.ranked(depth);
-        let going_on = ranked.iter().filter(|&&node| !self.nodes[node].ended);
-        let kept: Vec<usize> = going_on.copied().take(beam as usize).collect();
-        for node in ranked {
-            if !kept.contains(&node) {
-                self.nodes[node].state = None;
+        let mut kept = 0;
+        for node in self.ranked(depth) {
+            let it = &mut self.nodes[node];
+            if it.ended || kept == beam {
+                it.state = None;
+            } else {
+                kept += 1;
             }
         }
     }
@@ -554,8 +547,7 @@ impl Tree {
         sampled.sort();
         sampled.dedup();
         Found {
-            metric: self.aim.metric,
-            more_is_better: self.aim.more_is_better,
+            measure: self.aim.measure,
             untouched: self.nodes[0].value,
             best: best.map(|node| self.taken(search, node)),
             after,
@@ -577,7 +569,7 @@ impl Tree {
 
     /// Returns the best of some states; of equals, the one that was found first.
     fn best_of(&self, nodes: &mut dyn Iterator<Item = usize>) -> Option<usize> {
-        let loss = |node: usize| self.aim.loss(self.nodes[node].value);
+        let loss = |node: usize| self.aim.measure.loss(self.nodes[node].value);
         nodes.reduce(|best, node| if loss(node) < loss(best) { node } else { best })
     }
 
@@ -611,7 +603,7 @@ struct Planned {
     choice: Choice,
     key: String,
     /// What it led to; `None` until it is known.
-    outcome: Option<Outcome>,
+    record: Option<TrialRecord>,
     /// Whether the journal knew that.
     is_known: bool,
     state: Option<Snapshot>,

@@ -8,7 +8,7 @@
 use super::aim::Aim;
 use super::between::between;
 use super::tree::{Node, Tree};
-use super::{BestError, Choice, Found, Limits, Search};
+use super::{BestError, Choice, Found, Limits, Search, key_of, unless_stopped};
 use crate::action::candidate;
 use crate::scene::Scene;
 use fab_base::cache::Cache;
@@ -16,7 +16,7 @@ use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
 use fab_program::scene::SceneView;
 use fab_program::{Choices, ClothPoint, Fold, Metric, PixelPoint, Proposal, Value, space};
-use fab_world::simulated::trials::{Trial, Tried, try_motions};
+use fab_world::simulated::trials::{Trial, TrialEnd, try_motions};
 use fab_world::{Motion, SimulatedWorld, WorldPoint, expert};
 use serde::Serialize;
 use std::sync::Arc;
@@ -27,8 +27,6 @@ const NEAR_PX: f64 = 12.0;
 const MOST_A_STEP: usize = 24;
 /// How many of them are followed to the end.
 const FOLLOWED: usize = 2;
-/// How much nearer to the experts an action must end than the best offered one to be followed, metres.
-const GAIN_M: f64 = 0.0005;
 /// How many states of a depth are gone on from after such an action.
 const BEAM: u32 = 2;
 /// Where named points lie along a side of the flat cloth.
@@ -43,9 +41,10 @@ pub struct Better {
     pub step: u32,
     /// What would have to be offered.
     pub lacking: Lacking,
-    /// The measure that it leads to.
+    /// What it leads to: at the end, the measure of results; after the step, the distance to the experts' state then, or
+    /// the measure of results where nobody demonstrates the way.
     pub value: f64,
-    /// The measure at the same time with the best offered action.
+    /// The same at that time with the best offered action.
     pub instead_of: f64,
     /// When both are measured.
     pub measured: Measured,
@@ -88,6 +87,30 @@ pub struct Unoffered {
     pub trials: u32,
 }
 
+/// Counts these trials, up to a limit.
+#[derive(Debug)]
+pub(super) struct Allowance {
+    made: u32,
+    most: u32,
+}
+
+impl Allowance {
+    /// Returns how many more may be made.
+    pub fn left(&self) -> usize {
+        self.most.saturating_sub(self.made) as usize
+    }
+
+    /// Notes that so many were made; at most [`Allowance::left`].
+    pub fn spend(&mut self, trials: usize) {
+        self.made = self.made.saturating_add(trials as u32);
+    }
+
+    /// Returns whether no more are to be made.
+    pub fn ends(&self, search: &Search<'_>) -> bool {
+        self.left() == 0 || search.interrupt.is_raised()
+    }
+}
+
 /// A point of the cloth where it lies in a state.
 #[derive(Clone, Copy)]
 struct Named {
@@ -104,32 +127,49 @@ struct Candidate {
     named: Named,
 }
 
-/// Tries actions that are not offered in the steps of the best actions; begins no more once `trials` are made.
+/// Tries actions that are not offered in the steps of the best actions, with at most `trials` trials.
+///
+/// After an interrupt, what was found until then is returned.
 pub fn unoffered(
     search: &Search<'_>,
     tree: &Tree,
     found: &Found,
     trials: u32,
 ) -> Result<Unoffered, BestError> {
-    let mut tried = Unoffered::default();
-    let Some(best) = found.value() else {
-        return Ok(tried);
+    let mut allowance = Allowance {
+        made: 0,
+        most: trials,
     };
     let has = |field: &str| search.program.field(field).is_some();
-    if has("direction") && has("distance") {
-        return between(search, tree, found, trials);
-    }
+    let better = match has("direction") && has("distance") {
+        true => between(search, tree, found, &mut allowance)?,
+        false => points(search, tree, found, &mut allowance)?,
+    };
+    Ok(Unoffered {
+        better,
+        trials: allowance.made,
+    })
+}
+
+/// Tries points that are not offered, and returns the best action with one.
+fn points(
+    search: &Search<'_>,
+    tree: &Tree,
+    found: &Found,
+    allowance: &mut Allowance,
+) -> Result<Option<Better>, BestError> {
     let fields: Vec<&str> = search
         .program
         .actions
         .iter()
         .map(|it| it.name.as_str())
         .collect();
-    if found.metric != Metric::ParticleDistance || !matches!(fields[..], ["pick", "place"]) {
-        return Ok(tried);
+    let by_points = matches!(fields[..], ["pick", "place"]);
+    if found.measure.metric != Metric::ParticleDistance || !by_points {
+        return Ok(None);
     }
-    let Some(end) = tree.best_end() else {
-        return Ok(tried);
+    let (Some(best), Some(end)) = (found.value(), tree.best_end()) else {
+        return Ok(None);
     };
     let path = tree.path(end);
     let mut steps = Vec::new();
@@ -141,23 +181,25 @@ pub fn unoffered(
             offered: &tree.nodes[path[index + 1]],
             index,
         };
-        if let Some(look) = step.look()? {
-            steps.push((step, look));
+        match unless_stopped(step.look())? {
+            Some(look) => steps.extend(look.map(|look| (step, look))),
+            None => break,
         }
     }
     // First where what is not offered is most nearer to what an expert would do.
     steps.sort_by(|a, b| b.1.nearer_m.total_cmp(&a.1.nearer_m));
+    let mut best_step: Option<Better> = None;
     for (step, look) in &steps {
-        if tried.trials >= trials || search.interrupt.is_raised() {
+        if allowance.ends(search) {
             break;
         }
-        let better = step.better(look, best, trials, &mut tried.trials)?;
-        let least = tried.better.as_ref().map_or(best, |better| better.value);
+        let better = unless_stopped(step.better(look, best, allowance))?.flatten();
+        let least = best_step.as_ref().map_or(best, |better| better.value);
         if let Some(better) = better.filter(|better| better.value < least) {
-            tried.better = Some(better);
+            best_step = Some(better);
         }
     }
-    Ok(tried)
+    Ok(best_step)
 }
 
 /// What could be tried in a step.
@@ -210,12 +252,13 @@ impl StepAt<'_> {
         &self,
         look: &Look,
         best: f64,
-        most: u32,
-        trials: &mut u32,
+        allowance: &mut Allowance,
     ) -> Result<Option<Better>, BestError> {
         let StepAt { search, tree, .. } = *self;
         let step = tree.step_of(search, self.node);
-        let candidates = &look.candidates;
+        // Half of the trials are for what follows the best of them.
+        let first = look.candidates.len().min(allowance.left().div_ceil(2));
+        let candidates = &look.candidates[..first];
         let due: Vec<Trial<'_>> = candidates
             .iter()
             .map(|candidate| Trial {
@@ -227,26 +270,27 @@ impl StepAt<'_> {
             &due,
             search.limits.threads,
             search.interrupt,
-            |_, tried| -> Result<_, BestError> {
-                Ok((tree.aim.behind(&tried.state.positions, step), tried))
+            |_, end| -> Result<_, BestError> {
+                Ok((tree.aim.behind(&end.state.positions, step), end))
             },
         )?;
-        *trials += due.len() as u32;
-        let mut promising: Vec<(f64, usize, Tried)> = done
+        allowance.spend(done.iter().flatten().count());
+        let least_gain = tree.aim.measure.least_gain();
+        let mut promising: Vec<(f64, usize, TrialEnd)> = done
             .into_iter()
             .enumerate()
             .filter_map(|(index, done)| {
-                let (behind, tried) = done?;
-                Some((behind?, index, tried))
+                let (behind, end) = done?;
+                Some((behind?, index, end))
             })
-            .filter(|(behind, ..)| *behind < self.offered.behind - GAIN_M)
+            .filter(|(behind, ..)| *behind < self.offered.behind - least_gain)
             .collect();
         promising.sort_by(|a, b| a.0.total_cmp(&b.0));
         promising.truncate(FOLLOWED);
         let mut better: Option<Better> = None;
-        for (behind, index, tried) in promising {
+        for (behind, index, end) in promising {
             let candidate = &candidates[index];
-            let Some(value) = self.end_of(candidate, behind, tried, most, trials)? else {
+            let Some(value) = self.end_of(candidate, behind, end, allowance)? else {
                 continue;
             };
             if better.as_ref().is_none_or(|better| value < better.value) {
@@ -273,30 +317,27 @@ impl StepAt<'_> {
         &self,
         candidate: &Candidate,
         behind: f64,
-        tried: Tried,
-        most: u32,
-        trials: &mut u32,
+        after: TrialEnd,
+        allowance: &mut Allowance,
     ) -> Result<Option<f64>, BestError> {
         let StepAt { search, tree, .. } = *self;
         let before = &tree.nodes[self.node];
         let step = tree.step_of(search, self.node);
-        let result = tree.result(search, step, &tried.state)?;
+        let result = tree.result(search, step, &after.state)?;
         let mut tries = before.tries;
         tries.number += 1;
         tries.after(search.program.actions_per_step(), result);
-        let Some(value) = tree.aim.value(&tried.state.positions) else {
+        let Some(value) = tree.aim.value(&after.state.positions) else {
             return Ok(None);
         };
         let [pick, place] = candidate.ends_px;
         let fields = [("pick", pick), ("place", place)];
         let fields = fields.map(|(name, pixel)| (name.to_owned(), Value::Point(pixel)));
-        let motion = serde_json::to_string(&candidate.motion)
-            .expect("a motion has string keys and finite numbers");
-        let horizon = search.horizon.unwrap_or(search.program.horizon);
+        let motion = key_of(&candidate.motion);
         let root = Node {
             parent: None,
             choice: None,
-            grasp: Some(tried.executed.grasp),
+            grasp: Some(after.executed.grasp),
             key: Cache::key([before.key.as_str(), "not offered", &motion])[..32].to_owned(),
             last: Some(ExecutedAction {
                 proposal: Proposal {
@@ -305,10 +346,10 @@ impl StepAt<'_> {
                 pick,
                 place,
             }),
-            state: Some(tried.state),
+            state: Some(after.state),
             value,
             behind,
-            ended: tries.step(horizon).is_none(),
+            ended: tries.step(search.steps()).is_none(),
             tries,
             offers: None,
             tried: 0,
@@ -324,8 +365,8 @@ impl StepAt<'_> {
             ..*search
         };
         let mut tree = Tree::from(root, Arc::clone(&tree.aim), tree.first.clone());
-        tree.widen(&follow, most.saturating_sub(*trials).max(1))?;
-        *trials += tree.trials;
+        tree.widen(&follow, allowance.left() as u32)?;
+        allowance.spend(tree.trials as usize);
         Ok(tree.best_end().map(|end| tree.nodes[end].value))
     }
 

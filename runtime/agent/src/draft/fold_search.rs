@@ -110,7 +110,7 @@ struct Candidate {
 }
 
 /// The result of a tried fold.
-struct Tried {
+struct TriedFold {
     candidate: usize,
     overlap: f64,
     /// The overlap, less any handicap.
@@ -275,14 +275,18 @@ impl StepSearch<'_> {
     }
 
     /// Simulates the candidates, each from the same state; those that fail are omitted.
-    fn try_all(&self, candidates: &[Candidate], state: &State) -> Result<Vec<Tried>, DraftError> {
+    fn try_all(
+        &self,
+        candidates: &[Candidate],
+        state: &State,
+    ) -> Result<Vec<TriedFold>, DraftError> {
         let count = candidates.len();
         if count == 0 {
             return Ok(Vec::new());
         }
         (self.announce)(count);
         let threads = thread::available_parallelism().map_or(1, usize::from);
-        let one = |candidate: usize| -> Result<Option<Option<Tried>>, DraftError> {
+        let one = |candidate: usize| -> Result<Option<Option<TriedFold>>, DraftError> {
             let mut world = self.lay(state)?;
             match world.act(&candidates[candidate].motion, self.interrupt) {
                 Ok(_) => {}
@@ -293,7 +297,7 @@ impl StepSearch<'_> {
             let below_m = self.camera.height_m - CLOTH_M;
             let outline = Outline::whole(depth_mask(&seen.depth_m, below_m));
             let overlap = outline.overlap(self.after);
-            Ok(Some(world.particles().map(|positions| Tried {
+            Ok(Some(world.particles().map(|positions| TriedFold {
                 candidate,
                 overlap,
                 merit: overlap - handicap(&candidates[candidate]),
@@ -307,9 +311,9 @@ impl StepSearch<'_> {
 
 /// Returns the highest-rated one, the first of equals.
 fn best<'t>(
-    tried: impl IntoIterator<Item = &'t Tried>,
-    rate: impl Fn(&Tried) -> f64,
-) -> Option<&'t Tried> {
+    tried: impl IntoIterator<Item = &'t TriedFold>,
+    rate: impl Fn(&TriedFold) -> f64,
+) -> Option<&'t TriedFold> {
     tried
         .into_iter()
         .reduce(|best, next| match rate(next) > rate(best) {

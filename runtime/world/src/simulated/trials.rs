@@ -9,13 +9,14 @@ use crate::start::Start;
 use crate::{Executed, Motion, World, WorldError};
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
-use fab_sim::SimError;
 pub use fab_sim::Snapshot;
+use fab_sim::{Manner, SimError};
+use std::collections::BTreeMap;
 use std::io;
 
 /// What one motion led to.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tried {
+pub struct TrialEnd {
     /// What was really done.
     pub executed: Executed,
     /// The cloth afterwards; [`SimulatedWorld::go_to`] goes on from it.
@@ -55,7 +56,7 @@ pub fn try_motions<T: Send, E: Send + From<WorldError> + From<io::Error>>(
     trials: &[Trial<'_>],
     threads: usize,
     interrupt: &Interrupt,
-    judge: impl Fn(usize, Tried) -> Result<T, E> + Sync,
+    judge: impl Fn(usize, TrialEnd) -> Result<T, E> + Sync,
 ) -> Result<Vec<Option<T>>, E> {
     let groups = groups(trials, threads);
     let done = in_parallel(
@@ -71,25 +72,42 @@ pub fn try_motions<T: Send, E: Send + From<WorldError> + From<io::Error>>(
     Ok(all)
 }
 
-/// Returns the indices of trials that share a lift, in the order of their first trials; no group is so large that
-/// other threads would wait for it.
+/// Returns the indices of trials that share a lift; no group is so large that other threads would wait for it, and the
+/// largest come first, so that threads end at about the same time.
 fn groups(trials: &[Trial<'_>], threads: usize) -> Vec<Vec<usize>> {
     let most = trials.len().div_ceil(threads.max(1));
     let mut groups: Vec<Vec<usize>> = Vec::new();
+    // The last group of each lift.
+    let mut last = BTreeMap::new();
     for (index, trial) in trials.iter().enumerate() {
-        let is_alike = |group: &&mut Vec<usize>| {
-            let first = &trials[group[0]];
-            group.len() < most
-                && std::ptr::eq(first.from, trial.from)
-                && first.motion.pick == trial.motion.pick
-                && first.motion.manner == trial.motion.manner
-        };
-        match groups.iter_mut().find(is_alike) {
+        let group = last.entry(lift_of(trial)).or_insert(groups.len());
+        if groups.get(*group).is_some_and(|group| group.len() >= most) {
+            *group = groups.len();
+        }
+        match groups.get_mut(*group) {
             Some(group) => group.push(index),
             None => groups.push(vec![index]),
         }
     }
+    groups.sort_by_key(|group| std::cmp::Reverse(group.len()));
     groups
+}
+
+/// Tells the lift of a trial by its world and the bits of all that the simulator is told of it.
+fn lift_of(trial: &Trial<'_>) -> (*const SimulatedWorld, [u32; 2], [Option<u32>; 4]) {
+    let (manner, [pick, _]) = in_metres(&trial.motion);
+    let Manner {
+        lift_m,
+        speed_m_s,
+        release_height_m,
+        press_m,
+    } = manner;
+    let manner = [lift_m, speed_m_s, release_height_m, press_m];
+    (
+        std::ptr::from_ref(trial.from),
+        pick.map(f32::to_bits),
+        manner.map(|value| value.map(f32::to_bits)),
+    )
 }
 
 /// Tries the motions of one lift; an interrupt keeps those that had ended, and `None` means that none had.
@@ -97,7 +115,7 @@ fn try_group<T, E: From<WorldError>>(
     trials: &[Trial<'_>],
     group: &[usize],
     interrupt: &Interrupt,
-    judge: &(impl Fn(usize, Tried) -> Result<T, E> + Sync),
+    judge: &(impl Fn(usize, TrialEnd) -> Result<T, E> + Sync),
 ) -> Result<Option<Vec<(usize, T)>>, E> {
     let interrupted = || interrupt.is_raised();
     let first = &trials[group[0]];
@@ -114,11 +132,11 @@ fn try_group<T, E: From<WorldError>>(
             Err(SimError::Interrupted { .. }) => break,
             placed => placed.map_err(stopped)?,
         };
-        let tried = Tried {
+        let end = TrialEnd {
             executed: executed(motion, &done),
             state: cloth.snapshot(),
         };
-        all.push((index, judge(index, tried)?));
+        all.push((index, judge(index, end)?));
     }
     Ok(Some(all))
 }
@@ -164,14 +182,14 @@ mod tests {
             motion([0.028, -0.028], [0.0, 0.0]),
             motion([0.028, 0.028], [0.0, 0.03]),
         ];
-        let expected: Vec<Tried> = motions
+        let expected: Vec<TrialEnd> = motions
             .iter()
             .map(|motion| {
                 let mut again = fresh();
                 again.go_to(&start, &state).unwrap();
                 let executed = again.act(motion, &Interrupt::default()).unwrap();
                 let state = again.state().unwrap();
-                Tried { executed, state }
+                TrialEnd { executed, state }
             })
             .collect();
         let trials = motions.map(|motion| Trial {
@@ -179,10 +197,10 @@ mod tests {
             motion,
         });
         for threads in [1, 3] {
-            let done = try_motions(&trials, threads, &Interrupt::default(), |_, tried| {
-                Ok::<_, Failed>(tried)
+            let done = try_motions(&trials, threads, &Interrupt::default(), |_, end| {
+                Ok::<_, Failed>(end)
             });
-            let done: Vec<Tried> = done.unwrap().into_iter().flatten().collect();
+            let done: Vec<TrialEnd> = done.unwrap().into_iter().flatten().collect();
             assert_eq!(done, expected);
         }
         assert_eq!(world.state().unwrap(), state);
@@ -190,6 +208,26 @@ mod tests {
         stopped.raise();
         let none = try_motions(&trials, 1, &stopped, |_, _| Ok::<_, Failed>(()));
         assert_eq!(none.unwrap(), [None; 3]);
+    }
+
+    #[test]
+    fn one_lift_serves_all_trials_that_share_it_up_to_a_threads_part() {
+        let (world, _) = pulled();
+        let pick = |x| Trial {
+            from: &world,
+            motion: motion([x, 0.028], [0.06, 0.05]),
+        };
+        let slow = Trial {
+            motion: pick(0.028).motion.with_manner(fab_program::Manner {
+                speed_m_s: Some(0.1),
+                ..Default::default()
+            }),
+            ..pick(0.028)
+        };
+        let trials = [pick(-0.028), pick(0.028), slow, pick(0.028), pick(0.028)];
+        assert_eq!(groups(&trials, 1), [vec![1, 3, 4], vec![0], vec![2]]);
+        // Of five trials, no thread of three gets more than two.
+        assert_eq!(groups(&trials, 3), [vec![1, 3], vec![0], vec![2], vec![4]]);
     }
 
     #[derive(Debug, thiserror::Error)]

@@ -54,10 +54,13 @@ impl Report<'_> {
                     "{} starts, mean and 95 % interval",
                     self.starts.len()
                 ));
-                lines.extend(self.curve(first.found.metric));
+                lines.extend(self.curve(first.found.measure.metric));
             }
-            lines.extend(self.table(first.found.metric));
+            lines.extend(self.table(first.found.measure.metric));
             lines.extend(self.too_small());
+        }
+        if self.starts.is_empty() {
+            lines.push("stopped before anything was tried".to_owned());
         }
         lines.push(format!("kept in {}", self.out.display()));
         lines.join("\n")
@@ -66,7 +69,7 @@ impl Report<'_> {
     /// Tells what was found at one start.
     fn start_lines(&self, at: &AtStart) -> Vec<String> {
         let AtStart { start, found, .. } = at;
-        let metric = found.metric;
+        let metric = found.measure.metric;
         let mut lines = vec![format!(
             "{}: start {}, {} (untouched: {})",
             at.program.title(),
@@ -111,7 +114,7 @@ impl Report<'_> {
             };
             lines.push(format!(
                 "  the goal, {} {limit}, is missed at {}: {why}",
-                sign(found.more_is_better),
+                sign(found.measure.more_is_better),
                 shown(value, metric)
             ));
         }
@@ -128,14 +131,18 @@ impl Report<'_> {
                 )
             });
         };
-        let metric = at.found.metric;
+        let metric = at.found.measure.metric;
         let (value, instead_of) = (
             shown(better.value, metric),
             shown(better.instead_of, metric),
         );
         let when = match better.measured {
             Measured::AfterStep => {
-                format!("would leave {value} after it, in place of {instead_of}")
+                let from = match metric {
+                    Metric::ParticleDistance => " from the experts",
+                    _ => "",
+                };
+                format!("would leave {value}{from} after it, in place of {instead_of}")
             }
             Measured::AtEnd => format!("would end at {value}, in place of {instead_of}"),
         };
@@ -208,10 +215,10 @@ impl Report<'_> {
     /// Says that a policy did better than the search, which then tried too little.
     fn too_small(&self) -> Option<String> {
         let beaten = |at: &AtStart| {
-            let best = at.found.loss(at.found.value()?);
+            let best = at.found.measure.loss(at.found.value()?);
             let policies = at.rows.iter().skip(1);
             let mut better = policies.filter(|row| {
-                let losses = row.values.iter().map(|value| at.found.loss(*value));
+                let losses = row.values.iter().map(|value| at.found.measure.loss(*value));
                 losses.fold(f64::INFINITY, f64::min) < best
             });
             better.next().map(|row| row.name)
@@ -267,7 +274,7 @@ impl Report<'_> {
     /// Returns the report for programs.
     pub fn json(&self) -> Value {
         let starts = self.starts.iter().map(|at| self.start_json(at));
-        let metric = self.starts.first().map(|at| at.found.metric);
+        let metric = self.starts.first().map(|at| at.found.measure.metric);
         let after: Vec<Value> = self
             .after()
             .iter()
@@ -296,7 +303,7 @@ impl Report<'_> {
             "metric": metric.map(Metric::as_str),
             "goal": self.program.goal.as_ref().map(|goal| json!({
                 "limit": goal.limit,
-                "more_is_better": self.starts.first().map(|at| at.found.more_is_better),
+                "more_is_better": self.starts.first().map(|at| at.found.measure.more_is_better),
             })),
             "goal_missed": self.misses_goal(),
             "trials": self.arguments.trials,
@@ -449,21 +456,24 @@ fn limit(found: &Found) -> Option<String> {
     let (best, index) = (found.best.as_deref()?, found.limiting()?);
     let taken = best.get(index)?;
     let before = index.checked_sub(1).and_then(|before| best.get(before));
-    Some(match found.metric {
+    Some(match found.measure.metric {
         Metric::ParticleDistance => format!(
             "  step {} limits: {} from the experts before it, {} after it",
             taken.step,
-            shown(before.map_or(0.0, |before| before.behind), found.metric),
-            shown(taken.behind, found.metric)
+            shown(
+                before.map_or(0.0, |before| before.behind),
+                found.measure.metric
+            ),
+            shown(taken.behind, found.measure.metric)
         ),
         _ => format!(
             "  step {} gains least: {} before it, {} after it",
             taken.step,
             shown(
                 before.map_or(found.untouched, |before| before.value),
-                found.metric
+                found.measure.metric
             ),
-            shown(taken.value, found.metric)
+            shown(taken.value, found.measure.metric)
         ),
     })
 }

@@ -4,25 +4,21 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use fab_agent::best::{Choice, Found};
+use fab_agent::best::{Choice, Found, Search};
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::{Expert, Following, MakePolicy, Prompted, Random};
 use fab_agent::record::{RECORD_FILE, Report};
 use fab_agent::rollout::{self, Job, RunError};
-use fab_agent::subgoals::SubgoalSet;
 use fab_base::cache::Cache;
-use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
 use fab_bench::record::{self, FolderContents, Identity, Rollout};
 use fab_model::Models;
 use fab_model::calls::Budget;
-use fab_program::{Metric, Program};
+use fab_program::Metric;
 use fab_standins::Geometric;
-use fab_world::WorldError;
-use fab_world::expert::MakeWorld;
-use fab_world::start::Start;
+use fab_world::{World, WorldError};
 use std::path::Path;
 
 /// How many rollouts of random actions a start gets.
@@ -72,17 +68,9 @@ impl Row {
 
 /// The rollouts of one start.
 pub struct Playing<'a> {
-    pub program: &'a Program,
-    pub start: &'a Start,
-    pub subgoals: &'a SubgoalSet,
+    pub search: &'a Search<'a>,
     pub examples: &'a Examples,
-    pub make_world: &'a MakeWorld<'a>,
     pub folder: &'a Path,
-    pub horizon: Option<u32>,
-    pub seed: u64,
-    pub threads: usize,
-    pub cache: &'a Cache,
-    pub interrupt: &'a Interrupt,
     pub io: &'a Io,
 }
 
@@ -97,7 +85,9 @@ struct Play<'p> {
 impl Playing<'_> {
     /// Plays the policies; returns a row each, and what they decided. What was interrupted has no value.
     pub fn policies(&self, metric: Metric) -> Result<(Vec<Row>, Vec<Vec<Choice>>), Failure> {
-        let random = Random { seed: self.seed };
+        let random = Random {
+            seed: self.search.limits.seed,
+        };
         let stand_in = Prompted {
             models: Models {
                 vision: &Geometric,
@@ -113,7 +103,7 @@ impl Playing<'_> {
         let mut plays: Vec<Play<'_>> = Vec::new();
         for (name, oracle, make_policy, repetitions) in makers {
             let mut row = Row::new(name, oracle);
-            match make_policy.make().prepare(self.program) {
+            match make_policy.make().prepare(self.search.program) {
                 Err(error) => row.none = Some(error.to_string()),
                 Ok(_) => plays.extend((0..repetitions).map(|repetition| Play {
                     row: rows.len(),
@@ -126,7 +116,7 @@ impl Playing<'_> {
         }
         let played = in_parallel(
             plays.len(),
-            self.threads,
+            self.search.limits.threads,
             |index| self.play(&plays[index]),
             |done| {
                 let of = plays.len();
@@ -146,7 +136,7 @@ impl Playing<'_> {
 
     /// Executes the best actions in a rollout of their own, and returns the row.
     ///
-    /// Fails if it ends elsewhere than the search found.
+    /// Fails if it ends elsewhere than the search found, or without a measure.
     pub fn best(&self, found: &Found) -> Result<Row, Failure> {
         let mut row = Row::new("best", true);
         let Some(best) = &found.best else {
@@ -163,51 +153,51 @@ impl Playing<'_> {
             make_policy: &following,
             repetition: 0,
         })?;
-        row.add(rollout.as_ref(), found.metric);
+        row.add(rollout.as_ref(), found.measure.metric);
         if rollout.is_none() {
             // The search measured the same state.
             row.values.extend(found.value());
         }
-        if let (Some(found), Some(again)) = (found.value(), row.values.first())
-            && (found - again).abs() > 1e-9
-        {
-            return Err(Failure::environment(format!(
-                "the rollout of the best actions ends at {again}, and the search found {found}: the simulator did not repeat itself"
-            )));
+        let found = found.value();
+        match found.and_then(|found| contradiction(found, &row)) {
+            Some(why) => Err(Failure::environment(why)),
+            None => Ok(row),
         }
-        Ok(row)
     }
 
     /// Plays one rollout, or reads it if it is finished; `None` if it was interrupted.
     fn play(&self, play: &Play<'_>) -> Result<Option<Rollout>, Failure> {
-        if self.interrupt.is_raised() {
+        let search = self.search;
+        if search.interrupt.is_raised() {
             return Ok(None);
         }
+        let make_world =
+            || -> Result<Box<dyn World>, WorldError> { Ok(Box::new((search.make_world)()?)) };
         let job = Job {
-            program: self.program,
-            start: self.start,
-            subgoals: self.subgoals,
+            program: search.program,
+            start: search.start,
+            subgoals: search.subgoals,
             examples: self.examples,
             make_policy: play.make_policy,
             budget: &Budget::default(),
             recorder: None,
-            make_world: self.make_world,
-            make_expert_world: self.make_world,
-            cache: self.cache,
-            interrupt: self.interrupt,
-            horizon: self.horizon,
+            make_world: &make_world,
+            make_expert_world: &make_world,
+            cache: search.cache,
+            interrupt: search.interrupt,
+            horizon: search.horizon,
             early_stop: true,
             operator: None,
             repetition: play.repetition,
             start_number: None,
         };
-        let world = (self.make_world)().map_err(Failure::environment)?;
+        let world = make_world().map_err(Failure::environment)?;
         let identity = Identity {
-            program: self.program.hash(),
+            program: search.program.hash(),
             vary: world.variation(),
             params: world.parameters(),
             code: world.code(),
-            start: self.start.digest(),
+            start: search.start.digest(),
             policy: play.make_policy.make().description(),
             horizon: job.horizon(),
             early_stop: job.early_stop,
@@ -243,6 +233,22 @@ impl Playing<'_> {
     }
 }
 
+/// Says how the rollout of the best actions contradicts what the search found for them.
+fn contradiction(found: f64, best: &Row) -> Option<String> {
+    let again = match best.values.first() {
+        // The same bits, but for metres that were written as millimetres.
+        Some(again) if (found - again).abs() <= 1e-9 => return None,
+        Some(again) => format!("at {again}"),
+        None => {
+            let why = best.none.as_deref().unwrap_or("its record has none");
+            format!("without a measure ({why})")
+        }
+    };
+    Some(format!(
+        "the rollout of the best actions ends {again}, and the search found {found}: the simulator did not repeat itself"
+    ))
+}
+
 /// Returns a folder's name that differs for different actions.
 fn name_of(following: &Following) -> String {
     Cache::key([format!("{:?}", following.choices).as_str()])[..8].to_owned()
@@ -254,5 +260,26 @@ fn value(report: &Report, metric: Metric) -> Option<f64> {
         Metric::ParticleDistance => Some(report.mean_particle_distance_mm? / 1000.0),
         Metric::Coverage => report.coverage,
         Metric::NormalizedImprovement => report.normalized_improvement,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rollout_that_ends_elsewhere_or_without_a_measure_contradicts_the_search() {
+        let mut best = Row::new("best", true);
+        best.none = Some("no_candidates".to_owned());
+        let why = contradiction(0.012, &best).unwrap_or_default();
+        assert!(
+            why.contains("without a measure (no_candidates), and the search found 0.012"),
+            "{why}"
+        );
+        best.values = vec![0.013];
+        let why = contradiction(0.012, &best).unwrap_or_default();
+        assert!(why.contains("ends at 0.013"), "{why}");
+        best.values = vec![0.012 + 1e-12];
+        assert_eq!(contradiction(0.012, &best), None);
     }
 }
