@@ -128,6 +128,8 @@ fn a_suite_gives_the_same_figures_on_any_number_of_threads_and_is_not_run_twice(
     let gap = row(&first, "plain over random", "mean_particle_distance_mm");
     let difference = ours["value"].as_f64().unwrap() - random["value"].as_f64().unwrap();
     assert!((gap["value"].as_f64().unwrap() - difference).abs() < 1e-9);
+    let more = ours["queries"].as_f64().unwrap() - random["queries"].as_f64().unwrap();
+    assert_eq!(gap["queries"], more);
     let theirs = row(&first, "somebody", "mean_particle_distance_mm");
     assert_eq!(
         (

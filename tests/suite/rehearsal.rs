@@ -1,56 +1,18 @@
 //! Answers are tried on twins before the world moves; twins know what the camera shows, and nothing else.
 
-use super::support::{self, Scripted, Trial, words_of};
-use fab_agent::journal::RunFolder;
+use super::support::{self, Careless, Scripted, Trial, words_of};
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::Prompted;
 use fab_agent::record::{Record, RehearsedStep};
-use fab_agent::rollout::{self, Ended, Job};
+use fab_agent::rollout::{Ended, Event};
 use fab_model::calls::Calls;
 use fab_model::{Model, ModelError, ModelKind, ModelRole, Models, Part, Reply, Request};
 use fab_program::{Distrusted, Program, Rehearsal, RehearsalMeasure, TwinRanges};
-use fab_standins::Geometric;
 use fab_world::{Look, SimulatedWorld, World, WorldError, Wrapper};
-use std::sync::Mutex;
 
 /// The stand-in, except that the named candidates place on the center.
-struct Careless {
-    wrong: &'static [u32],
-    asked: Mutex<Vec<Request>>,
-}
-
-impl Careless {
-    fn in_candidates(wrong: &'static [u32]) -> Careless {
-        Careless {
-            wrong,
-            asked: Mutex::default(),
-        }
-    }
-}
-
-impl Model for Careless {
-    fn name(&self) -> &str {
-        "careless"
-    }
-
-    fn nature(&self) -> ModelKind {
-        ModelKind::StandIn
-    }
-
-    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
-        self.asked.lock().unwrap().push(request.clone());
-        let reply = Geometric.ask(request, calls)?;
-        let asked = words_of(request);
-        let Some((pick, _)) = reply.text.split_once("Place Point = ") else {
-            return Ok(reply);
-        };
-        if !self.wrong.contains(&request.candidate) {
-            return Ok(reply);
-        }
-        let (_, center) = asked.split_once("- Cloth center: ").unwrap();
-        let center = center.lines().next().unwrap();
-        Ok(Reply::text(format!("{pick}Place Point = {center}\n")))
-    }
+fn careless(wrong: &'static [u32]) -> Careless<impl Fn(&Request) -> bool + Send + Sync> {
+    Careless::where_wrong(|request| wrong.contains(&request.candidate))
 }
 
 /// A simulated world that may lie about its particles, and may claim to be real.
@@ -108,6 +70,7 @@ struct Played {
     report: Ended,
     line: Option<RehearsedStep>,
     record: Record,
+    notes: Vec<String>,
 }
 
 /// Plays the first step in a world.
@@ -119,6 +82,7 @@ fn play(
 ) -> Played {
     let folder = tempfile::tempdir().unwrap();
     let mut trial = Trial::new(program, folder.path(), Look::default());
+    trial.horizon = Some(1);
     prepare(&mut trial);
     let make_world = || -> Result<Box<dyn World>, WorldError> {
         Ok(change(SimulatedWorld::new(
@@ -130,31 +94,21 @@ fn play(
         vision: model,
         text: model,
     };
-    let job = Job {
-        program,
-        start: &trial.start,
-        subgoals: &trial.subgoals,
-        examples: &trial.examples,
-        make_policy: &Prompted { models },
-        budget: &trial.budget,
-        recorder: None,
-        make_world: &make_world,
-        make_expert_world: &make_world,
-        cache: &trial.cache,
-        interrupt: &trial.interrupt,
-        horizon: Some(1),
-        early_stop: true,
-        operator: None,
-        repetition: 0,
-        start_number: None,
-    };
     let run = folder.path().join("run");
-    let report = rollout::run(&job, RunFolder::create(&run).unwrap(), &mut |_| {}).unwrap();
+    let policy = Prompted { models };
+    let mut notes = Vec::new();
+    let report = trial.decided_in(&make_world, &policy, &run, &mut |event| {
+        if let Event::Note(note) = event {
+            notes.push(note);
+        }
+    });
+    let report = report.unwrap();
     let record = Record::read(&run).unwrap();
     Played {
         report,
         line: record.steps[0].rehearsal.clone(),
         record,
+        notes,
     }
 }
 
@@ -164,7 +118,7 @@ fn plain(world: SimulatedWorld) -> Box<dyn World> {
 
 #[test]
 fn the_candidate_is_taken_that_does_best_on_the_twin_and_the_first_question_is_as_without() {
-    let model = Careless::in_candidates(&[0, 2]);
+    let model = careless(&[0, 2]);
     let program = rehearsing();
     let played = play(&program, &model, plain, |_| {});
     let line = played.line.unwrap();
@@ -201,7 +155,7 @@ fn the_candidate_is_taken_that_does_best_on_the_twin_and_the_first_question_is_a
     assert_eq!(candidates, [0, 1, 2]);
     let mut without = program;
     without.rehearsal = None;
-    let alone = Careless::in_candidates(&[0, 2]);
+    let alone = careless(&[0, 2]);
     let unrehearsed = play(&without, &alone, plain, |_| {});
     assert_eq!(unrehearsed.line, None);
     let alone = alone.asked.into_inner().unwrap();
@@ -216,6 +170,95 @@ fn the_candidate_is_taken_that_does_best_on_the_twin_and_the_first_question_is_a
     assert_ne!(planned[0].key(), planned[1].key());
 }
 
+/// A model that answers no candidate from this one on.
+struct Failing<M> {
+    answers: M,
+    from: u32,
+}
+
+impl<M: Model> Model for Failing<M> {
+    fn name(&self) -> &str {
+        "failing"
+    }
+
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
+    }
+
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
+        if request.role == ModelRole::Text && request.candidate >= self.from {
+            return Err(ModelError::Unsupported {
+                model: "failing".to_owned(),
+                why: "the line is cut".to_owned(),
+            });
+        }
+        self.answers.ask(request, calls)
+    }
+}
+
+#[test]
+fn a_candidate_that_is_not_answered_leaves_the_choice_among_those_that_are() {
+    let program = rehearsing();
+    let failing = |from| Failing {
+        answers: careless(&[0]),
+        from,
+    };
+    let played = play(&program, &failing(2), plain, |_| {});
+    let line = played.line.unwrap();
+    assert_eq!(line.candidates.len(), 2);
+    assert_eq!((line.chosen, line.calls), (Some(2), 2));
+    let why = line.shortfall.unwrap();
+    assert!(
+        why.contains("candidate 3 of 3") && why.contains("the line is cut"),
+        "{why}"
+    );
+    assert!(
+        played.notes.iter().any(|note| note.contains(&why)),
+        "{:?}",
+        played.notes
+    );
+    assert!(played.record.steps[0].executed.is_some());
+    // Without the first answer it ends as it does without rehearsal.
+    let played = play(&program, &failing(0), plain, |_| {});
+    let line = played.line.unwrap();
+    assert_eq!((line.chosen, line.calls, line.shortfall), (None, 0, None));
+    assert_eq!(played.report.outcome, Outcome::ModelFailed);
+}
+
+#[test]
+fn twins_that_cannot_be_laid_are_named_in_each_step() {
+    let compiled = fab_compiler::compile(
+        "tasks/rehearsed/double_triangle.fab",
+        &support::ProjectFiles,
+    );
+    let programs = compiled.unwrap().programs;
+    let twins = programs.into_iter().find_map(|it| it.rehearsal);
+    let mut stiff = twins.unwrap().twin.material.unwrap();
+    for length_m in [
+        &mut stiff.bending_length_m.warp,
+        &mut stiff.bending_length_m.weft,
+        &mut stiff.bending_length_m.bias,
+    ] {
+        *length_m *= 5.0;
+    }
+    let mut program = rehearsing();
+    program.rehearsal.as_mut().unwrap().twin.material = Some(stiff);
+    let two_steps = |trial: &mut Trial<'_>| trial.horizon = Some(2);
+    let played = play(&program, &careless(&[]), plain, two_steps);
+    let steps = played.record.steps.iter();
+    let asides: Vec<String> = steps
+        .map(|step| step.rehearsal.as_ref().unwrap().aside.clone().unwrap())
+        .collect();
+    let [first, second] = asides.as_slice() else {
+        panic!("{asides:?}");
+    };
+    assert!(
+        first.starts_with("a twin cannot be laid: ") && first.contains("substeps"),
+        "{first}"
+    );
+    assert_eq!(*second, format!("there are no twins since step 1: {first}"));
+}
+
 #[test]
 #[ignore = "long"]
 fn a_world_whose_particles_lie_elsewhere_than_its_camera_shows_is_judged_by_its_camera() {
@@ -228,7 +271,7 @@ fn a_world_whose_particles_lie_elsewhere_than_its_camera_shows_is_judged_by_its_
                 is_simulated: true,
             })
         };
-        let model = Careless::in_candidates(&[0]);
+        let model = careless(&[0]);
         let played = play(&program, &model, disguised, |_| {});
         (played.line.unwrap(), played.record.steps[0].cloth)
     };
@@ -249,7 +292,7 @@ fn where_twin_and_camera_disagree_one_question_is_asked_and_something_real_does_
             }
         }
     };
-    let model = Careless::in_candidates(&[]);
+    let model = careless(&[]);
     let aside = play(&program, &model, plain, folded);
     let line = aside.line.unwrap();
     assert!(
@@ -264,7 +307,7 @@ fn where_twin_and_camera_disagree_one_question_is_asked_and_something_real_does_
     assert!(aside.record.steps[0].executed.is_some());
 
     program.rehearsal.as_mut().unwrap().distrusted = Distrusted::Refuses;
-    let model = Careless::in_candidates(&[]);
+    let model = careless(&[]);
     let simulated = play(&program, &model, plain, folded);
     assert!(
         simulated.record.steps[0].executed.is_some(),
@@ -277,7 +320,7 @@ fn where_twin_and_camera_disagree_one_question_is_asked_and_something_real_does_
             is_simulated: false,
         })
     };
-    let model = Careless::in_candidates(&[]);
+    let model = careless(&[]);
     let refused = play(&program, &model, real, folded);
     assert_eq!(refused.report.outcome, Outcome::RehearsalRefused);
     let why = refused.report.stopped.as_deref().unwrap();
@@ -295,7 +338,7 @@ fn twins_are_carried_along_and_compared_again_and_a_rollout_repeats_byte_for_byt
     let lines = || {
         let folder = tempfile::tempdir().unwrap();
         let trial = Trial::new(&program, folder.path(), Look::default());
-        let model = Careless::in_candidates(&[0]);
+        let model = careless(&[0]);
         let models = Models {
             vision: &model,
             text: &model,
@@ -327,7 +370,7 @@ fn a_vision_model_sees_what_would_come_of_its_answer_and_may_revise_it() {
     (rehearsal.choose, rehearsal.revisions) = (None, 2);
     // The corners as the camera sees them.
     let listed = {
-        let model = Careless::in_candidates(&[]);
+        let model = careless(&[]);
         play(&program, &model, plain, |_| {});
         let asked = model.asked.into_inner().unwrap();
         let words = words_of(&asked[1]);
@@ -355,4 +398,11 @@ fn a_vision_model_sees_what_would_come_of_its_answer_and_may_revise_it() {
     assert!(words_of(&asked[2]).contains("how the cloth would lie after this action"));
     assert_ne!(predicted(&asked[2]), predicted(&asked[3]));
     assert_eq!(played.report.steps, 1);
+    // A question about the prediction that is not answered leaves the answer before it.
+    let model = Scripted::new(&["Instructions: fold it", &first]);
+    let played = play(&program, &model, plain, |_| {});
+    let line = played.line.unwrap();
+    assert_eq!((line.chosen, line.calls), (Some(1), 1));
+    assert!(line.shortfall.unwrap().contains("revision 1"));
+    assert!(played.record.steps[0].executed.is_some());
 }

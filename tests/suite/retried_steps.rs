@@ -1,49 +1,12 @@
 //! A step whose result does not resemble the next subgoal is asked again, a limited number of times.
 
-use super::support::{self, Trial};
+use super::support::{self, Careless, Trial, words_of};
 use fab_agent::rollout::Ended;
-use fab_model::Models;
-use fab_model::calls::Calls;
-use fab_model::{Message, Model, ModelError, ModelKind, Part, Reply, Request, Speaker};
+use fab_model::{Models, Part, Request};
 use fab_program::Program;
-use fab_standins::Geometric;
 use fab_world::Look;
 use serde_json::Value;
 use std::sync::Mutex;
-
-/// The stand-in, except that its first actions all place on the center.
-struct Careless {
-    wrong: Mutex<u32>,
-    asked: Mutex<Vec<Request>>,
-}
-
-impl Model for Careless {
-    fn name(&self) -> &str {
-        "careless"
-    }
-
-    fn nature(&self) -> ModelKind {
-        ModelKind::StandIn
-    }
-
-    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
-        self.asked.lock().unwrap().push(request.clone());
-        let reply = Geometric.ask(request, calls)?;
-        let mut wrong = self.wrong.lock().unwrap();
-        let Some((pick, _)) = reply
-            .text
-            .split_once("Place Point = ")
-            .filter(|_| *wrong > 0)
-        else {
-            return Ok(reply);
-        };
-        *wrong -= 1;
-        let asked = said(request);
-        let (_, center) = asked.split_once("- Cloth center: ").unwrap();
-        let center = center.lines().next().unwrap();
-        Ok(Reply::text(format!("{pick}Place Point = {center}\n")))
-    }
-}
 
 struct Played {
     report: Ended,
@@ -55,10 +18,13 @@ struct Played {
 fn play(program: &Program, wrong: u32) -> Played {
     let folder = tempfile::tempdir().unwrap();
     let trial = Trial::new(program, folder.path(), Look::default());
-    let model = Careless {
-        wrong: Mutex::new(wrong),
-        asked: Mutex::default(),
-    };
+    let wrong = Mutex::new(wrong);
+    let model = Careless::where_wrong(|_| {
+        let mut left = wrong.lock().unwrap();
+        let is_wrong = *left > 0;
+        *left = left.saturating_sub(1);
+        is_wrong
+    });
     let models = Models {
         vision: &model,
         text: &model,
@@ -85,25 +51,8 @@ fn looking() -> Program {
     program
 }
 
-/// The message with the question.
-fn question(request: &Request) -> &Message {
-    let mut users = request.messages.iter();
-    users
-        .rfind(|message| message.speaker == Speaker::User)
-        .unwrap()
-}
-
-fn said(request: &Request) -> String {
-    let parts = question(request).parts.iter();
-    let texts = parts.filter_map(|part| match part {
-        Part::Text(text) => Some(text.as_str()),
-        Part::Image(_) => None,
-    });
-    texts.collect::<Vec<_>>().join("\n")
-}
-
 fn pictures(request: &Request) -> Vec<&[u8]> {
-    let parts = question(request).parts.iter();
+    let parts = request.messages.iter().flat_map(|message| &message.parts);
     parts
         .filter_map(|part| match part {
             Part::Image(png) => Some(png.bytes()),
@@ -132,18 +81,24 @@ fn a_step_that_failed_is_asked_again_from_the_new_picture_and_told_so() {
     let [describe, plan, again, anew] = &played.asked[..4] else {
         panic!("two stages, asked twice")
     };
-    assert!(!said(describe).contains("tried already") && !said(plan).contains("tried already"));
+    assert!(
+        !words_of(describe).contains("tried already") && !words_of(plan).contains("tried already")
+    );
     let overlap = played.results[0]["overlap"].as_f64().unwrap() * 100.0;
     for request in [again, anew] {
         let told = format!("overlapped only {overlap:.0}%");
-        assert!(said(request).contains(&told), "{}", said(request));
+        assert!(words_of(request).contains(&told), "{}", words_of(request));
     }
     assert_eq!(
         pictures(describe),
         pictures(again),
         "the same step is shown"
     );
-    assert_ne!(said(plan), said(anew), "the cloth lies otherwise now");
+    assert_ne!(
+        words_of(plan),
+        words_of(anew),
+        "the cloth lies otherwise now"
+    );
 }
 
 #[test]

@@ -16,6 +16,7 @@ use fab_model::recording::Recorder;
 use fab_model::{Model, ModelError, ModelKind, Part, Reply, Request};
 use fab_program::Program;
 use fab_standins::Geometric;
+use fab_world::expert::MakeWorld;
 use fab_world::start::Start;
 use fab_world::{Look, SimulatedWorld, World, WorldError};
 use fabc::Io;
@@ -302,6 +303,17 @@ impl<'p> Trial<'p> {
             let world = SimulatedWorld::new(&self.program.camera, self.program.picker)?;
             Ok(Box::new(world.with_look(self.look.clone())))
         };
+        self.decided_in(&make_world, make_policy, run, watch)
+    }
+
+    /// Does the same in another world.
+    pub fn decided_in(
+        &self,
+        make_world: &MakeWorld<'_>,
+        make_policy: &dyn MakePolicy,
+        run: &Path,
+        watch: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Ended, RunError> {
         let job = Job {
             program: self.program,
             start: &self.start,
@@ -310,8 +322,8 @@ impl<'p> Trial<'p> {
             make_policy,
             budget: &self.budget,
             recorder: self.recorder.as_ref(),
-            make_world: &make_world,
-            make_expert_world: &make_world,
+            make_world,
+            make_expert_world: make_world,
             cache: &self.cache,
             interrupt: &self.interrupt,
             horizon: self.horizon,
@@ -361,6 +373,47 @@ impl Model for Scripted {
                 model: "scripted".to_owned(),
                 why: "the script is over".to_owned(),
             })
+    }
+}
+
+/// The stand-in, except that some of its actions place on the center.
+pub struct Careless<F> {
+    /// Whether the action that a request asks for is such a one.
+    is_wrong: F,
+    pub asked: Mutex<Vec<Request>>,
+}
+
+impl<F: Fn(&Request) -> bool + Send + Sync> Careless<F> {
+    pub fn where_wrong(is_wrong: F) -> Careless<F> {
+        Careless {
+            is_wrong,
+            asked: Mutex::default(),
+        }
+    }
+}
+
+impl<F: Fn(&Request) -> bool + Send + Sync> Model for Careless<F> {
+    fn name(&self) -> &str {
+        "careless"
+    }
+
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
+    }
+
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
+        self.asked.lock().unwrap().push(request.clone());
+        let reply = Geometric.ask(request, calls)?;
+        let Some((pick, _)) = reply.text.split_once("Place Point = ") else {
+            return Ok(reply);
+        };
+        if !(self.is_wrong)(request) {
+            return Ok(reply);
+        }
+        let asked = words_of(request);
+        let (_, center) = asked.rsplit_once("- Cloth center: ").unwrap();
+        let center = center.lines().next().unwrap();
+        Ok(Reply::text(format!("{pick}Place Point = {center}\n")))
     }
 }
 

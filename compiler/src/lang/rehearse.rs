@@ -42,17 +42,15 @@ pub(crate) const TWINS: &[CallOf<TwinRanges>] = &[Call {
     },
 }];
 
-pub(crate) const REVISIONS: NumberRow = NumberRow {
-    name: "revise",
-    range: Range::plain("a count", 1.0, 5.0),
-    doc: "how often the model may answer anew after it has seen what would come of its answer",
-};
+pub(crate) const REVISIONS: NumberRow = NumberRow::repeats(
+    "revise",
+    "how often the model may answer anew after it has seen what would come of its answer",
+);
 
-pub(crate) const TRUST: NumberRow = NumberRow {
-    name: "trust overlap >",
-    range: Range::plain("a share", 0.0, 0.999),
-    doc: "how much the silhouettes of the twins and of the camera's cloth must overlap, as a fraction",
-};
+pub(crate) const TRUST: NumberRow = NumberRow::overlap(
+    "trust overlap >",
+    "how much the silhouettes of the twins and of the camera's cloth must overlap, as a fraction",
+);
 
 /// The numbers, in the order of the reference.
 pub(crate) const NUMBERS: [&NumberRow; 2] = [&REVISIONS, &TRUST];

@@ -13,6 +13,20 @@ pub(crate) struct NumberRow {
     pub doc: &'static str,
 }
 
+impl NumberRow {
+    /// A limit that the overlap of two silhouettes must exceed; nothing exceeds a limit of 1.
+    pub(super) const fn overlap(name: &'static str, doc: &'static str) -> NumberRow {
+        let range = Range::plain("a share", 0.0, 0.999);
+        NumberRow { name, range, doc }
+    }
+
+    /// How often something may be done again.
+    pub(super) const fn repeats(name: &'static str, doc: &'static str) -> NumberRow {
+        let range = Range::plain("a count", 1.0, 5.0);
+        NumberRow { name, range, doc }
+    }
+}
+
 pub(crate) const ATTEMPTS: NumberRow = NumberRow {
     name: "attempts",
     range: Range::plain("a count", 1.0, 10.0),
@@ -22,17 +36,15 @@ pub(crate) const ATTEMPTS: NumberRow = NumberRow {
 /// Questions per stage and step if `attempts` is not stated: the paper's number.
 pub(crate) const DEFAULT_ATTEMPTS: f64 = 3.0;
 
-pub(crate) const OVERLAP: NumberRow = NumberRow {
-    name: "result overlap >",
-    range: Range::plain("a share", 0.0, 0.999),
-    doc: "how much the silhouettes of the result and of the next subgoal must overlap, as a fraction",
-};
+pub(crate) const OVERLAP: NumberRow = NumberRow::overlap(
+    "result overlap >",
+    "how much the silhouettes of the result and of the next subgoal must overlap, as a fraction",
+);
 
-pub(crate) const RETRIES: NumberRow = NumberRow {
-    name: "retries",
-    range: Range::plain("a count", 1.0, 5.0),
-    doc: "how often a step whose result is rejected may be repeated; without it, `1`",
-};
+pub(crate) const RETRIES: NumberRow = NumberRow::repeats(
+    "retries",
+    "how often a step whose result is rejected may be repeated; without it, `1`",
+);
 
 /// Further actions of a step if `retries` is not stated.
 pub(crate) const DEFAULT_RETRIES: f64 = 1.0;

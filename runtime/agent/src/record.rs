@@ -166,6 +166,9 @@ pub struct RehearsedStep {
     pub chosen: Option<u32>,
     /// Questions that the step would not have asked without rehearsal.
     pub calls: u32,
+    /// Why fewer answers were asked for than the task declares, if a question failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shortfall: Option<String>,
 }
 
 /// An answer that was folded on the twins.

@@ -32,11 +32,23 @@ pub struct Twins {
     subgoals: Vec<Mask>,
     /// The current step, from 1.
     step: u32,
-    laid: Option<Vec<Laid>>,
+    table: Table,
+    /// What the world has done and the twins have not.
+    behind: Option<Motion>,
     /// The results of this step's answers.
     tried: Vec<Tried>,
     line: RehearsedStep,
     took: Duration,
+}
+
+/// What lies on the twins' table.
+enum Table {
+    /// Nothing: no picture has been seen.
+    Bare,
+    /// The twins, at least one.
+    Twins(Vec<Laid>),
+    /// Nothing from this step on.
+    Without { since: u32, why: String },
 }
 
 /// A twin on the table.
@@ -51,20 +63,53 @@ struct Laid {
 /// What came of a motion.
 struct Tried {
     motion: Motion,
-    /// The twins after it.
-    twins: Vec<Twin>,
-    measures: Vec<f64>,
-    /// The first twin as the camera would see it.
+    /// On each twin, in their order.
+    results: Vec<Folded>,
+}
+
+/// A twin after a motion.
+struct Folded {
+    twin: Twin,
+    /// The declared measure; `None` if none is declared.
+    measure: Option<f64>,
+    /// The twin as the camera would see it.
     picture: RgbImage,
 }
+
+/// A stop was requested.
+#[derive(Clone, Copy, Debug)]
+pub struct Interrupted;
 
 /// Why an action could not be tried.
 #[derive(Debug)]
 pub enum Untried {
     /// A stop was requested.
     Interrupted,
-    /// A twin failed.
-    Failed(String),
+    /// A twin failed; the step's line says why.
+    Failed,
+}
+
+/// Why a step is not rehearsed.
+#[derive(Debug, thiserror::Error)]
+enum Aside {
+    #[error("a stop was requested")]
+    Interrupted,
+    #[error("the picture shows no cloth")]
+    NoCloth,
+    #[error("the camera does not tell where on the table the cloth lies")]
+    OffTable,
+    #[error("the picture cannot be read: {0}")]
+    Picture(#[from] VisionError),
+    #[error("a twin cannot be laid: {0}")]
+    NotLaid(WorldError),
+    #[error("a twin cannot be seen: {0}")]
+    NotSeen(WorldError),
+    #[error("a twin could not follow the last action: {0}")]
+    NotFollowed(WorldError),
+    #[error("there are no twins since step {since}: {why}")]
+    Without { since: u32, why: String },
+    #[error("twins and camera overlap by {overlap:.3}, and the task trusts more than {trusted}")]
+    Disagree { overlap: f64, trusted: f64 },
 }
 
 impl Twins {
@@ -87,61 +132,100 @@ impl Twins {
             is_simulated: world.is_simulated(),
             subgoals: subgoals.pictures.iter().map(silhouette).collect(),
             step: 1,
-            laid: None,
+            table: Table::Bare,
+            behind: None,
             tried: Vec::new(),
             line: RehearsedStep::default(),
             took: Duration::ZERO,
         })
     }
 
-    /// Compares the twins with the camera's picture at the beginning of an action; the first picture lays them.
+    /// Compares the twins with the camera's picture at the beginning of an action.
+    ///
+    /// The first picture lays them; before later ones they do what the world has done.
     ///
     /// - `step`: of the task, from 1.
     /// - `cloth`: the pixels that show cloth.
-    pub fn look(&mut self, step: u32, observation: &Observation, cloth: Option<&Mask>) {
+    pub fn look(
+        &mut self,
+        step: u32,
+        observation: &Observation,
+        cloth: Option<&Mask>,
+        interrupt: &Interrupt,
+    ) -> Result<(), Interrupted> {
         let begun = Instant::now();
         self.step = step;
-        self.tried.clear();
         self.line = RehearsedStep::default();
-        if let Err(why) = self.compare(observation, cloth) {
-            self.line.aside = Some(why);
-        }
+        let compared = self.compare(observation, cloth, interrupt);
+        self.tried.clear();
         self.took += begun.elapsed();
+        match compared {
+            Ok(()) => Ok(()),
+            Err(Aside::Interrupted) => Err(Interrupted),
+            Err(why) => {
+                self.line.aside = Some(why.to_string());
+                Ok(())
+            }
+        }
     }
 
-    fn compare(&mut self, observation: &Observation, cloth: Option<&Mask>) -> Result<(), String> {
-        let cloth = cloth.ok_or("the picture shows no cloth")?;
-        if self.laid.is_none() {
-            let laid = self.lay(observation, cloth);
-            // Without twins at first there are none later.
-            self.laid = Some(Vec::new());
-            self.laid = Some(laid?);
-        }
-        let laid = self.laid.as_mut().filter(|laid| !laid.is_empty());
-        let laid = laid.ok_or("there are no twins of this cloth")?;
-        let mut overlaps = Vec::with_capacity(laid.len());
-        for it in laid.iter_mut() {
-            let view = it.twin.view().map_err(|error| error.to_string())?;
+    fn compare(
+        &mut self,
+        observation: &Observation,
+        cloth: Option<&Mask>,
+        interrupt: &Interrupt,
+    ) -> Result<(), Aside> {
+        let ready = match &self.table {
+            Table::Bare => self.lay(observation, cloth).map(Table::Twins),
+            Table::Twins(_) => self.catch_up(interrupt).map(Table::Twins),
+            Table::Without { since, why } => {
+                let (since, why) = (*since, why.clone());
+                return Err(Aside::Without { since, why });
+            }
+        };
+        self.table = match ready {
+            Ok(table) => table,
+            Err(why) => {
+                self.table = Table::Without {
+                    since: self.step,
+                    why: why.to_string(),
+                };
+                return Err(why);
+            }
+        };
+        let cloth = cloth.ok_or(Aside::NoCloth)?;
+        let mut overlaps = Vec::new();
+        for it in self.laid_mut() {
+            let view = it.twin.view().map_err(Aside::NotSeen)?;
             overlaps.push(view.overlap_with(cloth, observation));
         }
-        let overlap = mean(&overlaps);
+        let (overlap, trusted) = (mean(&overlaps), self.rehearsal.trust_above);
         self.line.overlap = Some(overlap);
-        let trusted = self.rehearsal.trust_above;
         match overlap > trusted {
             true => Ok(()),
-            false => Err(format!(
-                "twins and camera overlap by {overlap:.3}, and the task trusts more than {trusted}"
-            )),
+            false => Err(Aside::Disagree { overlap, trusted }),
+        }
+    }
+
+    fn laid(&self) -> &[Laid] {
+        match &self.table {
+            Table::Twins(laid) => laid,
+            Table::Bare | Table::Without { .. } => &[],
+        }
+    }
+
+    fn laid_mut(&mut self) -> &mut [Laid] {
+        match &mut self.table {
+            Table::Twins(laid) => laid,
+            Table::Bare | Table::Without { .. } => &mut [],
         }
     }
 
     /// Lays the twins where the camera sees the cloth.
-    fn lay(&self, observation: &Observation, cloth: &Mask) -> Result<Vec<Laid>, String> {
-        let failed = |error: VisionError| error.to_string();
-        let rectangle = fab_vision::rectangle_around(cloth).map_err(failed)?;
-        let rectangle = rectangle.ok_or("the picture shows no cloth")?;
-        let seen = Sighting::of(observation, corners_px(&rectangle));
-        let seen = seen.ok_or("the camera does not tell where on the table the cloth lies")?;
+    fn lay(&self, observation: &Observation, cloth: Option<&Mask>) -> Result<Vec<Laid>, Aside> {
+        let cloth = cloth.ok_or(Aside::NoCloth)?;
+        let rectangle = fab_vision::rectangle_around(cloth)?.ok_or(Aside::NoCloth)?;
+        let seen = Sighting::of(observation, corners_px(&rectangle)).ok_or(Aside::OffTable)?;
         let kind = Kind {
             camera: &self.camera,
             picker: self.picker,
@@ -150,17 +234,42 @@ impl Twins {
         };
         let twins = (1..=self.rehearsal.twin.draws).map(|draw| {
             let drawn = Drawn::by(kind.ranges, &format!("{} {draw}", self.seed));
-            let mut twin = Twin::lay(&seen, &kind, drawn).map_err(|error| error.to_string())?;
-            let flat = twin.view().map_err(|error| error.to_string())?.silhouette;
+            let mut twin = Twin::lay(&seen, &kind, drawn).map_err(Aside::NotLaid)?;
+            let flat = twin.view().map_err(Aside::NotSeen)?.silhouette;
             let shown = self.subgoals.first();
-            let alignment = shown.map(|shown| Alignment::of(&flat, shown)).transpose();
+            let alignment = shown.map(|shown| Alignment::of(&flat, shown)).transpose()?;
             Ok(Laid {
                 twin,
                 flat_px: flat.area_px(),
-                alignment: alignment.map_err(failed)?.flatten(),
+                alignment: alignment.flatten(),
             })
         });
         twins.collect()
+    }
+
+    /// Does on the twins what the world has done since they were last compared.
+    fn catch_up(&mut self, interrupt: &Interrupt) -> Result<Vec<Laid>, Aside> {
+        let Table::Twins(mut laid) = std::mem::replace(&mut self.table, Table::Bare) else {
+            return Ok(Vec::new());
+        };
+        let Some(executed) = self.behind.take() else {
+            return Ok(laid);
+        };
+        let mut tried = self.tried.drain(..);
+        if let Some(known) = tried.find(|it| it.motion == executed) {
+            for (it, folded) in laid.iter_mut().zip(known.results) {
+                it.twin = folded.twin;
+            }
+            return Ok(laid);
+        }
+        for it in &mut laid {
+            let followed = it.twin.fold(&executed, interrupt);
+            followed.map_err(|error| match error {
+                WorldError::Interrupted => Aside::Interrupted,
+                other => Aside::NotFollowed(other),
+            })?;
+        }
+        Ok(laid)
     }
 
     /// Returns why the step is not rehearsed; `None` if it is.
@@ -195,44 +304,43 @@ impl Twins {
             }),
         };
         self.took += begun.elapsed();
-        let (measures, failed) = match &tried {
-            Ok(tried) => (self.tried[*tried].measures.clone(), None),
-            Err(Untried::Failed(why)) => (Vec::new(), Some(why.clone())),
-            Err(Untried::Interrupted) => return Err(Untried::Interrupted),
+        let (twins, failed) = match tried {
+            Ok(tried) => {
+                let results = self.tried[tried].results.iter();
+                (results.filter_map(|it| it.measure).collect(), None)
+            }
+            Err(WorldError::Interrupted) => return Err(Untried::Interrupted),
+            Err(why) => (Vec::new(), Some(why.to_string())),
         };
-        let measure = (!measures.is_empty()).then(|| mean(&measures));
+        let measure = (!twins.is_empty()).then(|| mean(&twins));
+        let result = match failed {
+            None => Ok(measure),
+            Some(_) => Err(Untried::Failed),
+        };
         self.line.candidates.push(RehearsedAnswer {
             attempt,
             measure,
-            twins: measures,
+            twins,
             failed,
         });
-        tried.map(|_| measure)
+        result
     }
 
-    fn fold(&self, motion: &Motion, interrupt: &Interrupt) -> Result<Tried, Untried> {
-        let failed = |error: WorldError| match error {
-            WorldError::Interrupted => Untried::Interrupted,
-            other => Untried::Failed(other.to_string()),
-        };
-        let laid = self.laid.iter().flatten();
-        let mut tried = Tried {
-            motion: *motion,
-            twins: Vec::new(),
-            measures: Vec::new(),
-            picture: RgbImage::new(1, 1),
-        };
-        for (number, it) in laid.enumerate() {
+    fn fold(&self, motion: &Motion, interrupt: &Interrupt) -> Result<Tried, WorldError> {
+        let results = self.laid().iter().map(|it| {
             let mut twin = it.twin.clone();
-            twin.fold(motion, interrupt).map_err(failed)?;
-            let view = twin.view().map_err(failed)?;
-            tried.measures.extend(self.measure(it, &view));
-            if number == 0 {
-                tried.picture = view.observation.rgb;
-            }
-            tried.twins.push(twin);
-        }
-        Ok(tried)
+            twin.fold(motion, interrupt)?;
+            let view = twin.view()?;
+            Ok(Folded {
+                twin,
+                measure: self.measure(it, &view),
+                picture: view.observation.rgb,
+            })
+        });
+        Ok(Tried {
+            motion: *motion,
+            results: results.collect::<Result<_, WorldError>>()?,
+        })
     }
 
     /// Measures the result on a twin; `None` if the task declares no measure.
@@ -249,10 +357,10 @@ impl Twins {
         })
     }
 
-    /// Returns what the camera would see after a motion that was tried.
+    /// Returns what the camera would see of the first twin after a motion that was tried.
     pub fn picture(&self, motion: &Motion) -> Option<&RgbImage> {
-        let mut tried = self.tried.iter();
-        tried.find(|it| it.motion == *motion).map(|it| &it.picture)
+        let tried = self.tried.iter().find(|it| it.motion == *motion)?;
+        tried.results.first().map(|it| &it.picture)
     }
 
     /// Records which answer is taken, and how many questions were asked beyond those without rehearsal.
@@ -260,31 +368,19 @@ impl Twins {
         (self.line.chosen, self.line.calls) = (chosen, calls);
     }
 
+    /// Records why fewer answers were asked for than the task declares.
+    pub fn record_shortfall(&mut self, why: String) {
+        self.line.shortfall = Some(why);
+    }
+
     /// Returns the step's entry of the run record.
     pub fn line(&self) -> &RehearsedStep {
         &self.line
     }
 
-    /// Does on the twins what the world has done.
-    pub fn follow(&mut self, executed: &Motion, interrupt: &Interrupt) {
-        let begun = Instant::now();
-        let known = self.tried.iter().position(|it| it.motion == *executed);
-        let folded = known.map(|known| self.tried.swap_remove(known).twins);
-        let mut folded = folded.unwrap_or_default().into_iter();
-        let laid = self.laid.iter_mut().flatten();
-        let followed = laid.map(|it| match folded.next() {
-            Some(twin) => {
-                it.twin = twin;
-                Ok(())
-            }
-            None => it.twin.fold(executed, interrupt),
-        });
-        let followed: Result<Vec<()>, WorldError> = followed.collect();
-        if followed.is_err() {
-            // A twin that could not follow lies anywhere.
-            self.laid = Some(Vec::new());
-        }
-        self.took += begun.elapsed();
+    /// Notes what the world has done; the next [`Twins::look`] does it on the twins.
+    pub fn follow(&mut self, executed: &Motion) {
+        self.behind = Some(*executed);
     }
 
     /// Returns the time spent on twins since the last call.

@@ -91,9 +91,9 @@ pub struct Row {
     pub source: Option<String>,
     /// Examples in the prompts.
     pub data_size: Option<usize>,
-    /// Questions per action.
+    /// Questions per action; of a difference, how many more.
     pub queries: Option<f64>,
-    /// Wall time per action, seconds, without scoring.
+    /// Wall time per action, seconds, without scoring; of a difference, how much more.
     pub s_per_action: Option<f64>,
     /// Cost per action; 0 for a stand-in, null if a price or the usage of a call is unknown.
     pub cost: Option<f64>,
@@ -278,13 +278,17 @@ impl<'b> EntryResults<'b> {
                 let clusters = Clusters::joined(&used);
                 if let Some(summary) = statistics::gap(statistic, &a, &b, &clusters) {
                     let stated = meaning(statistic);
-                    let row = self.row(name.to_owned(), metric, (horizon, cut), stated, summary);
+                    let row = |of: &EntryResults<'_>| {
+                        of.row(name.to_owned(), metric, (horizon, cut), stated, summary)
+                    };
+                    let (row, other) = (row(self), row(over));
+                    let more = |of: fn(&Row) -> Option<f64>| Some(of(&row)? - of(&other)?);
                     let shares = self.shares() || over.shares();
                     rows.push(Row {
                         answers: row.answers.max(over.answers()),
                         clusters: shares.then(|| clusters.count(&a)),
-                        queries: None,
-                        s_per_action: None,
+                        queries: more(|it| it.queries),
+                        s_per_action: more(|it| it.s_per_action),
                         planning_s: None,
                         cost: None,
                         cost_at_most: None,

@@ -155,6 +155,10 @@ fn is_a_change(row: &Row) -> bool {
     matches!(row.statistic, FigureMeaning::Change(_))
 }
 
+fn is_difference(row: &Row) -> bool {
+    matches!(row.statistic, FigureMeaning::Difference(_)) || is_a_change(row)
+}
+
 /// Returns the headings of the cells of [`names`].
 fn headings(is_varied: bool) -> Vec<String> {
     let varied = is_varied.then_some("varied");
@@ -187,17 +191,17 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
     let number = |value: Option<f64>, digits: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
     };
-    // Differences and quoted figures have no effort.
-    for row in lines
-        .iter()
-        .map(|line| line[0])
-        .filter(|row| !row.outcomes.is_empty())
-    {
+    let used = |row: &Row, value: Option<f64>| match (is_difference(row), value) {
+        (true, Some(value)) => format!("{value:+.2}"),
+        _ => number(value, 2),
+    };
+    // A gain is read beside what it costs. Quoted figures have no effort.
+    for row in lines.iter().map(|line| line[0]).filter(|row| !row.quoted) {
         let mut cells = names(row, is_varied);
         cells.extend([
             row.data_size.map_or(String::new(), |size| size.to_string()),
-            number(row.queries, 2),
-            number(row.s_per_action, 2),
+            used(row, row.queries),
+            used(row, row.s_per_action),
             number(row.planning_s.map(|seconds| seconds * 1000.0), 0),
             cost(row),
             counted(&row.outcomes),
@@ -260,10 +264,7 @@ fn names(row: &Row, is_varied: bool) -> Vec<String> {
 fn figure(row: &Row) -> String {
     let digits = row.metric.row().digits;
     let mut text = format!("{:.digits$}", row.value);
-    if matches!(
-        row.statistic,
-        FigureMeaning::Difference(_) | FigureMeaning::Change(_)
-    ) {
+    if is_difference(row) {
         text = format!("{:+.digits$}", row.value);
     }
     if let Some(spread) = row.spread {

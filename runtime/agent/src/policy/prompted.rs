@@ -8,7 +8,9 @@ mod candidates;
 mod conversation;
 mod rehearsal;
 
-use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, RoleModels, StepView};
+use super::{
+    Decision, Description, Exchange, Finding, Kind, Policy, PolicyError, RoleModels, StepView,
+};
 use crate::outcome::Outcome;
 use attempts::{Answer, Attempts, Missing, Next};
 pub use conversation::{
@@ -88,6 +90,8 @@ struct Asked<'a> {
     attempts: Attempts<'a>,
     /// The text of the last reply; empty if none came.
     reply: String,
+    /// Why the last question has no reply, if it has none.
+    failed: Option<String>,
 }
 
 /// Asks a stage until it has its answer.
@@ -109,6 +113,10 @@ fn ask<'a>(
         (exchange.record)(&attempt)?;
         let reply = attempt.reply.as_ref();
         let reply = reply.map(|it| it.text.clone()).unwrap_or_default();
+        let failed = match &attempt.finding {
+            Finding::Failed { why, .. } => Some(why.clone()),
+            _ => None,
+        };
         match attempts.conclude(attempt, texts)? {
             Next::AskAgain => {}
             Next::Done(answer) => {
@@ -116,6 +124,7 @@ fn ask<'a>(
                     answer,
                     attempts,
                     reply,
+                    failed,
                 });
             }
         }

@@ -13,7 +13,7 @@ use crate::record;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
-use crate::twins::Twins;
+use crate::twins::{Interrupted, Twins};
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
 use fab_program::{Arrow, Proposal, SubgoalStep};
@@ -136,8 +136,11 @@ impl<'j> Turn<'j> {
         };
         self.line.scene = scene.to_json();
         if let Some(twins) = &mut memory.twins {
-            twins.look(step, &observation, scene.cloth());
+            let looked = twins.look(step, &observation, scene.cloth(), job.interrupt);
             self.timer.add("rehearse", twins.take_time());
+            if let Err(Interrupted) = looked {
+                return Ok(self.stop(Outcome::Interrupted, "interrupted"));
+            }
             self.line.rehearsal = Some(twins.line().clone());
             if let Some(why) = twins.refusal() {
                 return Ok(self.stop(Outcome::RehearsalRefused, &why));
@@ -220,6 +223,9 @@ impl<'j> Turn<'j> {
             self.timer.add("rehearse", took);
             aside += took;
             self.line.rehearsal = Some(twins.line().clone());
+            if let Some(why) = &twins.line().shortfall {
+                progress(Event::Note(format!("step {number}: {why}")));
+            }
         }
         let deciding = asking.elapsed().saturating_sub(aside);
         self.timer.add("prompt and verify", deciding);
@@ -271,8 +277,7 @@ impl<'j> Turn<'j> {
             }
         };
         if let Some(twins) = &mut memory.twins {
-            twins.follow(&executed.motion, job.interrupt);
-            self.timer.add("rehearse", twins.take_time());
+            twins.follow(&executed.motion);
         }
         self.line.cloth = before
             .zip(world.particles())

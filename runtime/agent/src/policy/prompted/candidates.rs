@@ -9,7 +9,7 @@ use super::{Asked, ask};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::policy::{Accepted, Exchange, Finding, PolicyError, StepView};
-use crate::twins::{Twins, Untried};
+use crate::twins::{Interrupted, Twins, Untried};
 use fab_model::{Model, Png};
 use fab_picture::png;
 use fab_program::verify::Verdict;
@@ -34,6 +34,14 @@ struct Candidate<'a> {
     reply: String,
 }
 
+/// How many questions a stage has asked in a step.
+#[derive(Default)]
+struct Count {
+    all: u32,
+    /// Those that are asked without rehearsal too.
+    anyway: u32,
+}
+
 /// Asks a stage for its candidates, and returns the best.
 pub(super) fn answer<'a>(
     step: StepView<'a>,
@@ -42,9 +50,28 @@ pub(super) fn answer<'a>(
     texts: &BTreeMap<String, String>,
     exchange: &mut Exchange<'_, '_>,
 ) -> Result<Answer, PolicyError> {
+    let mut asked = Count::default();
+    let of = (stage, rehearsal);
+    let answer = chosen(step, of, model, texts, exchange, &mut asked)?;
+    if let Some(twins) = exchange.twins.as_deref_mut() {
+        let taken = match &answer {
+            Answer::Action { accepted, .. } => Some(accepted.attempt),
+            Answer::Text { .. } | Answer::None(_) => None,
+        };
+        twins.record_choice(taken, asked.all - asked.anyway);
+    }
+    Ok(answer)
+}
+
+fn chosen<'a>(
+    step: StepView<'a>,
+    (stage, rehearsal): (&'a Stage, &Rehearsal),
+    model: &dyn Model,
+    texts: &BTreeMap<String, String>,
+    exchange: &mut Exchange<'_, '_>,
+    asked: &mut Count,
+) -> Result<Answer, PolicyError> {
     let count = rehearsal.choose.map_or(1, |_| stage.candidates());
-    let mut asked = 0;
-    let mut asked_anyway = 0;
     let mut best: Option<Candidate<'a>> = None;
     let mut without = None;
     for number in 0..count {
@@ -52,10 +79,11 @@ pub(super) fn answer<'a>(
             answer,
             attempts,
             reply,
-        } = ask((step, stage), model, texts, exchange, (number, asked))?;
-        asked += attempts.asked();
+            failed,
+        } = ask((step, stage), model, texts, exchange, (number, asked.all))?;
+        asked.all += attempts.asked();
         if number == 0 {
-            asked_anyway = asked;
+            asked.anyway = asked.all;
         }
         match answer {
             Answer::Action { proposal, accepted } => {
@@ -68,10 +96,9 @@ pub(super) fn answer<'a>(
                     reply,
                 };
                 match tried(&mut candidate, exchange) {
-                    Ok(()) => {}
+                    // An answer that could not be tried has no measure.
+                    Ok(()) | Err(Untried::Failed) => {}
                     Err(Untried::Interrupted) => return Ok(Answer::None(Outcome::Interrupted)),
-                    // Kept as an answer without a measure; the line says why.
-                    Err(Untried::Failed(_)) => {}
                 }
                 if best.as_ref().is_none_or(|best| is_better(&candidate, best)) {
                     best = Some(candidate);
@@ -81,25 +108,38 @@ pub(super) fn answer<'a>(
             Answer::None(outcome @ (Outcome::AttemptsExhausted | Outcome::MalformedReply)) => {
                 without.get_or_insert(outcome);
             }
+            // Without rehearsal it would not have been asked, so the answers that came still count.
+            Answer::None(outcome) if number > 0 && outcome != Outcome::Interrupted => {
+                let why = failed.unwrap_or_default();
+                fall_short(
+                    exchange,
+                    format!(
+                        "candidate {} of {count} was not answered, and no more were asked for: {why}",
+                        number + 1
+                    ),
+                );
+                break;
+            }
             other => return Ok(other),
         }
     }
-    if let Some(first) = best.as_mut()
-        && let Err(outcome) = revise(first, step, rehearsal, model, texts, exchange, &mut asked)?
-    {
-        return Ok(Answer::None(outcome));
-    }
-    if let Some(twins) = exchange.twins.as_deref_mut() {
-        let chosen = best.as_ref().map(|best| best.accepted.attempt);
-        twins.record_choice(chosen, asked - asked_anyway);
-    }
-    Ok(match best {
-        Some(best) => Answer::Action {
+    let Some(mut best) = best else {
+        return Ok(Answer::None(without.unwrap_or(Outcome::MalformedReply)));
+    };
+    let revised = revise(&mut best, step, rehearsal, model, texts, exchange, asked)?;
+    Ok(match revised {
+        Ok(()) => Answer::Action {
             proposal: best.proposal,
             accepted: best.accepted,
         },
-        None => Answer::None(without.unwrap_or(Outcome::MalformedReply)),
+        Err(Interrupted) => Answer::None(Outcome::Interrupted),
     })
+}
+
+fn fall_short(exchange: &mut Exchange<'_, '_>, why: String) {
+    if let Some(twins) = exchange.twins.as_deref_mut() {
+        twins.record_shortfall(why);
+    }
 }
 
 /// Returns the motion of a proposal; `None` if it leads nowhere, which the rollout reports if it is taken.
@@ -134,10 +174,26 @@ fn is_better(candidate: &Candidate<'_>, earlier: &Candidate<'_>) -> bool {
     }
 }
 
+/// The highest measure among an answer and its revisions.
+struct Best(Option<f64>);
+
+impl Best {
+    /// Returns whether a revision may replace the answer before it: it measures at most a hundredth less than the best
+    /// so far, so that several revisions together lose no more than that.
+    fn admits(&mut self, revision: Option<f64>) -> bool {
+        if let (Some(revision), Some(best)) = (revision, self.0)
+            && revision < best - NOTICEABLE
+        {
+            return false;
+        }
+        self.0 = revision.into_iter().chain(self.0).reduce(f64::max);
+        true
+    }
+}
+
 /// Shows the model what would come of its answer, as often as the task says, and takes on what it answers then.
 ///
-/// An answer that cannot be read, is refused, or is measured as worse leaves the one before it. Returns an outcome if the
-/// rollout ends.
+/// An answer that does not come, cannot be read, is refused, or is measured as worse leaves the one before it.
 fn revise(
     taken: &mut Candidate<'_>,
     step: StepView<'_>,
@@ -145,23 +201,24 @@ fn revise(
     model: &dyn Model,
     texts: &BTreeMap<String, String>,
     exchange: &mut Exchange<'_, '_>,
-    asked: &mut u32,
-) -> Result<Result<(), Outcome>, PolicyError> {
+    asked: &mut Count,
+) -> Result<Result<(), Interrupted>, PolicyError> {
     let shown = |twins: &Twins, motion: &Motion| {
         let picture = twins.picture(motion)?;
         let sent = model.lowering().resized(picture).into_owned();
         Some(Png::new(png::encode(&sent)))
     };
-    for _ in 0..rehearsal.revisions {
+    let mut best = Best(taken.measure);
+    for number in 1..=rehearsal.revisions {
         let twins = exchange.twins.as_deref();
         let predicted = twins.zip(taken.motion.as_ref());
         let Some(png) = predicted.and_then(|(twins, motion)| shown(twins, motion)) else {
             break;
         };
         taken.attempts.show_prediction(&taken.reply, PREDICTED, png);
-        taken.attempts.number_after(*asked);
+        taken.attempts.number_after(asked.all);
         let attempt = taken.attempts.ask(model, exchange.asking, texts)?;
-        *asked += 1;
+        asked.all += 1;
         (exchange.record)(&attempt)?;
         let reply = attempt.reply.as_ref();
         let reply = reply.map(|it| it.text.clone()).unwrap_or_default();
@@ -171,7 +228,15 @@ fn revise(
                 verdict: Verdict::Accept,
                 ..
             } => fields,
-            Finding::Failed { outcome, .. } => return Ok(Err(outcome)),
+            Finding::Failed {
+                outcome: Outcome::Interrupted,
+                ..
+            } => return Ok(Err(Interrupted)),
+            Finding::Failed { why, .. } => {
+                let why = format!("revision {number} was not answered: {why}");
+                fall_short(exchange, why);
+                break;
+            }
             _ => break,
         };
         let proposal = Proposal { fields };
@@ -192,16 +257,31 @@ fn revise(
         };
         let measure = match tried {
             Ok(measure) => measure,
-            Err(Untried::Interrupted) => return Ok(Err(Outcome::Interrupted)),
-            Err(Untried::Failed(_)) => break,
+            Err(Untried::Interrupted) => return Ok(Err(Interrupted)),
+            Err(Untried::Failed) => break,
         };
-        if let (Some(now), Some(before)) = (measure, taken.measure)
-            && now < before - NOTICEABLE
-        {
+        if !best.admits(measure) {
             break;
         }
         (taken.proposal, taken.accepted) = (proposal, accepted);
         (taken.motion, taken.measure, taken.reply) = (motion, measure, reply);
     }
     Ok(Ok(()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn revisions_together_lose_no_more_than_a_hundredth_of_the_best() {
+        let admitted = |measures: [f64; 3]| {
+            let mut best = Best(Some(0.9));
+            measures.map(|measure| best.admits(Some(measure)))
+        };
+        assert_eq!(admitted([0.894, 0.888, 0.895]), [true, false, true]);
+        assert_eq!(admitted([0.95, 0.93, 0.945]), [true, false, true]);
+        let mut unmeasured = Best(None);
+        assert!(unmeasured.admits(None));
+    }
 }
