@@ -296,6 +296,7 @@ impl Bench {
                 truth: gain(&start.positions)?,
                 predicted: [
                     0.0,
+                    f64::NAN, // known when all starts are measured
                     gain(&any)?,
                     nearest[0],
                     nearest.iter().sum::<f64>() / nearest.len() as f64,
@@ -307,7 +308,13 @@ impl Bench {
 }
 
 /// Predictions of a pull's gain.
-const PREDICTIONS: [&str; 4] = ["no change", "any heap", "nearest heap", "mean of 3 heaps"];
+const PREDICTIONS: [&str; 5] = [
+    "no change",
+    "the other starts' mean gain",
+    "any heap",
+    "the nearest heap",
+    "the mean of the 3 nearest heaps",
+];
 
 /// A pull of a start.
 struct Line {
@@ -316,7 +323,7 @@ struct Line {
     /// The coverage gained.
     truth: f64,
     /// By [`PREDICTIONS`].
-    predicted: [f64; 4],
+    predicted: [f64; PREDICTIONS.len()],
 }
 
 /// Draws some of the pulls that the task offers and accepts.
@@ -377,6 +384,9 @@ fn main() -> Result<(), Failure> {
     let [first, count, pulls] = numbers?[..] else {
         return Err("give FIRST_SEED COUNT PULLS".into());
     };
+    if count <= NEAREST as u64 {
+        return Err(format!("`{count}` starts are too few: each needs {NEAREST} others").into());
+    }
     let compiled = fab_compiler::compile_for(TASK, &Here, Some([SIDE as u32; 2]))?;
     let mut programs = compiled.programs.into_iter();
     let program = programs.find(|program| program.variant.is_none());
@@ -402,7 +412,15 @@ fn main() -> Result<(), Failure> {
         |index| bench.measure(index, first, pulls as usize).map(Some),
         |_| {},
     )?;
-    print(&measured.into_iter().flatten().collect::<Vec<_>>());
+    let mut starts: Vec<Vec<Line>> = measured.into_iter().flatten().collect();
+    starts.retain(|lines| !lines.is_empty());
+    let gains: Vec<f64> = starts.iter().map(|lines| mean_gain(lines)).collect();
+    let all: f64 = gains.iter().sum();
+    for (lines, gain) in starts.iter_mut().zip(&gains) {
+        let others = (all - gain) / gains.len().saturating_sub(1).max(1) as f64;
+        lines.iter_mut().for_each(|line| line.predicted[1] = others);
+    }
+    print(&starts);
     Ok(())
 }
 
@@ -426,7 +444,7 @@ fn print(starts: &[Vec<Line>]) {
     show("distance of any heap, mm", &|it| it[0].fit[1]);
     show("overlap", &|it| it[0].fit[2]);
     show("error of heights, mm", &|it| it[0].fit[3]);
-    show("gain", &|it| mean(it.iter().map(|line| line.truth)));
+    show("gain", &mean_gain);
     let error = |lines: &[Line], number: usize| {
         let errors = lines
             .iter()
@@ -443,6 +461,10 @@ fn print(starts: &[Vec<Line>]) {
             best.map_or(0.0, |line| line.truth)
         });
     }
+}
+
+fn mean_gain(lines: &[Line]) -> f64 {
+    mean(lines.iter().map(|line| line.truth))
 }
 
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
