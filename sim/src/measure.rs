@@ -272,9 +272,6 @@ impl Loop {
     }
 }
 
-/// Speed at which a loop is let go, m/s. Damping ends it within a tenth of a second.
-const LOOP_SPEED_M_S: f32 = 1.0;
-
 /// Measures how far a loop of a strip along the warp hangs below its clamp, without internal friction, metres.
 ///
 /// Returns the free length of the loop, which is `length_m` or nearly, and the depth.
@@ -337,8 +334,6 @@ pub fn hanging_loop(
     let mut cloth =
         Simulator::from_positions(&strip.mask, &positions, &calm(&frictionless(material), at))?;
     cloth.hold(&strip.rows(|row| row < 2 || row + 2 >= rows))?;
-    // A stiff loop also rests standing on its clamp, so it is sent downwards.
-    cloth.set_velocities(&vec![[0.0, 0.0, -LOOP_SPEED_M_S]; positions.len()])?;
     settle(&mut cloth, 4.0)?;
     let lowest = cloth
         .positions()
