@@ -296,35 +296,56 @@ fn moments(
         &y[pad + stride + 1..][..n],
         &z[pad + stride + 1..][..n],
     );
-    for i in 0..n {
-        let (ux, uy, uz) = (
-            lx[i] - cx[i] + (rx[i] - cx[i]),
-            ly[i] - cy[i] + (ry[i] - cy[i]),
-            lz[i] - cz[i] + (rz[i] - cz[i]),
-        );
-        let k = k_warp * left[i] * right[i];
-        let s = k * growth(per_2 * (ux * ux + uy * uy + uz * uz));
-        mwx[i] = s * ux - k * wx[i];
-        mwy[i] = s * uy - k * wy[i];
-        mwz[i] = s * uz - k * wz[i];
-    }
-    for i in 0..n {
-        let (ux, uy, uz) = (
-            bx[i] - cx[i] + (ax[i] - cx[i]),
-            by[i] - cy[i] + (ay[i] - cy[i]),
-            bz[i] - cz[i] + (az[i] - cz[i]),
-        );
-        let k = k_weft * back[i] * front[i];
-        let s = k * growth(per_2 * (ux * ux + uy * uy + uz * uz));
-        mfx[i] = s * ux - k * fx[i];
-        mfy[i] = s * uy - k * fy[i];
-        mfz[i] = s * uz - k * fz[i];
-    }
+    bend_threads(
+        [cx, cy, cz],
+        [[lx, ly, lz], [rx, ry, rz]],
+        [left, right],
+        [wx, wy, wz],
+        [mwx, mwy, mwz],
+        [k_warp, per_2],
+    );
+    bend_threads(
+        [cx, cy, cz],
+        [[bx, by, bz], [ax, ay, az]],
+        [back, front],
+        [fx, fy, fz],
+        [mfx, mfy, mfz],
+        [k_weft, per_2],
+    );
     for i in 0..n {
         let k = k_twist * cell[i];
         mtx[i] = k * (cx[i] - rx[i] + (dx[i] - ax[i]) - tx[i]);
         mty[i] = k * (cy[i] - ry[i] + (dy[i] - ay[i]) - ty[i]);
         mtz[i] = k * (cz[i] - rz[i] + (dz[i] - az[i]) - tz[i]);
+    }
+}
+
+/// Writes the moments of the bends along one of both threads.
+///
+/// - `ends`: the neighbours before and behind of each particle of `at`, and in `there` whether they exist.
+/// - `set`: moments of the rest bends, divided by the stiffness.
+#[inline(always)]
+fn bend_threads(
+    at: [&[f32]; 3],
+    ends: [[&[f32]; 3]; 2],
+    there: [&[f32]; 2],
+    set: [&[f32]; 3],
+    [mx, my, mz]: [&mut [f32]; 3],
+    [stiffness, per_2]: [f32; 2],
+) {
+    let n = mx.len();
+    let ([x, y, z], [[x0, y0, z0], [x1, y1, z1]]) = (at, ends);
+    for i in 0..n {
+        let (ux, uy, uz) = (
+            x0[i] - x[i] + (x1[i] - x[i]),
+            y0[i] - y[i] + (y1[i] - y[i]),
+            z0[i] - z[i] + (z1[i] - z[i]),
+        );
+        let k = stiffness * there[0][i] * there[1][i];
+        let s = k * growth(per_2 * (ux * ux + uy * uy + uz * uz));
+        mx[i] = s * ux - k * set[0][i];
+        my[i] = s * uy - k * set[1][i];
+        mz[i] = s * uz - k * set[2][i];
     }
 }
 

@@ -15,6 +15,8 @@ mod layers;
 mod momentum;
 mod outlines;
 mod parameters;
+#[path = "../square/mod.rs"]
+mod square;
 mod swinging;
 mod symmetry;
 

@@ -29,6 +29,7 @@ fn a_cantilever_shows_the_declared_bending_length() {
 
 /// Measured on the bias at 6.25 mm: 1.21 of 10 mm, 1.05 of 15, 1.01 of 20, 0.97 of 40; at 4 mm 1.05 of 10 mm, 1.01 of 15; on the
 /// warp 1.037 of 10, 1.02 of 40. A bias below 14 mm is more than 10 % too stiff at 6.25 mm, which [`Material::check`] warns of.
+/// `docs/decisions/0088` says what these figures are made of.
 #[test]
 #[ignore = "long"]
 fn cantilevers_show_it_in_all_directions_at_both_spacings() {
@@ -59,9 +60,16 @@ fn every_material_shows_its_bending_lengths() {
             let got = measure::cantilever(&material, cut, SPACING_M).unwrap();
             got.bending_length_m / f64::from(cut.of(material.bending_length_m))
         };
-        for cut in [Cut::Warp, Cut::Weft] {
-            // Silk is below 15 mm.
-            let within = if name == "silk" { 0.1 } else { 0.05 };
+        for cut in Cut::ALL {
+            // Too short for the particles, which `Material::check` warns of.
+            if name == "silk" && cut == Cut::Bias {
+                continue;
+            }
+            let within = if cut.of(material.bending_length_m) < 0.015 {
+                0.1
+            } else {
+                0.05
+            };
             assert!(
                 (share(cut) - 1.0).abs() <= within,
                 "{name} {cut:?}: {}",
@@ -125,8 +133,9 @@ fn readings(material: &Material, at: Fineness) -> Vec<(&'static str, f64, f64)> 
         got.bending_length_m / f64::from(cut.of(material.bending_length_m))
     };
     let depth = |shape: Loop| {
-        let [length, depth] = measure::hanging_loop(material, shape, 0.15, at).unwrap();
-        let c = f64::from(material.bending_length_m.warp);
+        let c = material.bending_length_m.warp;
+        let [length, depth] = measure::hanging_loop(material, shape, 6.0 * c, at).unwrap();
+        let c = f64::from(c);
         depth / c / elastica::loop_depth(shape.clamp_rad(), length / c)
     };
     let opens = |cut| {
@@ -152,26 +161,61 @@ fn readings(material: &Material, at: Fineness) -> Vec<(&'static str, f64, f64)> 
     ]
 }
 
-/// Halving the spacing, and halving the substep, each alone, changes no reading by more than its tolerance.
+/// Halving the spacing, and halving the substep, each alone, changes no reading of any material by more than its tolerance.
+///
+/// The drape coefficient has none but the order of the cloths, which stays. It changes most, since the substep bounds the
+/// resistance to shear: silk 0.23 and 0.36, cotton 0.37 and 0.42.
 #[test]
 #[ignore = "long"]
 fn readings_converge() {
-    let material = of_length(25.0);
-    let at = |spacing_m: f32, substeps: u32| Fineness {
-        spacing_m,
-        substeps,
-    };
-    // A step of this material has 20 substeps at 6.25 mm; half the spacing has more by itself.
-    let coarse = readings(&material, at(SPACING_M, 20));
-    let fine = readings(&material, at(0.5 * SPACING_M, 20));
-    let short = readings(&material, at(SPACING_M, 40));
-    for (other, how) in [(fine, "spacing"), (short, "substep")] {
-        for ((what, coarse, within), (_, other, _)) in coarse.iter().zip(other) {
-            println!("{what}, half the {how}: {coarse:.4} and {other:.4}");
-            assert!(
-                (coarse / other - 1.0).abs() < *within,
-                "{what}, half the {how}: {coarse} and {other}"
-            );
+    let mut drapes = Vec::new();
+    let others = [("of 25 mm", of_length(25.0))];
+    for (name, material) in materials().into_iter().chain(others) {
+        // Half of it is not refused.
+        let (spacing_m, substeps) = match material.check(0.5 * SPACING_M) {
+            Ok(_) => (SPACING_M, 20),
+            Err(fab_sim::MaterialError::TooStiff {
+                least_spacing_m, ..
+            }) => (2.02 * least_spacing_m, 25),
+            Err(error) => panic!("{name}: {error}"),
+        };
+        let at = |spacing_m: f32, substeps: u32| Fineness {
+            spacing_m,
+            substeps,
+        };
+        // So many substeps has a step of the material by itself; at half the spacing it has more.
+        let finenesses = [
+            at(spacing_m, substeps),
+            at(0.5 * spacing_m, substeps),
+            at(spacing_m, 2 * substeps),
+        ];
+        let [coarse, fine, short] = finenesses.map(|at| readings(&material, at));
+        for (other, how) in [(fine, "spacing"), (short, "substep")] {
+            for ((what, coarse, within), (_, other, _)) in coarse.iter().zip(other) {
+                println!("{name}, {what}, half the {how}: {coarse:.4} and {other:.4}");
+                // The first is too short for the particles, which `Material::check` warns of. The second may also rest
+                // standing on its clamp.
+                let left_out = [
+                    ("silk", "bending length, bias"),
+                    ("denim", "depth of a heart"),
+                ];
+                if left_out.contains(&(name, *what)) {
+                    continue;
+                }
+                assert!(
+                    (coarse / other - 1.0).abs() < *within,
+                    "{name}, {what}, half the {how}: {coarse} and {other}"
+                );
+            }
+        }
+        if ["silk", "cotton", "denim"].contains(&name) {
+            drapes.push(finenesses.map(|at| measure::drape_coefficient(&material, at).unwrap()));
+        }
+    }
+    println!("drape coefficients, as they are, at half the spacing, half the substep: {drapes:?}");
+    for softer_and_stiffer in drapes.windows(2) {
+        for (softer, stiffer) in softer_and_stiffer[0].iter().zip(softer_and_stiffer[1]) {
+            assert!(*softer < stiffer, "{drapes:?}");
         }
     }
 }
@@ -296,4 +340,37 @@ fn what_a_cloth_cannot_show_is_warned_of() {
         "{}",
         told(&soft, SPACING_M)
     );
+    // Softer on the bias than a wide cloth with these threads can be.
+    let slack = Material {
+        thickness_m: 0.002,
+        bending_length_m: Directions {
+            warp: 0.028,
+            weft: 0.024,
+            bias: 0.02,
+        },
+        ..of_length(20.0)
+    };
+    assert_eq!(
+        told(&slack, SPACING_M),
+        "on the bias a wide cloth has a bending length of `0.0226` m and not `0.02` m, which is soft for those of warp and weft"
+    );
+}
+
+/// A strip wide beside its overhang bends as a cylinder, with `(warp + weft) / 4 + twist` (Cooper 1960), and not as the narrow
+/// strip whose length is declared.
+///
+/// Measured at 4 mm: 21.7 mm of 20 declared, 22.6 by Cooper's formula. The rims of the strip weigh more than they resist.
+#[test]
+fn a_soft_bias_shows_as_stiff_as_a_cylinder_nearly() {
+    let slack = Material {
+        bending_length_m: Directions {
+            warp: 0.028,
+            weft: 0.024,
+            bias: 0.02,
+        },
+        ..of_length(20.0)
+    };
+    let shown = measure::cantilever(&slack, Cut::Bias, 0.004).unwrap();
+    let shown_m = shown.bending_length_m;
+    assert!((0.021..0.0226).contains(&shown_m), "{shown_m} m");
 }

@@ -10,34 +10,19 @@ mod elastica;
 mod folding;
 mod motion;
 mod rest;
+#[path = "../../benches/cloths/shipped.rs"]
+mod shipped;
+#[path = "../square/mod.rs"]
+mod square;
 mod symmetry;
 
 use fab_sim::{Directions, Grid, Material, Params, Simulator};
 
 const SPACING_M: f32 = 0.00625;
 
-/// Returns the materials of `tasks/lib/materials.fab`, which says where each value comes from.
+/// Returns the shipped materials, from the softest to the stiffest.
 fn materials() -> [(&'static str, Material); 4] {
-    let row = |weight, thickness, bending, recovery, stretch, friction: [f32; 2]| {
-        let directions = |[warp, weft, bias]: [f32; 3]| Directions { warp, weft, bias };
-        Material {
-            weight_kg_m2: weight,
-            thickness_m: thickness,
-            bending_length_m: directions(bending),
-            crease_recovery_deg: recovery,
-            stretch: directions(stretch),
-            table_friction: friction[0],
-            self_friction: friction[1],
-        }
-    };
-    #[rustfmt::skip] // a table, one material a line
-    let rows = [
-        ("silk", row(0.035, 0.0001, [0.013, 0.012, 0.011], 125.0, [0.01, 0.02, 0.08], [0.2, 0.3])),
-        ("cotton", row(0.167, 0.00035, [0.018, 0.016, 0.016], 75.0, [0.015, 0.025, 0.06], [0.27, 0.6])),
-        ("towel", row(0.42, 0.0021, [0.021, 0.018, 0.019], 110.0, [0.03, 0.04, 0.1], [0.4, 0.9])),
-        ("denim", row(0.324, 0.0007, [0.0272, 0.0312, 0.0285], 100.0, [0.01, 0.03, 0.03], [0.35, 0.6])),
-    ];
-    rows
+    ["silk", "cotton", "towel", "denim"].map(|name| (name, shipped::material(name).unwrap()))
 }
 
 /// Returns a material with a bending length in all directions, on the bias nearly.

@@ -1,28 +1,9 @@
 //! Folds of a square that are mirrored or turned by quarters end as mirrored or turned cloths.
 
+use super::square::Symmetry;
 use super::*;
 
 const DIM: usize = 27;
-
-/// One of the eight symmetries of the square: mirrored along X or not, then turned by quarters.
-#[derive(Clone, Copy, Debug)]
-struct Symmetry {
-    mirror: f32,
-    quarters: usize,
-}
-
-impl Symmetry {
-    fn apply(self, [x, y]: [f32; 2]) -> [f32; 2] {
-        (0..self.quarters).fold([self.mirror * x, y], |[x, y], _| [-y, x])
-    }
-
-    /// Returns the particle at the position to which `i` is mapped in the flat cloth.
-    fn particle(self, i: usize) -> usize {
-        let middle = (DIM - 1) as f32 / 2.0;
-        let [x, y] = self.apply([(i % DIM) as f32 - middle, middle - (i / DIM) as f32]);
-        (middle - y).round() as usize * DIM + (x + middle).round() as usize
-    }
-}
 
 /// Carries the image of `from`, a place in spacings from the middle, to that of `to`; returns the cloth, mapped back to the
 /// fold that is not mirrored or turned, after it has come to rest or 1 s.
@@ -32,19 +13,7 @@ fn folded(material: &Material, symmetry: Symmetry, [from, to]: [[f32; 2]; 2]) ->
     let done = cloth.pick_and_place(from, to, &|| false).unwrap();
     assert!(done.grasped.is_some());
     cloth.settle(100).unwrap();
-    let points = cloth.positions();
-    let back = |[x, y, z]: [f32; 3]| {
-        let turned = (symmetry.quarters..4).fold([x, y], |[x, y], _| [-y, x]);
-        let turned = if symmetry.quarters == 0 {
-            [x, y]
-        } else {
-            turned
-        };
-        [symmetry.mirror * turned[0], turned[1], z]
-    };
-    (0..DIM * DIM)
-        .map(|i| back(points[symmetry.particle(i)]))
-        .collect()
+    symmetry.undo(&cloth.positions(), DIM)
 }
 
 /// A cloth whose warp is as its weft does not know front from back or left from right.
@@ -62,19 +31,9 @@ fn folds_that_mirror_or_turn_each_other_agree() {
         ([[-middle, middle], [-6.0, 6.0]], [2, 4, 6]),
     ];
     for (fold, codes) in folds {
-        let first = folded(
-            &soft,
-            Symmetry {
-                mirror: 1.0,
-                quarters: 0,
-            },
-            fold,
-        );
+        let first = folded(&soft, Symmetry::ALL[0], fold);
         for code in codes {
-            let symmetry = Symmetry {
-                mirror: if code < 4 { 1.0 } else { -1.0 },
-                quarters: code % 4,
-            };
+            let symmetry = Symmetry::ALL[code];
             let other = folded(&soft, symmetry, fold);
             let apart = first.iter().zip(&other).map(|(a, b)| distance(*a, *b));
             let mean = apart.sum::<f32>() / (DIM * DIM) as f32;
