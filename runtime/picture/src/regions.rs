@@ -56,7 +56,12 @@ impl Grid {
 
     /// Returns whether a pixel or one of its eight neighbours belongs to the set.
     pub fn touches(&self, column: u32, row: u32) -> bool {
-        let near = |at: u32| at.saturating_sub(1)..=at.saturating_add(1);
+        self.is_within(1, column, row)
+    }
+
+    /// Returns whether a pixel of the set lies in the square around a pixel that reaches this far to each side.
+    pub fn is_within(&self, reach_px: u32, column: u32, row: u32) -> bool {
+        let near = |at: u32| at.saturating_sub(reach_px)..=at.saturating_add(reach_px);
         near(row).any(|row| near(column).any(|column| self.contains(column, row)))
     }
 

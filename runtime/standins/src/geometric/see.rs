@@ -96,6 +96,10 @@ const TAIL_SLACK_PX: f64 = 8.0;
 /// Growth of the cloth's visible area that still counts as none; folding never increases it.
 const GROWTH: f64 = 1.05;
 
+/// How far a cloth may slide as a whole while a corner of it is folded, pixels of a 224 px picture. What it uncovers
+/// along its outline by sliding says nothing about the fold.
+const SLIDE_PX: f64 = 3.0;
+
 /// Least fraction of the cloth's area that a step uncovers.
 const LEAST_CHANGE: f64 = 0.005;
 
@@ -127,7 +131,7 @@ pub fn see(pictures: &[&[u8]]) -> Result<Sighting, Unrecognised> {
     let nothing = Grid::new(second.width(), second.height());
     let after = cloth(&second, &table, &nothing).ok_or(Unrecognised::Cloth(PictureOf::Second))?;
     let outline = outline_with_arrow(&before, &drawn, scale)?;
-    check_change(&before, &after, &drawn)?;
+    check_change(&before, &after, &drawn, SLIDE_PX * scale)?;
     let up = |[column, row]: [f64; 2]| [column, f64::from(first.height()) - row];
     Ok(Sighting {
         outline,
@@ -207,12 +211,18 @@ fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Poi
 }
 
 /// Rejects pairs in which the second picture does not follow from the first by the arrow.
-fn check_change(before: &Grid, after: &Grid, arrow: &Arrow) -> Result<(), Unrecognised> {
+///
+/// - `slide_px`: how far the cloth may slide as a whole.
+fn check_change(
+    before: &Grid,
+    after: &Grid,
+    arrow: &Arrow,
+    slide_px: f64,
+) -> Result<(), Unrecognised> {
     let area = before.area_px() as f64;
-    let left: Vec<[f64; 2]> = before
+    let left: Vec<(u32, u32)> = before
         .points()
         .filter(|&(column, row)| !after.contains(column, row))
-        .map(|(column, row)| [f64::from(column), f64::from(row)])
         .collect();
     // The first picture's stroke hides cloth, which must not count as growth.
     let hidden = arrow
@@ -226,8 +236,19 @@ fn check_change(before: &Grid, after: &Grid, arrow: &Arrow) -> Result<(), Unreco
     if (left.len() as f64) < area * LEAST_CHANGE {
         return Err(Unrecognised::NoChange);
     }
-    let n_left = left.len() as f64;
-    let middle = [0, 1].map(|axis| left.iter().map(|point| point[axis]).sum::<f64>() / n_left);
+    let reach_px = slide_px.round() as u32;
+    let is_far = |&&(column, row): &&(u32, u32)| !after.is_within(reach_px, column, row);
+    let far: Vec<_> = left.iter().filter(is_far).collect();
+    let uncovered = if far.is_empty() {
+        left.iter().collect()
+    } else {
+        far
+    };
+    let n_uncovered = uncovered.len() as f64;
+    let sum = uncovered.iter().fold([0.0, 0.0], |[x, y], (column, row)| {
+        [x + f64::from(*column), y + f64::from(*row)]
+    });
+    let middle = sum.map(|it| it / n_uncovered);
     if hull::distance(middle, arrow.tail) < hull::distance(middle, arrow.tip) {
         Ok(())
     } else {
