@@ -467,7 +467,8 @@ fn candidates(
     let middle = f64::from(observation.rgb.width()) / 2.0;
     let camera = &program.camera;
     let per_m = middle / (camera.height_m * (camera.fov_rad / 2.0).tan());
-    let edge_px = f64::from(program.cloth.dimx - 1) * program.cloth.spacing_m * per_m;
+    let longer = program.cloth.dimx.max(program.cloth.dimy);
+    let edge_px = f64::from(longer - 1) * program.cloth.spacing_m * per_m;
     let mut found = Vec::new();
     for &pick in &picks {
         for direction in offered("direction") {
