@@ -1,8 +1,9 @@
 //! Tries pulls of crumpled cloths in the simulator, to search among them or to fit the stand-in's estimate.
 //!
 //! `cargo run -p fab-agent --example collect_pulls -- SEARCH FIRST_SEED COUNT ACTIONS FOLDER`
+//! `cargo run -p fab-agent --example collect_pulls -- SEARCH STARTS ACTIONS FOLDER`
 //!
-//! In: seeds of crumpled starts, and what to try before each action beside the stand-in's own pull. SEARCH is `each`, `fit`, or a
+//! In: seeds of crumpled starts, or a folder of recorded ones (`*_pos.npy`, numbered by name), and what to try before each action beside the stand-in's own pull. SEARCH is `each`, `fit`, or a
 //! list such as `offered:12,elsewhere:12` of [`KINDS`] with numbers of pulls. `each` tries some of every kind and
 //! executes the stand-in's own pull half of the time, `fit` tries the likely ones and executes it mostly; a list executes the
 //! best that was tried. Out: on stdout, each start's improvement after each action, as the smoothing suite measures it.
@@ -123,36 +124,71 @@ const SIDES: [u32; 5] = [40, 41, 42, 43, 44];
 
 fn main() -> Result<(), Failure> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    const USAGE: &str = "give SEARCH FIRST_SEED COUNT ACTIONS FOLDER";
-    let [search, numbers @ .., folder] = words.as_slice() else {
+    let [search, starts @ .., actions, folder] = words.as_slice() else {
         return Err(USAGE.into());
     };
     let search = Search::read(search).ok_or_else(|| {
         format!("`{search}` is not each, fit, or kinds such as offered:12,inward:4")
     })?;
-    let numbers: Vec<usize> = numbers
-        .iter()
-        .map(|word| word.parse())
-        .collect::<Result<_, _>>()?;
-    let [first, count, actions] = numbers[..] else {
-        return Err(USAGE.into());
+    let starts = match starts {
+        [first, count] => {
+            let (first, count): (u64, u64) = (first.parse()?, count.parse()?);
+            (first..first + count).map(Crumpled::Seed).collect()
+        }
+        [folder] => recorded(Path::new(folder))?,
+        _ => return Err(USAGE.into()),
     };
+    let actions: usize = actions.parse()?;
     let folder = PathBuf::from(folder);
     std::fs::create_dir_all(&folder)?;
     let threads = std::thread::available_parallelism()?.get();
     in_parallel(
-        count,
+        starts.len(),
         threads,
         |index| {
-            let seed = (first + index) as u64;
-            let improved = smooth(seed, actions, &search, &folder)?;
+            let improved = smooth(&starts[index], actions, &search, &folder)?;
             let improved = improved.iter().map(|value| format!("{value:.4}"));
-            println!("{seed},{}", improved.collect::<Vec<_>>().join(","));
+            let improved = improved.collect::<Vec<_>>().join(",");
+            println!("{},{improved}", starts[index].number());
             Ok::<_, Failure>(Some(()))
         },
         |_| {},
     )?;
     Ok(())
+}
+
+const USAGE: &str = "give SEARCH, FIRST_SEED COUNT or STARTS, ACTIONS, and FOLDER";
+
+/// Where a crumpled start comes from.
+enum Crumpled {
+    Seed(u64),
+    /// A recorded one, with its number.
+    Recorded(u64, Start),
+}
+
+impl Crumpled {
+    fn number(&self) -> u64 {
+        match self {
+            Crumpled::Seed(number) | Crumpled::Recorded(number, _) => *number,
+        }
+    }
+}
+
+/// Loads the recorded starts of a folder, in the order of their names.
+fn recorded(folder: &Path) -> Result<Vec<Crumpled>, Failure> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.to_string_lossy().ends_with("_pos.npy") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    let starts = (0..).zip(files).map(|(number, file)| {
+        let start = Start::load(&file, None)?;
+        Ok::<_, Failure>(Crumpled::Recorded(number, start))
+    });
+    starts.collect()
 }
 
 /// The working directory's files.
@@ -218,16 +254,30 @@ struct Tried {
 }
 
 /// Smooths one start; returns the improvement after each action, frozen at the goal.
-fn smooth(seed: u64, actions: usize, search: &Search, folder: &Path) -> Result<Vec<f64>, Failure> {
-    let side = SIDES[(seed % SIDES.len() as u64) as usize];
-    let compiled = fab_compiler::compile_for(TASK, &Here, Some([side, side]))?;
+fn smooth(
+    from: &Crumpled,
+    actions: usize,
+    search: &Search,
+    folder: &Path,
+) -> Result<Vec<f64>, Failure> {
+    let seed = from.number();
+    let dims = match from {
+        Crumpled::Seed(seed) => [SIDES[(seed % SIDES.len() as u64) as usize]; 2],
+        Crumpled::Recorded(_, start) => [start.grid.dimx, start.grid.dimy],
+    };
+    let compiled = fab_compiler::compile_for(TASK, &Here, Some(dims))?;
     let programs = compiled.programs.into_iter();
     let mut plain = programs.filter(|program| program.variant.is_none());
     let program = plain.next().ok_or("the task does not compile")?;
     let mut world = SimulatedWorld::of(&program)?;
     let flat = Start::flat(&program.cloth);
     let (cache, interrupt) = (Cache::none(), Interrupt::default());
-    let mut start = crumple::start(&flat, seed, &world, &cache, &interrupt, &mut || {})?.start;
+    let mut start = match from {
+        Crumpled::Seed(seed) => {
+            crumple::start(&flat, *seed, &world, &cache, &interrupt, &mut || {})?.start
+        }
+        Crumpled::Recorded(_, start) => start.clone(),
+    };
     let grid_coverage = |start: &Start| metrics::coverage(&start.positions, &start.grid);
     let at_start = grid_coverage(&start).ok_or("a coverage that is a number")?;
     let mut improved: Vec<f64> = Vec::new();
@@ -417,7 +467,8 @@ fn candidates(
     let middle = f64::from(observation.rgb.width()) / 2.0;
     let camera = &program.camera;
     let per_m = middle / (camera.height_m * (camera.fov_rad / 2.0).tan());
-    let edge_px = f64::from(program.cloth.dimx - 1) * program.cloth.spacing_m * per_m;
+    let longer = program.cloth.dimx.max(program.cloth.dimy);
+    let edge_px = f64::from(longer - 1) * program.cloth.spacing_m * per_m;
     let mut found = Vec::new();
     for &pick in &picks {
         for direction in offered("direction") {

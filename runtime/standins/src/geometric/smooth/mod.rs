@@ -120,8 +120,8 @@ fn choose(messages: &[Message]) -> Result<String, String> {
     let question = Question::read(messages)?;
     let (parsed, best) = (&question.parsed, &question.pulls[0]);
     Ok(format!(
-        "{}\nDirection = {}\nDistance = {}\nOf the corners this one looks {}, and I expect that the pull uncovers \
-         about {:.0} percent of the cloth's flat area.",
+        "{}\nDirection = {}\nDistance = {}\nThis corner looks {}, and I expect that the pull uncovers about {:.0} percent \
+         of the cloth's flat area.",
         prompt::AnswerLine::asked_for("pick", &question.words).with(best.pick),
         parsed.directions[best.direction].words,
         parsed.distances[best.distance].words,

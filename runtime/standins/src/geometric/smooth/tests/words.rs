@@ -15,6 +15,23 @@ fn only_listed_corners_are_picked() {
 }
 
 #[test]
+fn the_explanation_is_one_that_the_reader_of_answers_knows() {
+    // Its fixtures `stand_in_smoothing_*.txt` have these words; others may be refused as not understood.
+    let answer = narrowed().answer();
+    let known = [
+        include_str!("../../../../../../tests/fixtures/replies/stand_in_smoothing_own_corner.txt"),
+        include_str!(
+            "../../../../../../tests/fixtures/replies/stand_in_smoothing_promising_corner.txt"
+        ),
+    ];
+    let words = |text: &str| {
+        let last = text.trim_end().lines().last().unwrap_or_default();
+        last.replace(|letter: char| letter.is_ascii_digit(), "")
+    };
+    assert!(known.map(words).contains(&words(&answer)), "{answer}");
+}
+
+#[test]
 fn points_that_the_words_name_are_kept_away_from() {
     let mut asked = narrowed();
     let ([u, v], _, _) = pull_of(&asked.answer());
