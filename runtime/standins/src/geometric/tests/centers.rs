@@ -168,7 +168,13 @@ fn points_besides_the_corners_are_places_and_no_picks() {
 fn a_cloth_may_slide_by_two_pixels_while_a_corner_is_folded() {
     // Cotton slides toward the folded corner, which bares a rim along the two far sides.
     let slide = |[x, y]: Point| [x + 0.015, y + 0.015];
-    let after = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.05], [0.05, 0.5], [-0.5, 0.5]];
+    let after = [
+        [-0.5, -0.5],
+        [0.5, -0.5],
+        [0.5, 0.05],
+        [0.05, 0.5],
+        [-0.5, 0.5],
+    ];
     let fold = Fold {
         before: vec![[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]],
         after: after.map(slide).to_vec(),

@@ -1,6 +1,7 @@
 //! Tests that the answer follows the words.
 
 use super::*;
+use std::path::Path;
 
 #[test]
 fn only_listed_corners_are_picked() {
@@ -18,17 +19,18 @@ fn only_listed_corners_are_picked() {
 fn the_explanation_is_one_that_the_reader_of_answers_knows() {
     // Its fixtures `stand_in_smoothing_*.txt` have these words; others may be refused as not understood.
     let answer = narrowed().answer();
-    let known = [
-        include_str!("../../../../../../tests/fixtures/replies/stand_in_smoothing_own_corner.txt"),
-        include_str!(
-            "../../../../../../tests/fixtures/replies/stand_in_smoothing_promising_corner.txt"
-        ),
-    ];
+    let replies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fixtures/replies");
+    let known = ["own_corner", "promising_corner"].map(|name| {
+        std::fs::read_to_string(replies.join(format!("stand_in_smoothing_{name}.txt"))).unwrap()
+    });
     let words = |text: &str| {
         let last = text.trim_end().lines().last().unwrap_or_default();
         last.replace(|letter: char| letter.is_ascii_digit(), "")
     };
-    assert!(known.map(words).contains(&words(&answer)), "{answer}");
+    assert!(
+        known.map(|it| words(&it)).contains(&words(&answer)),
+        "{answer}"
+    );
 }
 
 #[test]
