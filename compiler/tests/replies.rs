@@ -403,11 +403,19 @@ fn take_less_than(limit: Duration, length: usize, every: usize) {
         "<point ",
         "if it ",
         "</",
+        "the pick, ",
+        "(picking ",
+        "pick / x ",
+        "with pick would ",
+        "grip=soft, a would otherwise ",
+        "pull it up ",
     ];
-    for piece in pieces.iter().step_by(every) {
+    let compass = spaces::space("paper");
+    for piece in pieces.iter().rev().step_by(every) {
         let text = piece.repeat(length / piece.len());
         let begun = Instant::now();
         let _ = reply::read_action(&program, &text);
+        let _ = reply::read_action(&compass, &text);
         let _ = reply::read_text("Instructions:", "", &text);
         let took = begun.elapsed();
         // Linear work takes a small part of that; quadratic work takes far longer.

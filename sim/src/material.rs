@@ -302,7 +302,7 @@ impl Material {
     /// A narrow strip on the bias gives way by bending along both threads and by twist, one after the other: 1/bias = (1/warp +
     /// 1/weft + 1/twist) / 4 (Timoshenko and Woinowsky-Krieger 1959, an orthotropic plate without Poisson's effect). One
     /// that bends as a cylinder has (warp + weft) / 4 + twist (Cooper 1960), which is more where the bias is soft: a length
-    /// of 0.95 of the threads' becomes 1 % longer, one of 0.85 becomes 5 % longer.
+    /// of 0.95 of the threads' becomes 0.7 % longer, one of 0.85 becomes 5.5 % longer.
     fn twist(&self) -> f64 {
         let [warp, weft, bias] = self.cubes();
         1.0 / (4.0 / bias - 1.0 / warp - 1.0 / weft)

@@ -69,10 +69,10 @@ impl Relief {
             let Some([x, y, z]) = point.map(|it| [it.x, it.y, it.z].map(|it| it as f32)) else {
                 continue;
             };
-            let (Some(column_m), Some(row_m)) = (cell(x), cell(y)) else {
+            let (Some(cell_column), Some(cell_row)) = (cell(x), cell(y)) else {
                 continue;
             };
-            let [pixels, cloth, height, under] = &mut cells[row_m * CELLS + column_m];
+            let [pixels, cloth, height, under] = &mut cells[cell_row * CELLS + cell_column];
             *pixels += 1.0;
             if z > TABLE_M {
                 *cloth += 1.0;
@@ -313,7 +313,7 @@ const PREDICTIONS: [&str; 5] = [
     "the other starts' mean gain",
     "any heap",
     "the nearest heap",
-    "the mean of the 3 nearest heaps",
+    "the mean of the nearest heaps",
 ];
 
 /// A pull of a start.

@@ -370,7 +370,7 @@ impl Twins {
 
     /// Records why fewer answers were asked for than the task declares.
     pub fn record_shortfall(&mut self, why: String) {
-        self.line.shortfall = Some(why);
+        self.line.shortfall.get_or_insert(why);
     }
 
     /// Returns the step's entry of the run record.

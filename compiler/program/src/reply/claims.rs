@@ -83,19 +83,29 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         last.for_each(|claim| claim.claimed = Claimed::Bad("its number may be cut off".to_owned()));
     }
     let turns = turns(&tokens);
-    let stated = claims
+    // A direction in words within an explanation does not move the end of the answer.
+    let is_course = |claim: &Claim| matches!(claim.claimed, Claimed::Course(_));
+    let mut has_value = vec![false; reader.fields.len()];
+    for claim in claims.iter().filter(|claim| !is_course(claim)) {
+        has_value[claim.field] = true;
+    }
+    let placed: Vec<&Claim> = claims
+        .iter()
+        .filter(|claim| !(is_course(claim) && has_value[claim.field]))
+        .collect();
+    let stated = placed
         .iter()
         .map(|claim| claim.span.start)
         .min()
         .map(|first| {
-            let last = claims.iter().map(|claim| claim.span.start).max();
+            let last = placed.iter().map(|claim| claim.span.start).max();
             let firsts = (0..reader.fields.len()).map(|field| {
-                let own = claims.iter().filter(|claim| claim.field == field);
+                let own = placed.iter().filter(|claim| claim.field == field);
                 own.map(|claim| claim.span.start)
                     .min()
                     .unwrap_or(usize::MAX)
             });
-            let end = claims.iter().map(|claim| claim.span.end).max();
+            let end = placed.iter().map(|claim| claim.span.end).max();
             remarks::Stated {
                 first,
                 settled: firsts.max().unwrap_or(usize::MAX),

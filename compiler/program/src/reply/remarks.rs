@@ -151,7 +151,8 @@ const ROWS: &[Row] = &[
     after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could|side"),
     after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked|mirror image"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
-    after(CHANGED, &["^ sorry|^ oops|^ hold on|^ wait|^ apologies|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ double - check|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience|order|confusion|delay|for that|for this|for missing|for the"),
+    after(CHANGED, &["^ oops|^ hold on|^ wait|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ double - check|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience"),
+    after(CHANGED, &["^ sorry|^ apologies"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience|confusion|delay|for that|for this|for missing|for the"),
     lone(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
     lone(CHANGED, &["should be the one|opposite way|than i wrote|one step lower|one step higher|one level"], NOT),
 ];
@@ -282,10 +283,8 @@ pub(super) fn doubt(
             return doubt::cast_by(sentence, place, language, prose);
         };
         let (begins, ends) = (sentence.first()?.at, sentence.last()?.at);
-        if begins > settled
-            && let Some(why) = doubt::cast_by(sentence, Place::After, language, prose)
-        {
-            return Some(why);
+        if begins > settled {
+            return doubt::cast_by(sentence, Place::After, language, prose);
         }
         // `Draft, to be checked:` above the first value
         if begins < first && first <= ends {

@@ -98,7 +98,7 @@ const THINGS: &[&str] = words!(
 const UNREAL: &[&str] = words!(
     "not no never n't would could might may cannot can't don't shouldn't instead rather than avoid avoids without
     previous previously earlier last had was were been next then later after if unless when before already other
-    another opposite itself eventually finally rest neighbouring neighboring while whereas went said doesn't isn't won't didn't wouldn't couldn't aren't"
+    attempt attempts try tried tries ago already another opposite itself eventually finally rest neighbouring neighboring while whereas went said doesn't isn't won't didn't wouldn't couldn't aren't"
 );
 
 /// How far a direction in words may be from the angle that it describes, degrees.
@@ -629,49 +629,49 @@ impl<'a> Sentences<'a> {
     fn limit(&self, index: usize) -> usize {
         let mention = self.mentions[index];
         let has_words = matches!(self.field(mention).choices, Choices::Words { .. });
-        let named = self.mentions[index + 1..].iter().find(|next| {
-            // `Grip = soft (a firm grip could tear it)`
-            let is_remark = has_words
-                && next.at < mention.end + MAX_REMARK
-                && next.field == mention.field
-                && next.form == Form::Name
-                && self.tokens.get(next.end).is_some_and(|verb| {
-                    verb.gap < Gap::Line
-                        && verb.kind == Kind::Word
-                        && !verb.is_any(&["is", "for", "with", "at", "of", "and", "or", "as"])
-                });
-            // `Release height = 0 mm (do not drop it)`
-            let is_beside = next.form != Form::Name && self.is_in_brackets(mention.end, next.at);
-            // `Speed = 500 mm/s for the lift, 100 mm/s after it`
-            let is_noun = next.form == Form::Name
-                && next.at > 0
-                && self.tokens[next.at - 1].is("the")
-                && self.tokens[next.at].gap < Gap::Line
-                && self
-                    .tokens
-                    .get(next.end)
-                    .is_some_and(|sign| matches!(sign.kind, Kind::Sign(',' | ';' | '.')));
-            next.at > mention.at && !is_remark && !is_beside && !is_noun
-        });
-        let next = named
-            .map_or(self.tokens.len(), |next| next.at)
-            .min(mention.end + MAX_CLAUSE);
+        let most = self.tokens.len().min(mention.end + MAX_CLAUSE);
+        // Each token is counted once, however many verbs stand in a bracket.
+        let (mut seen, mut depth, mut is_broken) = (mention.end, 0_usize, false);
+        let named = self.mentions[index + 1..]
+            .iter()
+            .skip_while(|next| next.at <= mention.at)
+            .take_while(|next| next.at < most)
+            .find(|next| {
+                while seen < next.at {
+                    let token = &self.tokens[seen];
+                    is_broken |= token.gap >= Gap::Line;
+                    match token.kind {
+                        Kind::Sign('(') => depth += 1,
+                        Kind::Sign(')') => depth = depth.saturating_sub(1),
+                        _ => {}
+                    }
+                    seen += 1;
+                }
+                // `Grip = soft (a firm grip could tear it)`
+                let is_remark = has_words
+                    && next.at < mention.end + MAX_REMARK
+                    && next.field == mention.field
+                    && next.form == Form::Name
+                    && self.tokens.get(next.end).is_some_and(|verb| {
+                        verb.gap < Gap::Line
+                            && verb.kind == Kind::Word
+                            && !verb.is_any(&["is", "for", "with", "at", "of", "and", "or", "as"])
+                    });
+                // `Release height = 0 mm (do not drop it)`
+                let is_beside = next.form != Form::Name && depth > 0 && !is_broken;
+                // `Speed = 500 mm/s for the lift, 100 mm/s after it`
+                let is_noun = next.form == Form::Name
+                    && self.tokens[next.at - 1].is("the")
+                    && self.tokens[next.at].gap < Gap::Line
+                    && self
+                        .tokens
+                        .get(next.end)
+                        .is_some_and(|sign| matches!(sign.kind, Kind::Sign(',' | ';' | '.')));
+                !is_remark && !is_beside && !is_noun
+            });
+        let next = named.map_or(most, |next| next.at);
         let end = (mention.end..next).find(|at| self.tokens[*at].is_sign(lexer::TAG_END));
         end.map_or(next, |at| at + 1)
-    }
-
-    /// Returns whether a bracket that opens after `begin` is open at `at`, on the same line.
-    fn is_in_brackets(&self, begin: usize, at: usize) -> bool {
-        let mut depth = 0_usize;
-        for token in &self.tokens[begin..at.min(begin + MAX_CLAUSE)] {
-            match token.kind {
-                _ if token.gap >= Gap::Line => return false,
-                Kind::Sign('(') => depth += 1,
-                Kind::Sign(')') => depth = depth.saturating_sub(1),
-                _ => {}
-            }
-        }
-        depth > 0
     }
 
     /// Returns whether the line at a token begins with a statement of its own.
@@ -738,10 +738,7 @@ impl<'a> Sentences<'a> {
             // `Pick (1, 2), not (3, 4), and place …`: what is denied there is another value.
             let is_other = (index + 1..at)
                 .any(|between| self.tokens[between].is_sign(',') || self.tokens[between].is("but"))
-                && self
-                    .mentions
-                    .iter()
-                    .any(|mention| mention.at < index && mention.at < at);
+                && self.mentions.first().is_some_and(|first| first.at < index);
             let is_proposed = token.is("you")
                 && self.tokens[index + 1..at].iter().take(3).any(|next| {
                     next.is_any(&[
@@ -809,7 +806,11 @@ impl<'a> Sentences<'a> {
             || rest.windows(2).any(|pair| {
                 pair[0].is("last") && pair[1].is_any(&["time", "try", "attempt", "round"])
             });
-        is_supposed || is_earlier
+        // `pick (30, 40) instead of what I said earlier`
+        let is_set_against = rest
+            .iter()
+            .any(|token| token.is_any(&["instead", "rather", "not", "than", "unlike"]));
+        is_supposed || is_earlier && !is_set_against
     }
 
     /// Returns whether `to` leads to the point that ends at a token.
@@ -1051,9 +1052,13 @@ impl<'a> Sentences<'a> {
                     at: begin,
                 };
                 let deg = words::side(&mut cursor).filter(|_| leads)?;
-                let is_object = cursor
-                    .peek()
-                    .is_some_and(|next| next.kind == Kind::Word && next.is_any(THINGS));
+                // `pull it up to the left corner`
+                let mut behind = cursor;
+                behind.skip(&["to", "toward", "towards", "the"], &[]);
+                behind.eat_any(&["left", "right", "upper", "lower", "top", "bottom"]);
+                let is_object = [cursor, behind]
+                    .iter()
+                    .any(|it| it.peek().is_some_and(|next| next.is_any(THINGS)));
                 (!is_object).then_some((deg, cursor.at))
             });
             if let Some((deg, end)) = course {

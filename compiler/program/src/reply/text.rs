@@ -521,7 +521,6 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
     let offers_another = [
         ", or, ",
         ", or if ",
-        ", or else ",
         " or else ",
         ", or fold ",
         ", or pick ",

@@ -499,7 +499,8 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
     Found::Nothing
 }
 
-/// Returns the values that prose names, and whether each is a direction in words; nothing if its words may change them.
+/// Returns the values that prose names, and whether each is a direction in words; None if other
+/// words may change one of them.
 pub(super) fn named(cursor: Cursor<'_, '_>, context: &Context<'_>) -> Option<Vec<(Value, bool)>> {
     const CHANGING: &[&str] =
         words!("opposite or between either not however but actually reversed other");
@@ -1307,11 +1308,11 @@ fn explanation(
                 .any(|token| token.is_any(&["counter", "anti"]))
     };
     // `slow, the fabric would flutter otherwise`
+    let modal = rest
+        .iter()
+        .position(|token| token.is_any(&["would", "could", "might", "may", "will", "can"]));
     let is_reason = |index: usize| {
-        rest[index].is_any(&["otherwise", "else"])
-            && rest[..index]
-                .iter()
-                .any(|token| token.is_any(&["would", "could", "might", "may", "will", "can"]))
+        rest[index].is_any(&["otherwise", "else"]) && modal.is_some_and(|at| at < index)
     };
     let alters = rest.iter().enumerate().any(|(index, token)| {
         (token.is_any(ALTERING) || token.is_sign('±')) && !is_counter(index) && !is_reason(index)

@@ -194,7 +194,9 @@ fn points(
             break;
         }
         let better = unless_stopped(step.better(look, best, allowance))?.flatten();
-        let least = best_step.as_ref().map_or(best, |better| better.value);
+        let least = best_step
+            .as_ref()
+            .map_or(best - found.measure.least_gain(), |better| better.value);
         if let Some(better) = better.filter(|better| better.value < least) {
             best_step = Some(better);
         }

@@ -13,13 +13,16 @@ const BACKWARD: &[&str] = words!("it that they those them which one");
 
 /// What tells of an earlier try.
 const EARLIER: &[&str] =
-    words!("before earlier previous previously last ago former formerly attempt attempts first");
+    words!("before earlier previous previously ago former formerly attempt attempts");
+
+/// What is an earlier try after `first` or `last`.
+const TRIES: &[&str] = words!("try tries attempt time round pull fold action step move answer");
 
 /// Returns why a sentence of an explanation takes the answer back.
 pub(super) fn why(clauses: &[Clause<'_>]) -> Option<&'static str> {
+    let clauses: Vec<&Clause<'_>> = clauses.iter().filter(|it| !it.words.is_empty()).collect();
     clauses
         .iter()
-        .filter(|it| !it.words.is_empty())
         .enumerate()
         .filter(|(_, it)| !it.tells_of_an_earlier_try())
         .find_map(|(at, clause)| {
@@ -27,7 +30,7 @@ pub(super) fn why(clauses: &[Clause<'_>]) -> Option<&'static str> {
                 let next = clauses.get(at + 1);
                 // `I would rather gain a little than lose what is won`
                 let compares = next.is_some_and(|next| next.joint == "than");
-                if compares || next.is_some_and(Clause::wonders_about_the_cloth) {
+                if compares || next.is_some_and(|next| next.wonders_about_the_cloth()) {
                     return None;
                 }
                 clause.takes_back(at)
@@ -79,7 +82,11 @@ impl Clause<'_> {
             self.words,
             [.., "i", "was", "unsure" | "uncertain", _] | ["i", "was", "unsure" | "uncertain", ..]
         );
-        gave || had || wondered || named.iter().any(|it| EARLIER.contains(it))
+        let is_named = named.iter().any(|it| EARLIER.contains(it))
+            || named
+                .windows(2)
+                .any(|near| matches!(near[0], "first" | "last") && TRIES.contains(&near[1]));
+        gave || had || wondered || is_named
     }
 
     /// `Wait for the operator`, `a mere guess`

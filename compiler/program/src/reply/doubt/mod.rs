@@ -28,10 +28,10 @@ pub(super) enum Language {
     Other,
 }
 
-/// The fewest words of an answer that explains itself.
+/// The fewest words of an answer that explains itself, those of its values included.
 pub(super) const MIN_EXPLANATION: usize = 30;
 
-/// The fewest words of what an object says beside its values; its keys are no words of it.
+/// The fewest words of an explanation in what an object says beside its fields, keys of remarks included.
 pub(super) const MIN_BESIDE: usize = 15;
 
 /// Returns how much an answer of these tokens says.
@@ -71,6 +71,9 @@ pub(super) fn cast_by(
         return Some(why);
     }
     let clauses = clauses(&words, place, prose);
+    if prose == Prose::Explanation {
+        return explained::why(&clauses);
+    }
     let is_of_answer = |clause: &Clause<'_>| {
         // `Here is a breakdown of the scene`
         if words.starts_with(&["here"]) && !words.iter().any(|it| PARTS.contains(it)) {
@@ -102,9 +105,6 @@ pub(super) fn cast_by(
         })
     };
     let is_strange = language == Language::English && may_be_strange && !is_courtesy;
-    if prose == Prose::Explanation {
-        return explained::why(&clauses);
-    }
     let doubted = clauses.iter().find_map(Clause::doubt);
     doubted
         .or_else(|| {

@@ -214,7 +214,7 @@ const PLAIN: &[Row] = &[
     row(Later, Anything, "show|illustrate|demonstrate|see the|how|what|your * layout|format|structure|syntax|parser", "", DOUBTED),
     row(Later, Author, "filled|fill|put|typed|entered|wrote the|these|those|them|it|in * like this|so|merely|only", "", DOUBTED),
     row(Later, Anything, "format|parser|schema|template demands|wants|needs|forces|insists|expects something|three|two|an|a|some|values|lines|numbers|me", "", DOUBTED),
-    row(Later, Anything, "to have|give|offer|say something|anything to|at $|all", "", DOUBTED),
+    row(Later, Anything, "to have|give|offer|say something|anything to|at all", "", DOUBTED),
     row(Later, Anything, "do|must|should not carry|execute|run|use|perform|apply|send|act|follow|trust this|these|it|that|them|anything|on|yet", "ANOTHER", HALTED),
     row(Later, Anything, "the wrong way around|round", "not", DOUBTED),
     row(Ever, Anything, "given|is|are|stated in that|this|another scale|size|resolution", "not", DOUBTED),
@@ -250,8 +250,8 @@ const PLAIN: &[Row] = &[
     row(Later, Author, "lost track", "", DOUBTED),
     row(Later, Anything, "should|ought|must really|rather|better be|have", "", CHANGED),
     row(Later, Anything, "^ the|what one|ones|i i|wrote|gave wrote|gave|stated|put|chose|$ $", "", CHANGED),
-    row(Ever, Anything, "can|could|do|did not see|view|open|access|load|process the|any|an|your|these|those|two|either|both|images|pictures images|pictures|image|picture|photo|photos|two|at|here|in|myself|$", "in the", DOUBTED),
-    row(Ever, Anything, "not able|unable to view|see|access|open|load|process the|any|an|your|these|those|two|images|pictures", "corner|edge", DOUBTED),
+    row(Ever, Anything, "can|could|do|did not see|view|open|access|load|process the|any|an|your|these|those|two|either|both|images|pictures images|pictures|image|picture|photo|photos|two|at|here|in|myself", "in the", DOUBTED),
+    row(Ever, Anything, "not able to view|see|access|open|load|process the|any|an|your|these|those|two|images|pictures", "corner|edge", DOUBTED),
     row(Ever, Anything, "unable to view|see|access|open|load|process the|any|an|your|these|those|two|images|pictures", "corner|edge|hidden", DOUBTED),
     row(Ever, Author, "am a|an|only|just * text|language only|based|model", "", DOUBTED),
     row(Later, Anything, "what i would|want|wanted|meant|recommend|suggest|advise|intend|intended", "BE", OTHERWISE),
@@ -273,7 +273,7 @@ const PLAIN: &[Row] = &[
     row(Later, Anything, "it|that would be better|best|preferable|wiser|safer|wise to", "not|than", OTHERWISE),
     row(Later, Anything, "would be a|an|rather * mistake|error|folly to", "ANOTHER", HALTED),
     row(Later, Anything, "BE to stop|wait|pause|halt|abort|leave|stay", "not|will|corner|flap|half", HALTED),
-    row(Later, Anything, "stop|end|finish here $", "", HALTED),
+    row(Later, Nobody, "^ stop|end|finish here $", "", HALTED),
     row(Later, Anything, "^ this|that|it * done|completed|executed|performed already", "not", HALTED),
     row(Always, World, "nothing left|more|else * do|fold|smooth|flatten", "", HALTED),
     row(Later, Anything, "nothing left|more|else * do|fold|smooth|flatten", "", HALTED),
@@ -312,7 +312,7 @@ const PLAIN: &[Row] = &[
     row(Ever, Anything, "robot|arm|gripper stays|rests|remains|waits put|idle|parked|$", "", HALTED),
     row(Ever, Anything, "format|template|fields|lines has|have|had|must to|be * filled", "", DOUBTED),
     row(Later, Anything, "can|could not be right|correct|true", "", DOUBTED),
-    row(Later, Anything, "take it|that|this|them back", "", DOUBTED),
+    row(Later, Anything, "take it|that|this|them back $", "", DOUBTED),
     row(Later, Answer, "should|must|can not be used", "", DOUBTED),
     row(Later, Answer, "^ it|this|that BE invalid|void|mistaken", "", DOUBTED),
     row(Later, Anything, "lines|values|points|numbers|answer * BE * mistaken|wrong|incorrect|invalid|void", "not|previous|earlier|last", DOUBTED),
@@ -353,6 +353,8 @@ enum Fit {
     Stem(&'static str),
     Ending(&'static str),
     List(&'static [&'static str]),
+    /// The end of the clause, in place of a word: `not $|answer`.
+    End,
 }
 
 /// What the rows of a table say, and what they say instead.
@@ -368,6 +370,9 @@ static OF_PLAIN: LazyLock<Patterns> = LazyLock::new(|| patterns(PLAIN));
 
 fn pieces(pattern: &'static str) -> Vec<Piece> {
     let fit = |word: &'static str| {
+        if word == "$" {
+            return Fit::End;
+        }
         let list = LISTS.iter().find(|(name, _)| *name == word);
         match (word.strip_suffix('*'), word.strip_prefix('*'), list) {
             (Some(stem), ..) => Fit::Stem(stem),
@@ -445,9 +450,12 @@ fn fits(words: &[&str], at: usize, pattern: &[Piece]) -> bool {
                     Fit::Stem(stem) => word.starts_with(stem),
                     Fit::Ending(ending) => word.ends_with(ending),
                     Fit::List(list) => list.contains(word),
+                    Fit::End => false,
                 })
             };
-            words.get(at).is_some_and(fits_word) && fits(words, at + 1, rest)
+            let may_end = any.iter().any(|fit| matches!(fit, Fit::End));
+            may_end && at == words.len() && fits(words, at, rest)
+                || words.get(at).is_some_and(fits_word) && fits(words, at + 1, rest)
         }
     }
 }
