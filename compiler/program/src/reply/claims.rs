@@ -46,7 +46,8 @@ pub fn standing(reply: &str) -> Standing {
 }
 
 /// Phrases that take back what stands before them.
-const TURNS: [&str; 13] = [
+const TURNS: [&str; 14] = [
+    "oops",
     "no wait",
     "no , wait",
     "wait",
@@ -89,9 +90,19 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     for claim in claims.iter().filter(|claim| !is_course(claim)) {
         has_value[claim.field] = true;
     }
+    // After `No wait`, an answer that is whole again stands for itself.
+    let restart = turns.iter().copied().rfind(|turn| {
+        let follows = |field: usize| {
+            let own = || claims.iter().filter(|claim| claim.field == field);
+            own().any(|claim| claim.span.start < *turn)
+                && own().any(|claim| claim.span.start > *turn)
+        };
+        (0..reader.fields.len()).all(follows)
+    });
     let placed: Vec<&Claim> = claims
         .iter()
         .filter(|claim| !(is_course(claim) && has_value[claim.field]))
+        .filter(|claim| restart.is_none_or(|turn| claim.span.start > turn))
         .collect();
     let stated = placed
         .iter()
@@ -114,8 +125,14 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
             }
         });
     let at = reply.len();
-    let doubt =
-        remarks::doubt(&tokens, stated, Place::Before).or_else(|| remarks::doubt_beside(&beside));
+    let judged = restart.map_or(0, |turn| tokens.partition_point(|token| token.at <= turn));
+    let above = match (restart, claims.first()) {
+        (Some(_), Some(first)) => tokens.partition_point(|token| token.at < first.span.start),
+        _ => 0,
+    };
+    let doubt = remarks::doubt(&tokens[..above], None, Place::Before)
+        .or_else(|| remarks::doubt(&tokens[judged..], stated, Place::Before))
+        .or_else(|| remarks::doubt_beside(&beside));
     let beside = lexer::tokens(&beside.said);
     let remarks = remarks::of(&tokens, reader.notation, stated);
     let remarks = remarks

@@ -100,8 +100,10 @@ fn placed(cursor: &mut Cursor<'_, '_>, notation: &Notation, brackets: Brackets) 
     while let Some(bracket) = cursor.eat_signs(&['(', '[', '{', '<'])
         && open.len() < MAX_BRACKETS
     {
-        // `Pick Point < (10, 20)` compares.
-        if bracket == '<' && !cursor.is_joined() {
+        // `Pick Point < (10, 20)` compares; `<10, 20>` is a point.
+        let is_pair = cursor.ahead(1).is_some_and(|comma| comma.is_sign(','))
+            && cursor.ahead(3).is_some_and(|close| close.is_sign('>'));
+        if bracket == '<' && !cursor.is_joined() && !is_pair {
             return PointFound::Bad("`<` before its numbers is not understood".to_owned());
         }
         open.push(bracket);

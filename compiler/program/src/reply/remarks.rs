@@ -105,13 +105,14 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_FRAME, &["x|y|coordinates|coordinate|columns|rows", "counted|counts|measured|measures|grows|growing|increases|increasing|starts|starting|runs|running", "from the right|from the bottom|from the lower|from right|from bottom|to the left|leftwards"], "not|no|clockwise|counterclockwise|ccw|anticlockwise|angle|angles|direction|directions|deg|°"),
     anywhere(Pixels, OTHER_FRAME, &["relative to the pick|displacement from the pick|offset from the pick|relative to the cloth|not of the image|relative to the cropped"], ""),
     anywhere(Pixels, OTHER_FRAME, &["millimetres|millimeters|mm|centimetres|centimeters|cm|meters|metres|inches", "robot|base|world", "frame|coordinates"], NOT),
-    anywhere(Pixels, OTHER_UNIT, &["centimetres|centimeters|cm|millimetres|millimeters|mm|inches", "units :|unit :|table corner|corner of the table"], "distance|length|lengths"),
+    anywhere(Pixels, OTHER_UNIT, &["centimetres|centimeters|cm|millimetres|millimeters|mm|inches", "units :|unit :|table corner|corner of the table"], "distance|length|lengths|degrees|deg"),
     anywhere(Pixels, OTHER_UNIT, &["normalized|normalised", "coordinates|coordinate|points|values|true|0"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["percent|percentage|percentages|thousandths", "coordinates|coordinate|x|width|height|image size|unit|units"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["1000|999", "grid|scale|range|scaled", "coordinates|coordinate|point|points|values|relative|normalized|both|they|these|all|:"], ""),
     anywhere(Pixels, OTHER_UNIT, &["grid|patches|cells", "column|columns|row|rows|cell", "name|count|divided|number"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["not in pixels|not pixels|not px|not in px|not pixel", POINTS], ""),
     anywhere(Pixels, OTHER_ORDER, &["row before the column|rows before columns|row before column|is the vertical one|row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
+    anywhere(Pixels, OTHER_ORDER, &["yx|y , x|row_col|rowcol", "order|coordinate_order|format|convention|coordinates"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["copy|version|thumbnail|screenshot", "half size|half the size|double size|twice the size|smaller size|reduced size|half scale|another scale"], NOT),
@@ -149,7 +150,7 @@ const ROWS: &[Row] = &[
     after("the answer changes its values under a condition", &["^ if|^ should|^ in case|^ for|^ with", "take|use|choose|make it|pull|go", "half|quarter|third|tenth|double|twice|full|whole|longer|shorter|instead"], "i|we|would|could|might|too|next|not|then|will|second|step|so|is|are"),
     after("the answer changes its values under a condition", &["^ if|^ should|^ in case|^ when", ", pull only|, take only|, use only|, use twice|, use half|, take half|, pull half|, pull twice|, make it|, double it|, halve it"], "i|we|next"),
     after(CHANGED, &["exchange|exchanged|interchange|interchanged|swap|swapped|switch|switched", "those|these|above|two|both|points|lines|answer|that|it"], "not|no|haven't|hasn't|later|unfold|can|could|side"),
-    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked|mirror image"),
+    after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked|mirror image|hem|flap|layer|layers"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
     after(CHANGED, &["^ oops|^ hold on|^ wait|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ double - check|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience"),
     after(CHANGED, &["^ sorry|^ apologies"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience|confusion|delay|for that|for this|for missing|for the"),
@@ -261,17 +262,26 @@ pub(super) fn doubt(
     stated: Option<Stated>,
     place: Place,
 ) -> Option<&'static str> {
+    let least = match place {
+        Place::Beside => doubt::MIN_BESIDE,
+        Place::Before | Place::After => doubt::MIN_EXPLANATION,
+    };
+    doubt_in(tokens, stated, place, doubt::prose(tokens, least))
+}
+
+/// The same, where it is known how much is said.
+pub(super) fn doubt_in(
+    tokens: &[Token<'_>],
+    stated: Option<Stated>,
+    place: Place,
+    prose: Prose,
+) -> Option<&'static str> {
     let last = stated.map(|stated| stated.last);
     let spoken: Vec<_> = sentences(tokens, last)
         .into_iter()
         .filter(|sentence| sentence.len() <= MAX_SENTENCE)
         .collect();
     let language = doubt::language(&spoken);
-    let least = match place {
-        Place::Beside => doubt::MIN_BESIDE,
-        Place::Before | Place::After => doubt::MIN_EXPLANATION,
-    };
-    let prose = doubt::prose(tokens, least);
     spoken.into_iter().find_map(|sentence| {
         let Some(Stated {
             first,

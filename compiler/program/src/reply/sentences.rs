@@ -154,6 +154,9 @@ const LYING: &[&str] = words!(
     "points pointing faces facing lies lying extends extending sticks sticking stretches stretching"
 );
 
+/// The most words of a field's name in another language.
+const MAX_TRANSLATION: usize = 3;
+
 /// The most words between a verb and `from`.
 const MAX_CARRIED: usize = 8;
 
@@ -355,6 +358,20 @@ impl<'a> Sentences<'a> {
         if begins >= Gap::Line && self.begins_statement(start) {
             return None;
         }
+        // `Speed: 200 was used in the previous step`
+        let was = (start + 1..start + 3).find(|at| {
+            self.tokens
+                .get(*at)
+                .is_some_and(|it| it.is_any(&["was", "were"]))
+        });
+        // `About the grip: soft would lose the cloth`
+        let is_supposed = self
+            .tokens
+            .get(start + 1)
+            .is_some_and(|it| it.is_any(&["would", "could", "might"]) && it.gap < Gap::Line);
+        if is_supposed || was.is_some_and(|at| self.is_weighed(mention.at, at)) {
+            return None;
+        }
         let mut context = self.reader.context(mention.field, self.text, hint, clarity);
         context.ends_at_name = self
             .tokens
@@ -530,14 +547,19 @@ impl<'a> Sentences<'a> {
                 .binary_search_by_key(&at, |mention| mention.at)
                 .is_ok()
         };
-        let is_word = cursor.eat_sign('/')
+        let mut is_words = cursor.eat_sign('/');
+        let begin = cursor.at;
+        while is_words
+            && cursor.at < begin + MAX_TRANSLATION
             && cursor
                 .peek()
                 .is_some_and(|word| word.kind == Kind::Word && word.gap < Gap::Line)
-            && !is_named(cursor.at);
-        cursor.at += 1;
+        {
+            is_words = !is_named(cursor.at);
+            cursor.at += 1;
+        }
         let is_sign = |token: &Token<'_>| matches!(token.kind, Kind::Sign('=' | ':'));
-        if !(is_word && cursor.peek().is_some_and(is_sign)) {
+        if !(is_words && cursor.at > begin && cursor.peek().is_some_and(is_sign)) {
             *cursor = start;
         }
     }
@@ -804,7 +826,8 @@ impl<'a> Sentences<'a> {
             .iter()
             .any(|token| token.is_any(&["previously", "earlier"]))
             || rest.windows(2).any(|pair| {
-                pair[0].is("last") && pair[1].is_any(&["time", "try", "attempt", "round"])
+                pair[0].is_any(&["last", "previous"])
+                    && pair[1].is_any(&["time", "try", "attempt", "round", "step"])
             });
         // `pick (30, 40) instead of what I said earlier`
         let is_set_against = rest

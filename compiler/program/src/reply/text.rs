@@ -5,7 +5,7 @@
 
 use super::aside;
 use super::data;
-use super::doubt::Place;
+use super::doubt::{Place, Prose};
 use super::lexer;
 use super::object::{self, Node, Shape};
 use super::reading::{MAX_TEXT_CHARS, Malformed, Reading, Stated, bounded, quoted};
@@ -108,7 +108,7 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
     if rest.and_then(|at| reply.get(at..)).is_some_and(takes_back) {
         return Err(wrong("Your answer takes back its text.".to_owned()));
     }
-    if let Some(why) = doubt(&cleared.text, before, &found) {
+    if let Some(why) = doubt(&cleared.text, before, after, &found) {
         return Err(wrong(format!("Your answer cannot be used: {why}.")));
     }
     let Some(first) = found.first() else {
@@ -141,7 +141,9 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
 }
 
 /// Returns why an answer puts its texts in doubt: in what stands before the first, after the last, or beside them.
-fn doubt(text: &str, label: &str, found: &[Found]) -> Option<&'static str> {
+///
+/// - `after`: what the prompt asks for after the text, `Explanation:`. What follows it is no lone remark, however short.
+fn doubt(text: &str, label: &str, after: &str, found: &[Found]) -> Option<&'static str> {
     let first = found.iter().map(|it| it.span.start).min()?;
     let last = found.iter().map(|it| it.span.end).max()?;
     let spans: Vec<Range<usize>> = object::objects(text)
@@ -150,8 +152,16 @@ fn doubt(text: &str, label: &str, found: &[Found]) -> Option<&'static str> {
         .collect();
     let plain = aside::blanked(text, &spans);
     let around = |part: Option<&str>, place| {
-        let tokens = lexer::tokens(part.unwrap_or_default());
-        remarks::doubt(&tokens, None, place).or_else(|| remarks::of_text(&tokens, place))
+        let part = part.unwrap_or_default();
+        let tokens = lexer::tokens(part);
+        let is_asked = place == Place::After
+            && !letters(after).is_empty()
+            && letters(part).starts_with(&letters(after));
+        let doubted = match is_asked {
+            true => remarks::doubt_in(&tokens, None, place, Prose::Explanation),
+            false => remarks::doubt(&tokens, None, place),
+        };
+        doubted.or_else(|| remarks::of_text(&tokens, place))
     };
     let is_field = |key: &str| is_label(key, label) || ANSWERS.contains(&&*letters(key));
     around(plain.get(..first), Place::Before)
@@ -499,11 +509,15 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
     if lower.ends_with('?') {
         return Some("Your answer asks something where the text is expected.".to_owned());
     }
-    let blank = lower
-        .split_once('<')
-        .and_then(|(_, rest)| rest.split_once('>'));
+    // `<pick point>`, `[pick point]`
     let is_word = |letter: char| letter.is_alphabetic() || letter == ' ';
-    if blank.is_some_and(|(blank, _)| blank.len() > 1 && blank.chars().all(is_word)) {
+    let has_blank = [('<', '>'), ('[', ']')].iter().any(|(open, close)| {
+        let blank = lower
+            .split_once(*open)
+            .and_then(|(_, rest)| rest.split_once(*close));
+        blank.is_some_and(|(blank, _)| blank.len() > 1 && blank.chars().all(is_word))
+    });
+    if has_blank {
         return Some("Your answer leaves a blank in the text.".to_owned());
     }
     if [

@@ -766,6 +766,13 @@ fn tail(
                 if excluded(&mut cursor, context, value) {
                     continue;
                 }
+                // `Oops, that is too fast. Speed = 100 mm/s instead; …`
+                let is_last = cursor
+                    .ahead(1)
+                    .is_none_or(|next| matches!(next.kind, Kind::Sign('.' | ';' | ',')));
+                if is_last && cursor.eat_word("instead") {
+                    continue;
+                }
                 if of_other_kind(&mut cursor, context) {
                     is_apart = true;
                     continue;
@@ -1312,7 +1319,11 @@ fn explanation(
         .iter()
         .position(|token| token.is_any(&["would", "could", "might", "may", "will", "can"]));
     let is_reason = |index: usize| {
-        rest[index].is_any(&["otherwise", "else"]) && modal.is_some_and(|at| at < index)
+        let is_apart = index > 0
+            && rest[index - 1].is_sign(',')
+            && !rest[index..].iter().any(|token| token.kind == Kind::Number);
+        let is_otherwise = rest[index].is_any(&["otherwise", "else"]);
+        is_otherwise && (is_apart || modal.is_some_and(|at| at < index))
     };
     let alters = rest.iter().enumerate().any(|(index, token)| {
         (token.is_any(ALTERING) || token.is_sign('±')) && !is_counter(index) && !is_reason(index)
@@ -1325,6 +1336,15 @@ fn explanation(
         return Ok(());
     }
     if is_point && rest.iter().any(|token| token.is_any(REFRAMING)) {
+        return failed();
+    }
+    // `0 deg (measured from north)`
+    let is_direction = matches!(context.expected.field.choices, Choices::Directions { .. });
+    let counts_from = rest.windows(2).any(|pair| {
+        pair[0].is("from")
+            && pair[1].is_any(&["north", "south", "west", "up", "down", "top", "vertical"])
+    });
+    if is_direction && counts_from {
         return failed();
     }
     // `0.75 edge in total, over two pulls`

@@ -543,7 +543,13 @@ impl<'a> Clause<'a> {
             return Some(DOUBTED);
         }
         let would = modal.is_some_and(|it| it == "would");
+        // `I would rather not pinch hard`
+        let tempers = rest.first() == Some(&"not")
+            && rest.last().is_some_and(|it| {
+                words!("hard harder far farther further more fast faster firmly").contains(it)
+            });
         if would
+            && !tempers
             && !rest.contains(&"@")
             && (PREFERRING.contains(&verb) || self.is_remark() && !POLITE.contains(&verb))
             && !self.is_sequel

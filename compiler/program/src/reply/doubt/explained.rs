@@ -80,7 +80,9 @@ impl Clause<'_> {
         // `What I was unsure about`
         let wondered = matches!(
             self.words,
-            [.., "i", "was", "unsure" | "uncertain", _] | ["i", "was", "unsure" | "uncertain", ..]
+            [.., "i", "was", "unsure" | "uncertain", _]
+                | ["i", "was", "unsure" | "uncertain" | "tempted", ..]
+                | ["i", "was", _, "unsure" | "uncertain" | "tempted", ..]
         );
         let is_named = named.iter().any(|it| EARLIER.contains(it))
             || named

@@ -28,6 +28,9 @@ pub(super) enum Language {
     Other,
 }
 
+/// What stands before a reason.
+const REASONS: &[&str] = words!("reason reasoning rationale explanation why");
+
 /// The fewest words of an answer that explains itself, those of its values included.
 pub(super) const MIN_EXPLANATION: usize = 30;
 
@@ -111,7 +114,11 @@ pub(super) fn cast_by(
             let saying = clauses.iter().find_map(sayings::why);
             // `To sum up: pick (10, 20), pull it to the left` states values, which are compared.
             let restates = words.contains(&"pick") && words.contains(&"@");
-            saying.filter(|why| *why != OTHERWISE || !restates)
+            // `Reason: the corner is folded in, pull it out`
+            let gives_reason = words.get(1) == Some(&":") && REASONS.contains(&words[0]);
+            saying.filter(|why| {
+                *why != OTHERWISE || !(restates || gives_reason && place == Place::After)
+            })
         })
         .or_else(|| clauses.iter().find_map(sayings::plainly))
         .or_else(|| weighing::favours_another(&clauses))

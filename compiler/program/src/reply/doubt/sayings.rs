@@ -97,7 +97,7 @@ const ROWS: &[Row] = &[
     row(After, Nobody, "^ ORDER from|at|the|a|an|its|it|both|another|that|me|us", "@|then|slow*|gent*|*ly|again|flat|low|about|high|enough|above", OTHERWISE),
     row(After, Anything, "^ what * needs|needed|required|missing|wants|matters|helps|deserves|requires * BE", "", OTHERWISE),
     row(After, World, "goes|comes|moves first $", "", OTHERWISE),
-    row(After, Anything, "i would rather|prefer|sooner", "than", OTHERWISE),
+    row(After, Anything, "i would rather|prefer|sooner", "than|hard|harder|far|farther|fast|faster|firmly", OTHERWISE),
     row(After, World, "^ the correct|real|true|proper|better", "not", OTHERWISE),
     row(After, World, "BE the correct|real one $", "not", OTHERWISE),
     row(Later, World, "the other way|direction", "not|no|would|could|second|next|then|will", OTHERWISE),
