@@ -187,7 +187,9 @@ impl Walk<'_> {
         let compiled = fab_compiler::compile(name, &self.files(name, text)).unwrap();
         // A file that readers are to write must not cause warnings either.
         let is_unclean = name != EXAMPLE && !compiled.diagnostics.is_empty();
-        if compiled.has_errors() || compiled.programs.is_empty() || is_unclean {
+        // A file that readers write may hold a material alone, for others to use.
+        let lacks_task = name == EXAMPLE && compiled.programs.is_empty();
+        if compiled.has_errors() || lacks_task || is_unclean {
             return Err(diag::to_text(
                 &compiled.diagnostics,
                 &compiled.sources,
