@@ -1037,6 +1037,7 @@ impl<'a> Sentences<'a> {
             return Vec::new();
         };
         let mut claims = Vec::new();
+        let is_unreal: Vec<bool> = self.tokens.iter().map(|it| it.is_any(UNREAL)).collect();
         for at in 0..self.tokens.len() {
             let is_noun = at > 0
                 && self.tokens[at].is_any(&["pull", "move", "drag", "carry"])
@@ -1049,10 +1050,7 @@ impl<'a> Sentences<'a> {
                 continue;
             }
             let sentence = self.sentence(at);
-            if self.tokens[sentence.clone()]
-                .iter()
-                .any(|token| token.is_any(UNREAL))
-            {
+            if is_unreal[sentence.clone()].contains(&true) {
                 continue;
             }
             let course = (at + 1..sentence.end.min(at + MAX_CARRIED)).find_map(|begin| {
