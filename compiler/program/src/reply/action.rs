@@ -174,8 +174,17 @@ impl Field<'_> {
             claims.retain(|claim| claim.span.start > *turn);
             repairs.push(format!("left out the {noun} that the answer takes back"));
         }
+        if let Some(exact) = claims.iter().rposition(|claim| self.is_exact(claim)) {
+            // `Grip: between soft and firm I was undecided`, above the value in the asked form.
+            let mut at = 0;
+            claims.retain(|claim| {
+                at += 1;
+                at > exact || !matches!(claim.claimed, Claimed::Bad(_) | Claimed::Prose(..))
+            });
+        }
         if let Some(why) = claims.iter().find_map(|claim| match &claim.claimed {
-            Claimed::Bad(why) => Some(why),
+            Claimed::Bad(why) => Some(why.as_str()),
+            Claimed::Torn => Some("its words and its angle differ"),
             _ => None,
         }) {
             return Err(format!("The {noun} of your answer cannot be used: {why}."));
@@ -269,6 +278,25 @@ impl Field<'_> {
         })
     }
 
+    /// Returns whether a claim has the asked form, `Grip = soft`, on a line of its own, and is no alternative.
+    fn is_exact(&self, claim: &Claim) -> bool {
+        let Claimed::Value(value, None) = &claim.claimed else {
+            return false;
+        };
+        let above = self.reply[..claim.span.start].trim_end_matches([' ', '\t', '*', '`']);
+        let begins = above.is_empty() || above.ends_with('\n');
+        let last = above.trim_end().rsplit(char::is_whitespace).next();
+        let is_other = last.is_some_and(|word| {
+            let word = word.trim_matches(|letter: char| !letter.is_alphabetic());
+            ["or", "otherwise", "alternatively"]
+                .iter()
+                .any(|it| word.eq_ignore_ascii_case(it))
+        });
+        let written = self.notation.stated_value(self.declared, value);
+        let text = self.reply.get(claim.span.clone()).unwrap_or_default();
+        begins && !is_other && text.eq_ignore_ascii_case(&space::statement(self.declared, &written))
+    }
+
     /// Returns the direction in which something is moved, where only words state it: `pull it up and to the right`.
     fn course(&self, claims: &[&Claim]) -> Vec<Statement> {
         let Choices::Directions { choices } = &self.declared.choices else {
@@ -286,7 +314,12 @@ impl Field<'_> {
 
     /// Returns whether all claims state the same value.
     fn agree(&self, claims: &[&Claim]) -> bool {
-        let is_bad = |claim: &&Claim| matches!(claim.claimed, Claimed::Bad(_) | Claimed::Prose(..));
+        let is_bad = |claim: &&Claim| {
+            matches!(
+                claim.claimed,
+                Claimed::Bad(_) | Claimed::Torn | Claimed::Prose(..)
+            )
+        };
         !claims.iter().any(is_bad)
             && self
                 .stated(claims)
@@ -313,6 +346,7 @@ impl Field<'_> {
                     axis.get_or_insert((*number, claim.span.clone()));
                 }
                 Claimed::Bad(_)
+                | Claimed::Torn
                 | Claimed::Prose(..)
                 | Claimed::Course(_)
                 | Claimed::Unfit(_)

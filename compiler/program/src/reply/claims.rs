@@ -46,7 +46,7 @@ pub fn standing(reply: &str) -> Standing {
 }
 
 /// Phrases that take back what stands before them.
-const TURNS: [&str; 14] = [
+const TURNS: [&str; 17] = [
     "oops",
     "no wait",
     "no , wait",
@@ -55,7 +55,10 @@ const TURNS: [&str; 14] = [
     "i mean",
     "scratch that",
     "on second thought",
-    "final answer",
+    "use this answer instead",
+    "use this instead",
+    "use these values instead",
+    "use these instead",
     "revised answer",
     "corrected answer",
     "let me correct",

@@ -238,20 +238,17 @@ fn members(
     }
 }
 
-/// Returns the field that `from` or `to` means in an object that has both.
+/// Returns the point that `from` or `to` means in an object that has both.
 fn moved(reader: &Reader<'_>, found: &[object::Member], key: &str) -> Option<usize> {
-    const ENDS: [(&str, &[&str]); 2] = [
-        ("pick", &["from", "source", "start"]),
-        ("place", &["to", "target", "destination", "end"]),
-    ];
-    let is_any =
-        |key: &str, names: &[&str]| names.iter().any(|name| key.eq_ignore_ascii_case(name));
-    let has_both = ENDS
-        .iter()
-        .all(|(_, names)| found.iter().any(|member| is_any(&member.key, names)));
-    let (name, _) = ENDS.iter().find(|(_, names)| is_any(key, names))?;
-    let mut fields = reader.fields.iter();
-    fields.position(|field| has_both && field.name == *name && field.is_point())
+    let meant = |key: &str| {
+        let tokens = lexer::tokens(key);
+        let mut cursor = Cursor::new(&tokens);
+        let field = names::eat_label(reader.fields, &mut cursor)?;
+        (cursor.rest().is_empty() && reader.fields[field].is_point()).then_some(field)
+    };
+    let field = meant(key)?;
+    let is_other = |member: &object::Member| meant(&member.key).is_some_and(|it| it != field);
+    found.iter().any(is_other).then_some(field)
 }
 
 /// Returns the field that a label names, if it names nothing else.

@@ -4,9 +4,10 @@
 //! `Tip angle`) belongs to the longer one.
 
 use super::cursor::Cursor;
-use super::lexer::{self, Gap, Token};
+use super::lexer::{self, Gap, Kind, Token};
+use super::quantity;
 use super::words;
-use crate::data::actions::ActionField;
+use crate::data::actions::{ActionField, Choices};
 
 /// How a field is mentioned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,6 +88,57 @@ const VERBS: [(&str, &[&str], Form); 8] = [
     ("pick", &["pulled", "dragged", "moved"], Form::PassiveAt),
 ];
 
+/// Other labels that models give to a field, read only where its value follows: `Target: (30, 40)`.
+///
+/// The first word is a field's name, or the kind of which there is one field.
+const LABELS: [(&str, &[&str]); 4] = [
+    (
+        "pick",
+        &[
+            "from",
+            "source",
+            "start",
+            "pick up",
+            "where to pick",
+            "where to pinch",
+            "where to grasp",
+        ],
+    ),
+    (
+        "place",
+        &[
+            "to",
+            "target",
+            "destination",
+            "end",
+            "drop off",
+            "put down",
+            "where to place",
+        ],
+    ),
+    (
+        "angle",
+        &[
+            "angle",
+            "direction",
+            "pull direction",
+            "pull angle",
+            "approach angle",
+            "heading",
+        ],
+    ),
+    (
+        "length",
+        &[
+            "length",
+            "distance",
+            "pull length",
+            "pull distance",
+            "travel distance",
+        ],
+    ),
+];
+
 /// Words that may follow the name of a field that is a point.
 pub(super) const POINT_NOUNS: [&str; 8] = [
     "point",
@@ -144,7 +196,9 @@ pub(super) fn mentions(fields: &[ActionField], tokens: &[Token<'_>]) -> Vec<Ment
             }
         }
         if longest.is_none() {
-            longest = verb(fields, tokens, at);
+            longest = other_label(fields, tokens, at, Kind::Sign(':'))
+                .or_else(|| other_label(fields, tokens, at, Kind::Sign('=')))
+                .or_else(|| verb(fields, tokens, at));
         }
         match longest {
             Some(mention) => {
@@ -209,11 +263,61 @@ fn is_qualifier(tokens: &[Token<'_>], end: usize) -> bool {
         })
 }
 
+/// Returns the field that a line's label means by another name, if its sign and a number follow.
+fn other_label(
+    fields: &[ActionField],
+    tokens: &[Token<'_>],
+    at: usize,
+    sign: Kind,
+) -> Option<Mention> {
+    if tokens[at].gap < Gap::Line {
+        return None;
+    }
+    let mut cursor = Cursor { tokens, at };
+    let field = eat_label(fields, &mut cursor)?;
+    let end = cursor.at;
+    skip_nouns(&mut cursor, &fields[field]);
+    let is_signed = cursor.peek().is_some_and(|next| next.kind == sign);
+    cursor.at += 1;
+    (is_signed && quantity::begins(cursor)).then_some(Mention {
+        field,
+        form: Form::Name,
+        at,
+        end,
+    })
+}
+
+/// Moves past one of [`LABELS`], and returns its field.
+pub(super) fn eat_label(fields: &[ActionField], cursor: &mut Cursor<'_, '_>) -> Option<usize> {
+    let one = |is_wanted: &dyn Fn(&ActionField) -> bool| {
+        let mut found = (0..fields.len()).filter(|field| is_wanted(&fields[*field]));
+        found.next().filter(|_| found.next().is_none())
+    };
+    let start = *cursor;
+    LABELS.iter().find_map(|(means, labels)| {
+        let longest = labels
+            .iter()
+            .filter_map(|label| {
+                let mut ahead = start;
+                words::eat(&mut ahead, &lexer::tokens(label)).then_some(ahead.at)
+            })
+            .max()?;
+        let field = match *means {
+            "angle" => one(&|it| matches!(it.choices, Choices::Directions { .. })),
+            "length" => one(&|it| matches!(it.choices, Choices::Lengths { .. })),
+            name => one(&|it| it.name == name && it.is_point()),
+        }?;
+        cursor.at = longest;
+        Some(field)
+    })
+}
+
 fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Mention> {
     // `for the first fold`
     let is_noun = at > 0
         && tokens[at - 1].is_any(&[
-            "the", "a", "this", "that", "each", "every", "first", "second", "third", "next", "last",
+            "the", "a", "this", "that", "each", "every", "first", "second", "third", "next",
+            "last", "has", "have", "had",
         ]);
     if is_noun {
         return None;

@@ -114,7 +114,7 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_ORDER, &["row before the column|rows before columns|row before column|is the vertical one|row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
     anywhere(Pixels, OTHER_ORDER, &["yx|y , x|row_col|rowcol", "order|coordinate_order|format|convention|coordinates"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
-    anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], NOT),
+    anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], "not|no|without|isn't|aren't|haven't|crease|creases|wrinkle|wrinkles|ignore|extra"),
     anywhere(Pixels, OTHER_PICTURE, &["copy|version|thumbnail|screenshot", "half size|half the size|double size|twice the size|smaller size|reduced size|half scale|another scale"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|refer to the depth|refers to the depth|twice the resolution|double the resolution|from the goal image|from the depth|half the resolution|half resolution"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["in the depth image|in the goal image", "coordinates|coordinate|pixels|values"], NOT),
@@ -153,7 +153,7 @@ const ROWS: &[Row] = &[
     after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked|mirror image|hem|flap|layer|layers"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
     after(CHANGED, &["^ oops|^ hold on|^ wait|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ double - check|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience"),
-    after(CHANGED, &["^ sorry|^ apologies"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience|confusion|delay|for that|for this|for missing|for the"),
+    after(CHANGED, &["^ sorry|^ apologies"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience|confusion|delay|for that|for this|for missing|for the|last proposal|last answer|last reply|last attempt|last try|last action|last suggestion"),
     lone(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
     lone(CHANGED, &["should be the one|opposite way|than i wrote|one step lower|one step higher|one level"], NOT),
 ];
@@ -262,11 +262,12 @@ pub(super) fn doubt(
     stated: Option<Stated>,
     place: Place,
 ) -> Option<&'static str> {
-    let least = match place {
-        Place::Beside => doubt::MIN_BESIDE,
-        Place::Before | Place::After => doubt::MIN_EXPLANATION,
+    let prose = match place {
+        Place::Beside => doubt::prose(tokens, doubt::MIN_BESIDE),
+        _ if doubt::gives_reasons(tokens) => Prose::Explanation,
+        _ => doubt::prose(tokens, doubt::MIN_EXPLANATION),
     };
-    doubt_in(tokens, stated, place, doubt::prose(tokens, least))
+    doubt_in(tokens, stated, place, prose)
 }
 
 /// The same, where it is known how much is said.

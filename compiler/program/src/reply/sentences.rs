@@ -43,6 +43,8 @@ pub(super) enum Claimed {
     Prose(String, Vec<Named>),
     /// Something that is not a value, and why not.
     Bad(String),
+    /// A value that its own words contradict: `pull it down (90 deg)`.
+    Torn,
     Nothing,
 }
 
@@ -120,7 +122,7 @@ pub(super) struct Reader<'a> {
 const DENYING: &[&str] = words!(
     "case not don't don’t didn't isn't won't wouldn't shouldn't can't cannot never avoid avoiding no nor neither
     previous previously last old earlier former initial initially example e.g. rejected refused wrong incorrect
-    instead than considered considering candidate candidates alternative alternatives alternatively option options choices if
+    repeat instead than considered considering candidate candidates alternative alternatives alternatively option options choices if
     unless could might may maybe perhaps possible possibly unlike was were template tempting without ❌ ✗ rather human ideally"
 );
 
@@ -761,21 +763,26 @@ impl<'a> Sentences<'a> {
             let is_other = (index + 1..at)
                 .any(|between| self.tokens[between].is_sign(',') || self.tokens[between].is("but"))
                 && self.mentions.first().is_some_and(|first| first.at < index);
-            let is_proposed = token.is("you")
-                && self.tokens[index + 1..at].iter().take(3).any(|next| {
-                    next.is_any(&[
-                        "proposed",
-                        "suggested",
-                        "said",
-                        "mentioned",
-                        "asked",
-                        "gave",
-                        "showed",
-                        "wrote",
-                        "wanted",
-                        "want",
-                    ])
-                });
+            // `not 270 deg, which would pull against the fold`
+            let is_supposed = token.is("would")
+                && index > 0
+                && self.tokens[index - 1].is_any(&["which", "left", "right", "one"]);
+            let is_proposed = is_supposed
+                || token.is("you")
+                    && self.tokens[index + 1..at].iter().take(3).any(|next| {
+                        next.is_any(&[
+                            "proposed",
+                            "suggested",
+                            "said",
+                            "mentioned",
+                            "asked",
+                            "gave",
+                            "showed",
+                            "wrote",
+                            "wanted",
+                            "want",
+                        ])
+                    });
             if is_proposed || (token.is_any(DENYING) && !is_correction && !is_other) {
                 return true;
             }
@@ -827,7 +834,19 @@ impl<'a> Sentences<'a> {
             .any(|token| token.is_any(&["previously", "earlier"]))
             || rest.windows(2).any(|pair| {
                 pair[0].is_any(&["last", "previous"])
-                    && pair[1].is_any(&["time", "try", "attempt", "round", "step"])
+                    && pair[1].is_any(&[
+                        "time",
+                        "try",
+                        "attempt",
+                        "round",
+                        "step",
+                        "reply",
+                        "answer",
+                        "response",
+                        "proposal",
+                        "suggestion",
+                        "message",
+                    ])
             });
         // `pick (30, 40) instead of what I said earlier`
         let is_set_against = rest
@@ -952,7 +971,10 @@ impl<'a> Sentences<'a> {
                 continue;
             };
             let is_doubted = self.tokens[end..].iter().take(4).any(|token| {
-                token.is_any(&["would", "could", "might", "may", "is", "less", "more", "or"])
+                token.is_any(&[
+                    "would", "could", "might", "may", "is", "less", "more", "or", "wouldn't",
+                    "won't", "couldn't", "doesn't",
+                ])
             });
             if is_doubted
                 || self.is_denied(at, Clarity::Spoken, false)
@@ -1008,9 +1030,7 @@ impl<'a> Sentences<'a> {
                 return None;
             }
             let claimed = match value::read(&mut cursor, &context) {
-                Found::Value(value, _) if !self.agrees_with_side(begin, &value) => {
-                    Claimed::Bad("its words and its angle differ".to_owned())
-                }
+                Found::Value(value, _) if !self.agrees_with_side(begin, &value) => Claimed::Torn,
                 Found::Value(value, note) => Claimed::Value(value, note),
                 _ => return None,
             };
@@ -1132,8 +1152,9 @@ impl<'a> Sentences<'a> {
             });
             // `up and to the left`: the last word alone is only a part of it.
             let is_part = at > 0
-                && self.tokens[at - 1]
-                    .is_any(&["and", "the", "to", "-", "upper", "lower", "top", "bottom"]);
+                && (self.tokens[at - 1].is_sign('-')
+                    || self.tokens[at - 1]
+                        .is_any(&["and", "the", "to", "upper", "lower", "top", "bottom"]));
             !is_beside || is_part || side == *deg
         })
     }

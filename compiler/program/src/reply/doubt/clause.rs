@@ -95,7 +95,10 @@ impl<'a> Clause<'a> {
             || SEQUEL.contains(&joint)
             || words
                 .iter()
-                .any(|it| matches!(*it, "next" | "afterwards" | "later"));
+                .any(|it| matches!(*it, "next" | "afterwards" | "later"))
+            || words
+                .windows(2)
+                .any(|pair| pair[0] == "after" && matches!(pair[1], "this" | "that"));
         let is_sequel = is_sequel && place != Place::Before;
         let (subject, length) = subject(words);
         Clause {
@@ -700,7 +703,11 @@ impl<'a> Clause<'a> {
                 || ACTS.contains(&verb)
                 || DISMISSALS.contains(&verb)
                     && !words!("change discard ignore forget").contains(&verb);
-            return (is_order && (is_whole || executes) && !CALMING.contains(&verb) || lets)
+            return (is_order
+                && (is_whole || executes)
+                && !CALMING.contains(&verb)
+                && !self.is_sequel
+                || lets)
                 .then_some(HALTED);
         }
         if self.place == Place::Before && !refers_forward(rest) {

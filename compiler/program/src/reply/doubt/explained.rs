@@ -16,7 +16,8 @@ const EARLIER: &[&str] =
     words!("before earlier previous previously ago former formerly attempt attempts");
 
 /// What is an earlier try after `first` or `last`.
-const TRIES: &[&str] = words!("try tries attempt time round pull fold action step move answer");
+const TRIES: &[&str] =
+    words!("try tries attempt time round pull fold action step move answer reply proposal");
 
 /// Returns why a sentence of an explanation takes the answer back.
 pub(super) fn why(clauses: &[Clause<'_>]) -> Option<&'static str> {
@@ -48,7 +49,9 @@ impl Clause<'_> {
             Subject::Nobody => (at == 0 || self.joint == "but")
                 .then(|| self.demands())
                 .flatten(),
+            Subject::Answer if self.joint == "than" => None,
             Subject::Answer if BACKWARD.contains(&self.words[0]) => self.is_belittled(),
+            Subject::Author if self.doubts_the_world() => sayings::why(self),
             _ if self.is_explaining() => self.doubt(),
             _ => self.doubt().or_else(|| sayings::why(self)),
         }
@@ -72,6 +75,16 @@ impl Clause<'_> {
     /// `The last attempt was wrong`, `the two points that I gave before were too close`, `I had misread the arrow`
     fn tells_of_an_earlier_try(&self) -> bool {
         let named = &self.words[..self.words.len() - self.predicate.len()];
+        // `I am sorry about my last answer`
+        let last = self
+            .words
+            .windows(2)
+            .any(|near| matches!(near[0], "first" | "last") && TRIES.contains(&near[1]));
+        let regrets = self
+            .words
+            .iter()
+            .any(|it| words!("sorry apologise apologize apologies").contains(it))
+            && (last || self.words.iter().any(|it| EARLIER.contains(it)));
         let gave = self
             .words
             .windows(3)
@@ -88,7 +101,24 @@ impl Clause<'_> {
             || named
                 .windows(2)
                 .any(|near| matches!(near[0], "first" | "last") && TRIES.contains(&near[1]));
-        gave || had || wondered || is_named
+        regrets || gave || had || wondered || is_named
+    }
+
+    /// `I am a bit worried by the scale`, `I did not go for half an edge`, `I am not entirely certain of this`
+    fn doubts_the_world(&self) -> bool {
+        let rest = Predicate::of(self.predicate).rest;
+        let names_answer = |it: &&str| {
+            ANSWERS.contains(it)
+                || words!("these those numbers coordinates point points place pixels guess")
+                    .contains(it)
+        };
+        let names_it = |it: &&str| names_answer(it) || *it == "this";
+        let is_slight = self.predicate.windows(2).any(|pair| {
+            pair[0] == "not"
+                && words!("entirely fully completely absolutely totally quite perfectly")
+                    .contains(&pair[1])
+        });
+        rest.len() > 2 && !rest.iter().any(names_it) || is_slight && !rest.iter().any(names_answer)
     }
 
     /// `Wait for the operator`, `a mere guess`
@@ -113,6 +143,8 @@ impl Clause<'_> {
             .iter()
             .take(4)
             .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it));
-        (doubts && !denies && self.place != Place::Before).then_some(DOUBTED)
+        // `That was a slip` is told of what was corrected.
+        let is_past = matches!(self.predicate.first(), Some(&"was" | &"were"));
+        (doubts && !denies && !is_past && self.place != Place::Before).then_some(DOUBTED)
     }
 }

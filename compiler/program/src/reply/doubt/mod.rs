@@ -48,6 +48,15 @@ pub(super) fn prose(tokens: &[Token<'_>], least: usize) -> Prose {
     }
 }
 
+/// Returns whether a line begins with `Reason:`; what stands behind it is an explanation, however short.
+pub(super) fn gives_reasons(tokens: &[Token<'_>]) -> bool {
+    tokens.windows(2).any(|pair| {
+        pair[0].gap >= Gap::Line
+            && pair[0].is_any(REASONS)
+            && matches!(pair[1].kind, Kind::Sign(':' | '-' | '–' | '—'))
+    })
+}
+
 /// Returns the language of an answer that consists of these sentences.
 pub(super) fn language(sentences: &[&[Token<'_>]]) -> Language {
     let is_foreign = |sentence: &&[Token<'_>]| {
@@ -281,7 +290,9 @@ fn whole(
         return Some(DOUBTED);
     }
     // `I would pick the collar if it were offered`
+    let is_past = prose == Prose::Explanation && said.contains(" i would have ");
     let wishes = said.contains(" i would ")
+        && !is_past
         && words.windows(3).any(|near| {
             near[0] == "if" && near[1..].iter().any(|it| words!("were had").contains(it))
         });
@@ -347,6 +358,14 @@ fn introduces_another(words: &[&str]) -> bool {
     if words!(". ! ? ; …").contains(last) {
         return false;
     }
+    // `Based on the corners that were detected, here is the action:`
+    let announced = words.rsplit(|it| *it == ",").next().unwrap_or_default();
+    let is_condition =
+        words!("if unless once until were had should assuming supposing").contains(first);
+    let words = match announced {
+        ["here", "is" | "are", ..] if !is_condition => announced,
+        _ => words,
+    };
     let is_own = words.iter().any(|it| words!("i we").contains(it));
     let begins = words!("if unless once until had draft").contains(first)
         && !words
