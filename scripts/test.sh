@@ -40,10 +40,10 @@ fi
 
 if [ $# -eq 0 ]; then
     set -- --workspace --exclude fab-arm-ros --exclude fab-arm-ros2 --locked --lib --bins --tests
-    # Many fast tests wait for a process or a connection; others run meanwhile.
-    RUST_TEST_THREADS=${RUST_TEST_THREADS:-$((2 * $(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)))}
-    export RUST_TEST_THREADS
 fi
+# Many tests wait for a process or a connection; others run meanwhile.
+RUST_TEST_THREADS=${RUST_TEST_THREADS:-$((2 * $(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)))}
+export RUST_TEST_THREADS
 work=$(mktemp -d) || exit
 trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT

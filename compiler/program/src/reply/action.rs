@@ -4,6 +4,7 @@
 //! the message names both. What an answer takes back, with words such as `no wait`, counts only if nothing replaces it.
 
 use super::claims::{self, Claims};
+use super::corners;
 use super::point::{self, PointFound};
 use super::reading::{Malformed, Reading, Stated, bounded, quoted};
 use super::sentences::{Claim, Claimed, Reader};
@@ -74,7 +75,9 @@ pub fn read_fields(
         ));
         proposal.fields.push((declared.name.clone(), taken.value));
     }
-    if let Some((declared, why)) = unreadable {
+    if let Some((declared, why)) =
+        unreadable.or_else(|| contradicted(actions, &found, &proposal, reply, notation))
+    {
         return Err(Malformed {
             field: declared.name.clone(),
             message: complaint(&why, actions, declared, notation),
@@ -94,6 +97,37 @@ pub fn read_fields(
         repairs,
         stated,
         asides: found.cleared.asides,
+    })
+}
+
+/// Returns the point that is on the other side of the cloth than all the words for it.
+fn contradicted<'a>(
+    actions: &'a [ActionField],
+    found: &Claims,
+    proposal: &Proposal,
+    reply: &str,
+    notation: &Notation,
+) -> Option<(&'a ActionField, String)> {
+    let ends = [("pick", "place"), ("place", "pick")];
+    ends.into_iter().find_map(|(name, other)| {
+        let index = actions.iter().position(|field| field.name == name)?;
+        let (own, other) = (proposal.get(name)?, proposal.get(other)?);
+        let mut sides = found.claims.iter().filter_map(|claim| match claim.claimed {
+            Claimed::Side(deg) if claim.field == index => Some((deg, claim)),
+            _ => None,
+        });
+        let first = sides.clone().next()?.1;
+        if !sides.all(|(deg, _)| corners::contradicts(deg, own, other)) {
+            return None;
+        }
+        let declared = &actions[index];
+        let why = format!(
+            "Your answer says `{}`, but its {} {} is on the other side.",
+            quoted(reply.get(first.span.clone()).unwrap_or_default()),
+            noun(declared),
+            notation.stated_value(declared, own)
+        );
+        Some((declared, why))
     })
 }
 
@@ -349,6 +383,7 @@ impl Field<'_> {
                 | Claimed::Torn
                 | Claimed::Prose(..)
                 | Claimed::Course(_)
+                | Claimed::Side(_)
                 | Claimed::Unfit(_)
                 | Claimed::Hedge(_)
                 | Claimed::Nothing => {}

@@ -88,7 +88,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     }
     let turns = turns(&tokens);
     // A direction in words within an explanation does not move the end of the answer.
-    let is_course = |claim: &Claim| matches!(claim.claimed, Claimed::Course(_));
+    let is_course = |claim: &Claim| matches!(claim.claimed, Claimed::Course(_) | Claimed::Side(_));
     let mut has_value = vec![false; reader.fields.len()];
     for claim in claims.iter().filter(|claim| !is_course(claim)) {
         has_value[claim.field] = true;

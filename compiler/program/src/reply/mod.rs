@@ -8,6 +8,7 @@ mod action;
 mod aside;
 mod choice;
 mod claims;
+mod corners;
 mod cursor;
 mod data;
 mod doubt;

@@ -43,7 +43,8 @@ const VERBS: [(&str, &[&str], Form); 8] = [
     (
         "pick",
         &[
-            "picking", "picks", "grasp", "grasping", "grab", "grabbing", "pickup", "pinch",
+            "picking", "picks", "grasp", "grasps", "grasping", "grab", "grabs", "grabbing",
+            "pickup", "pinch", "pinches",
         ],
         Form::Verb,
     ),
@@ -53,10 +54,13 @@ const VERBS: [(&str, &[&str], Form); 8] = [
             "placing",
             "places",
             "put",
+            "puts",
             "putting",
             "drop",
+            "drops",
             "dropping",
             "release",
+            "releases",
             "releasing",
         ],
         Form::Verb,
@@ -64,8 +68,8 @@ const VERBS: [(&str, &[&str], Form); 8] = [
     (
         "place",
         &[
-            "move", "moving", "drag", "dragging", "bring", "bringing", "carry", "fold", "folding",
-            "pull",
+            "move", "moves", "moving", "drag", "drags", "dragging", "bring", "brings", "bringing",
+            "carry", "carries", "fold", "folds", "folding", "pull",
         ],
         Form::VerbTo,
     ),
@@ -82,7 +86,9 @@ const VERBS: [(&str, &[&str], Form); 8] = [
     ),
     (
         "pick",
-        &["pull", "pulling", "drag", "dragging", "move", "moving"],
+        &[
+            "pull", "pulls", "pulling", "drag", "drags", "dragging", "move", "moves", "moving",
+        ],
         Form::VerbAt,
     ),
     ("pick", &["pulled", "dragged", "moved"], Form::PassiveAt),

@@ -67,7 +67,7 @@ pub(super) enum Parsed {
 }
 
 /// Units in other languages, and their names here.
-const FOREIGN: [(&str, &str); 16] = [
+const FOREIGN: [(&str, &str); 19] = [
     ("度", "deg"),
     ("도", "deg"),
     ("graus", "deg"),
@@ -81,6 +81,9 @@ const FOREIGN: [(&str, &str); 16] = [
     ("stopni", "deg"),
     ("derece", "deg"),
     ("градусов", "deg"),
+    ("边长", "edge"),
+    ("邊長", "edge"),
+    ("kante", "edge"),
     ("毫米", "mm"),
     ("millimètres", "mm"),
     ("milímetros", "mm"),
@@ -227,23 +230,29 @@ pub(super) fn degrees(tokens: &[Token<'_>]) -> bool {
 fn part_of_edge(cursor: &mut Cursor<'_, '_>) -> Option<Quantity> {
     let mut ahead = *cursor;
     ahead.eat_any(&["the", "a", "an"]);
-    let number = PARTS.iter().find_map(|(words, number)| {
-        let mut parts = ahead;
-        let mut all = words.split(' ').enumerate().all(|(index, word)| {
-            if index > 0 {
-                parts.eat_sign('-');
+    // Most tokens begin no part; comparing them with each would take most of the time.
+    let first = ahead.peek()?.text.chars().next()?.to_ascii_lowercase();
+    let may_begin = |words: &str| words.starts_with(first) || first == '3';
+    let number = PARTS
+        .iter()
+        .filter(|(words, _)| may_begin(words))
+        .find_map(|(words, number)| {
+            let mut parts = ahead;
+            let mut all = words.split(' ').enumerate().all(|(index, word)| {
+                if index > 0 {
+                    parts.eat_sign('-');
+                }
+                parts.eat_word(word)
+            });
+            if !all && *words == "three quarters" {
+                parts = ahead;
+                all = parts.eat_number() == Some("3") && parts.eat_word("quarters");
             }
-            parts.eat_word(word)
-        });
-        if !all && *words == "three quarters" {
-            parts = ahead;
-            all = parts.eat_number() == Some("3") && parts.eat_word("quarters");
-        }
-        all.then(|| {
-            ahead = parts;
-            *number
-        })
-    })?;
+            all.then(|| {
+                ahead = parts;
+                *number
+            })
+        })?;
     ahead.eat_sign('-');
     if !of_edge(&mut ahead) {
         return None;

@@ -4,6 +4,7 @@
 //! are not one. A sentence that negates, doubts or asks claims nothing.
 
 use super::choice::Expected;
+use super::corners;
 use super::cursor::Cursor;
 use super::lexer::{self, Gap, Kind, Token};
 use super::names::{self, Form, Mention};
@@ -39,6 +40,8 @@ pub(super) enum Claimed {
     Unfit(Value),
     /// Something is moved in this direction, degrees; the words are coarser than the choices.
     Course(f64),
+    /// Its point is the corner on this side, degrees.
+    Side(f64),
     /// Words that do not begin with a value, the reason, and how each value that they name is meant.
     Prose(String, Vec<Named>),
     /// Something that is not a value, and why not.
@@ -122,7 +125,7 @@ pub(super) struct Reader<'a> {
 const DENYING: &[&str] = words!(
     "case not don't don’t didn't isn't won't wouldn't shouldn't can't cannot never avoid avoiding no nor neither
     previous previously last old earlier former initial initially example e.g. rejected refused wrong incorrect
-    repeat instead than considered considering candidate candidates alternative alternatives alternatively option options choices if
+    repeat instead than considered considering candidate candidates alternative alternatives alternatively otherwise option options choices if
     unless could might may maybe perhaps possible possibly unlike was were template tempting without ❌ ✗ rather human ideally"
 );
 
@@ -183,6 +186,7 @@ impl Reader<'_> {
             .chain(sentences.motions())
             .chain(sentences.pulls())
             .chain(sentences.courses())
+            .chain(sentences.corners())
             .chain(sentences.judgements())
             .chain(sentences.carries())
             .map(|claim| Claim {
@@ -760,8 +764,10 @@ impl<'a> Sentences<'a> {
                     .get(index + 1)
                     .is_some_and(|next| next.is_sign(',') || next.is("wait"));
             // `Pick (1, 2), not (3, 4), and place …`: what is denied there is another value.
-            let is_other = (index + 1..at)
-                .any(|between| self.tokens[between].is_sign(',') || self.tokens[between].is("but"))
+            let is_other = !token.is_any(&["if", "unless"])
+                && (index + 1..at).any(|between| {
+                    self.tokens[between].is_sign(',') || self.tokens[between].is("but")
+                })
                 && self.mentions.first().is_some_and(|first| first.at < index);
             // `not 270 deg, which would pull against the fold`
             let is_supposed = token.is("would")
@@ -870,11 +876,8 @@ impl<'a> Sentences<'a> {
 
     /// Returns pick and place of `drag the cloth from (50, 50) to (170, 170)`.
     fn carries(&self) -> Vec<Claim> {
-        let field = |name: &str| {
-            let mut fields = self.reader.fields.iter();
-            fields.position(|field| field.name == name && field.is_point())
-        };
-        let (Some(pick), Some(place)) = (field("pick"), field("place")) else {
+        let (Some(pick), Some(place)) = (self.point_field("pick"), self.point_field("place"))
+        else {
             return Vec::new();
         };
         let verbs = self
@@ -956,7 +959,7 @@ impl<'a> Sentences<'a> {
                     at: begin,
                 };
                 let joined = inside[begin - 1]
-                    .is_any(&["by", "it", "cloth", "corner", "for", "over"])
+                    .is_any(&["by", "it", "cloth", "corner", "for", "over", "of"])
                     || begin == at + 1;
                 let (value, note) = value::bare(&mut cursor, &context).filter(|_| joined)?;
                 let is_part = inside[begin..cursor.at]
@@ -972,8 +975,8 @@ impl<'a> Sentences<'a> {
             };
             let is_doubted = self.tokens[end..].iter().take(4).any(|token| {
                 token.is_any(&[
-                    "would", "could", "might", "may", "is", "less", "more", "or", "wouldn't",
-                    "won't", "couldn't", "doesn't",
+                    "would", "could", "might", "may", "is", "was", "less", "more", "or",
+                    "wouldn't", "won't", "couldn't", "doesn't",
                 ])
             });
             if is_doubted
@@ -1111,6 +1114,33 @@ impl<'a> Sentences<'a> {
             }
         }
         claims
+    }
+
+    /// Returns which corners are said to be picked and where they are put: `the lower left corner is picked`.
+    fn corners(&self) -> Vec<Claim> {
+        let (Some(pick), Some(place)) = (self.point_field("pick"), self.point_field("place"))
+        else {
+            return Vec::new();
+        };
+        let mut claims = Vec::new();
+        let mut begin = 0;
+        while begin < self.tokens.len() {
+            let sentence = begin..self.sentence(begin).end.max(begin + 1);
+            begin = sentence.end;
+            let is_unreal = self.tokens[sentence.clone()]
+                .iter()
+                .any(|it| it.is_any(UNREAL));
+            if !is_unreal {
+                claims.extend(corners::of_sentence(self.tokens, sentence, (pick, place)));
+            }
+        }
+        claims
+    }
+
+    /// Returns the index of a field that is a point.
+    fn point_field(&self, name: &str) -> Option<usize> {
+        let mut fields = self.reader.fields.iter();
+        fields.position(|field| field.name == name && field.is_point())
     }
 
     /// Returns where the sentence of a token begins and ends; a line ends it.

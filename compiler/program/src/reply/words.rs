@@ -52,7 +52,7 @@ const SIDES: [(&str, f64); 42] = [
 
 /// Arrows that are directions.
 const ARROWS: [(char, f64); 11] = [
-    ('⬆', 90.0),
+    ('➡', 0.0),
     ('⬇', 270.0),
     ('⬅', 180.0),
     ('↑', 90.0),

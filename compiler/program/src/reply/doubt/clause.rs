@@ -81,6 +81,7 @@ impl<'a> Clause<'a> {
         });
         let words = &words[opened.count()..];
         let words = match words {
+            ["in", "my", "last" | "first" | "previous" | "earlier", ..] => words,
             ["in", "my", _, rest @ ..] | ["to", "me" | "my", rest @ ..] => rest,
             _ => words,
         };
@@ -482,7 +483,10 @@ impl<'a> Clause<'a> {
         }
         if AUTHOR_DOUBTS.contains(&verb) && !denies {
             let is_free =
-                words!("apologise apologize suspect worry fear question misplaced object")
+                words!(
+                    "apologise apologize suspect worry fear question misplaced object mixed misread misjudged mistyped erred
+                    confused transposed"
+                )
                     .contains(&verb)
                     && self.place == Place::Before
                     || words!("admit concede wonder worry fear suspect").contains(&verb)
@@ -982,12 +986,15 @@ pub(super) fn subject(words: &[&str]) -> (Subject, usize) {
         }
         _ => {}
     }
-    // `The corner I gave`
+    // `The corner I gave`, `the pick point I gave above`
     if ARTICLES.contains(&word(0))
-        && word(2) == "i"
-        && words!("gave wrote named said chose picked stated listed").contains(&word(3))
+        && let Some(at) = (2..4).find(|at| word(*at) == "i")
+        && words!("gave wrote named said chose picked stated listed").contains(&word(at + 1))
     {
-        return (Subject::Answer, 4);
+        return (
+            Subject::Answer,
+            at + 2 + usize::from(word(at + 2) == "above"),
+        );
     }
     if QUANTIFIERS.contains(&word(0)) && word(1) == "i" && words.len() > 3 {
         return (Subject::Answer, 3);

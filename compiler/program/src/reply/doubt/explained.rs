@@ -25,7 +25,12 @@ pub(super) fn why(clauses: &[Clause<'_>]) -> Option<&'static str> {
     clauses
         .iter()
         .enumerate()
-        .filter(|(_, it)| !it.tells_of_an_earlier_try())
+        .filter(|(at, it)| {
+            // `I apologise, in my last reply the points were swapped`
+            let is_past =
+                it.regrets() && clauses[at + 1..].iter().any(|it| it.names_an_earlier_try());
+            !is_past && !it.tells_of_an_earlier_try()
+        })
         .find_map(|(at, clause)| {
             sayings::plainly(clause).or_else(|| {
                 let next = clauses.get(at + 1);
@@ -72,19 +77,23 @@ impl Clause<'_> {
             && !self.words.windows(2).any(is_right)
     }
 
+    fn regrets(&self) -> bool {
+        let is_regret = |it: &&str| words!("sorry apologise apologize apologies").contains(it);
+        self.words.iter().any(is_regret)
+    }
+
+    /// `my last answer`, `before`
+    fn names_an_earlier_try(&self) -> bool {
+        let is_last =
+            |near: &[&str]| matches!(near[0], "first" | "last") && TRIES.contains(&near[1]);
+        self.words.windows(2).any(is_last) || self.words.iter().any(|it| EARLIER.contains(it))
+    }
+
     /// `The last attempt was wrong`, `the two points that I gave before were too close`, `I had misread the arrow`
     fn tells_of_an_earlier_try(&self) -> bool {
         let named = &self.words[..self.words.len() - self.predicate.len()];
         // `I am sorry about my last answer`
-        let last = self
-            .words
-            .windows(2)
-            .any(|near| matches!(near[0], "first" | "last") && TRIES.contains(&near[1]));
-        let regrets = self
-            .words
-            .iter()
-            .any(|it| words!("sorry apologise apologize apologies").contains(it))
-            && (last || self.words.iter().any(|it| EARLIER.contains(it)));
+        let regrets = self.regrets() && self.names_an_earlier_try();
         let gave = self
             .words
             .windows(3)

@@ -375,6 +375,11 @@ fn introduces_another(words: &[&str]) -> bool {
         || words.windows(2).any(|pair| {
             (OTHER.contains(&pair[0]) && OTHERS.contains(&pair[1]))
                 || (LATER.contains(&pair[1])
+                    // `The places where the hem could be pinched:`
+                    && (!words!("could might").contains(&pair[1])
+                        || words.iter().any(|it| {
+                            ANSWERS.contains(it) || words!("points numbers coordinates").contains(it)
+                        }))
                     && *first != "as"
                     && !words!("you it what").contains(&pair[0]))
                 || (PEOPLE.contains(&pair[0]) && pair[1] == "used")
