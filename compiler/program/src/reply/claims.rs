@@ -77,6 +77,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let beside = data::beside(&text, &is_field);
     let objects = data::objects(reader, &text, &mut claims);
     text = aside::blanked(&text, &objects);
+    let prose = remarks::prose(&lexer::tokens(&text));
     let tables = data::tables(reader, &text, &mut claims);
     text = aside::blanked(&text, &tables);
     claims.extend(reader.sentences(&text, None));
@@ -133,8 +134,8 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         (Some(_), Some(first)) => tokens.partition_point(|token| token.at < first.span.start),
         _ => 0,
     };
-    let doubt = remarks::doubt(&tokens[..above], None, Place::Before)
-        .or_else(|| remarks::doubt(&tokens[judged..], stated, Place::Before))
+    let doubt = remarks::doubt_in(&tokens[..above], None, Place::Before, prose)
+        .or_else(|| remarks::doubt_in(&tokens[judged..], stated, Place::Before, prose))
         .or_else(|| remarks::doubt_beside(&beside));
     let beside = lexer::tokens(&beside.said);
     let remarks = remarks::of(&tokens, reader.notation, stated);

@@ -5,10 +5,12 @@
 
 use super::cursor::Cursor;
 use super::lexer::{Kind, Token};
+use super::point::{self, Brackets, PointFound};
 use super::sentences::{Claim, Claimed};
 use super::wordlist::words;
 use super::words;
 use crate::data::actions::Value;
+use crate::pointing::Notation;
 use std::ops::Range;
 
 /// Verbs for what happens to the picked corner.
@@ -24,7 +26,7 @@ const TAKEN: &[&str] =
 
 /// What may stand between a verb and its corner.
 const BETWEEN: &[&str] =
-    words!("the its this up by at hold of cloth's one my your towel's fabric's");
+    words!("the its this up by at hold of cloth cloth's fabric towel my your towel's fabric's");
 
 /// What leads to the place.
 const LEADING: &[&str] = words!("to onto on over toward towards at");
@@ -32,54 +34,60 @@ const LEADING: &[&str] = words!("to onto on over toward towards at");
 /// The fewest degrees between a side in words and the side on which a point lies that nobody can mean.
 const OPPOSITE_DEG: f64 = 120.0;
 
-/// Returns what a sentence says of the corners that are picked and put down.
+/// Nouns for what is taken, where no corner is named.
+const THINGS: &[&str] = words!("corner flap tip edge hem rim");
+
+/// Returns what a sentence says of the corners that are picked and put down, with the points that stand beside them.
 ///
 /// - `sentence`: its tokens' indices.
-/// - `pick`, `place`: the two fields, by their index.
+/// - `pick`, `place`: the fields, by their index.
 pub(super) fn of_sentence(
     tokens: &[Token<'_>],
     sentence: Range<usize>,
-    (pick, place): (usize, usize),
+    (pick, place): (usize, Option<usize>),
+    notation: &Notation,
 ) -> Vec<Claim> {
     let within = &tokens[..sentence.end];
-    let claim = |field, begin: usize, (deg, end): (f64, usize)| Claim {
-        field,
-        span: tokens[begin].at..tokens[end - 1].end(),
-        claimed: Claimed::Side(deg),
-    };
     let mut claims = Vec::new();
+    let mut add = |field: usize, begin: usize, corner: Corner| {
+        let claim = |end: usize, claimed| Claim {
+            field,
+            span: tokens[begin].at..tokens[end - 1].end(),
+            claimed,
+        };
+        if let (Some(deg), Some(_)) = (corner.deg, place) {
+            claims.push(claim(corner.end, Claimed::Side(deg)));
+        }
+        let mut cursor = Cursor {
+            tokens: within,
+            at: corner.end,
+        };
+        cursor.eat_sign(',');
+        let leads = cursor.eat_word("at") || corner.deg.is_some();
+        if let PointFound::Pixel(pixel, note) = point::read(&mut cursor, notation, Brackets::Needed)
+            && leads
+        {
+            claims.push(claim(cursor.at, Claimed::Value(Value::Point(pixel), note)));
+        }
+    };
     for at in sentence.clone() {
-        // `the lower left corner is picked`, `the lower left corner, which I grab`
-        let passive = corner(within, at).filter(|(_, end)| {
-            let mut behind = Cursor {
-                tokens: within,
-                at: *end,
-            };
-            // `corner of the` was read with the side.
-            behind.eat_any(&["cloth", "towel", "fabric", "napkin", "shirt"]);
-            behind.eat_sign(',');
-            let is_active = behind.eat_any(&["which", "that"]) && behind.eat_any(&["i", "we"]);
-            let verbs = if is_active { TAKING } else { TAKEN };
-            let is_passive = behind.eat_any(&["is", "gets"]);
-            behind.eat_any(&["therefore", "thus", "now", "hence", "to"]);
-            behind.eat_word("be");
-            (is_active || is_passive) && behind.peek().is_some_and(|it| it.is_any(verbs))
-        });
-        let taken = if tokens[at].is_any(TAKING) {
-            let mut cursor = Cursor {
+        // `under the fold at (10, 20)`
+        let is_noun = at > 0 && tokens[at - 1].is_any(&["the", "a", "this", "last", "each"]);
+        let taken = match tokens[at].is_any(TAKING) && !is_noun {
+            true => taken(Cursor {
                 tokens: within,
                 at: at + 1,
-            };
-            while cursor.eat_any(BETWEEN) {}
-            // `I picked the one at the upper left`
-            let is_one = cursor.eat_word("one") && cursor.eat_any(&["at", "on", "in"]);
-            side(within, cursor.at, is_one)
-        } else {
-            passive
+            }),
+            false => corner(within, at).filter(|corner| {
+                is_taken(Cursor {
+                    tokens: within,
+                    at: corner.end,
+                })
+            }),
         };
         let Some(taken) = taken else { continue };
-        claims.push(claim(pick, at, taken));
-        let put = (taken.1..sentence.end).find_map(|to| {
+        add(pick, at, taken);
+        let put = (taken.end..sentence.end).find_map(|to| {
             let mut cursor = Cursor {
                 tokens: within,
                 at: to + 1,
@@ -87,26 +95,67 @@ pub(super) fn of_sentence(
             cursor.eat_any(&["the", "its"]);
             corner(within, cursor.at).filter(|_| tokens[to].is_any(LEADING))
         });
-        claims.extend(put.map(|put| claim(place, at, put)));
+        if let (Some(put), Some(place)) = (put, place) {
+            add(place, at, put);
+        }
         break;
     }
     claims
 }
 
-/// Reads `lower left corner`; its angle from the cloth's middle, degrees, and the token after it.
-fn corner(tokens: &[Token<'_>], at: usize) -> Option<(f64, usize)> {
+/// A corner in words.
+#[derive(Clone, Copy)]
+struct Corner {
+    /// Its side of the picture, degrees; none if no side is named.
+    deg: Option<f64>,
+    /// The token after it.
+    end: usize,
+}
+
+/// Reads what follows a verb that takes something: `the lower left corner`, `the one at the upper left`.
+fn taken(mut cursor: Cursor<'_, '_>) -> Option<Corner> {
+    while cursor.eat_any(BETWEEN) {}
+    let is_one = cursor.eat_word("one") && cursor.eat_any(&["at", "on", "in"]);
+    side(cursor.tokens, cursor.at, is_one).or_else(|| {
+        let is_thing = cursor.eat_any(THINGS) || cursor.tokens[cursor.at - 1].is("at");
+        cursor.at -= usize::from(cursor.tokens[cursor.at - 1].is("at"));
+        is_thing.then_some(Corner {
+            deg: None,
+            end: cursor.at,
+        })
+    })
+}
+
+/// Returns whether a corner is said to be taken: `is picked`, `, which I grab`.
+fn is_taken(mut behind: Cursor<'_, '_>) -> bool {
+    // `corner of the` was read with the side.
+    behind.eat_any(&["cloth", "towel", "fabric", "napkin", "shirt"]);
+    behind.eat_sign(',');
+    let is_active = behind.eat_any(&["which", "that"]) && behind.eat_any(&["i", "we"]);
+    let is_passive = behind.eat_any(&["is", "gets"]);
+    behind.eat_any(&["therefore", "thus", "now", "hence", "to"]);
+    behind.eat_word("be");
+    let verbs = if is_active { TAKING } else { TAKEN };
+    (is_active || is_passive) && behind.peek().is_some_and(|it| it.is_any(verbs))
+}
+
+/// Reads `lower left corner`.
+fn corner(tokens: &[Token<'_>], at: usize) -> Option<Corner> {
     side(tokens, at, false)
 }
 
 /// The same, also without its noun if it is known what stands there.
-fn side(tokens: &[Token<'_>], at: usize, is_known: bool) -> Option<(f64, usize)> {
+fn side(tokens: &[Token<'_>], at: usize, is_known: bool) -> Option<Corner> {
     let mut cursor = Cursor { tokens, at };
     if cursor.peek()?.kind != Kind::Word {
         return None;
     }
     let deg = words::side(&mut cursor)?;
     let is_corner = tokens[at..cursor.at].iter().any(|it| it.is("corner"));
-    ((is_corner || is_known) && deg % 90.0 != 0.0).then_some((deg, cursor.at))
+    ((is_corner || is_known) && deg % 90.0 != 0.0).then_some(Corner {
+        deg: Some(deg),
+        end: cursor.at,
+    })
 }
 
 /// Returns whether a point lies on the other side of the cloth than words say.

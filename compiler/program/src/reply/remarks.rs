@@ -153,7 +153,7 @@ const ROWS: &[Row] = &[
     after(CHANGED, &["add|subtract|multiply|divide|scale|double|doubled|halve|halved|reverse|reversed|flip|flipped|invert|inverted|mirror|shift|increase|decrease|reduce", "every x|every y|each x|each y|x value|y value|x values|y values|x coordinate|y coordinate|x coordinates|y coordinates|coordinates|the values|all values|both by|both values|the distance|the direction|the angle|the grip|the pick|the place|them to|to your resolution|by two|double it|halve it|reverse it|flip it|shift it|scale it|increase it|decrease it|reduce it|mirror it"], "not|no|will|would|to avoid|double - checked|doublechecked|mirror image|hem|flap|layer|layers"),
     after(CHANGED, &["offset|bias|displacement|margin", "add|added|be added|apply|applied", "to both|to each|to the|to all"], NOT),
     after(CHANGED, &["^ oops|^ hold on|^ wait|^ my mistake|^ my bad|^ actually|^ no ,|^ oh no|^ hmm|^ double - check|^ correction"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience"),
-    after(CHANGED, &["^ sorry|^ apologies"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience|confusion|delay|for that|for this|for missing|for the|last proposal|last answer|last reply|last attempt|last try|last action|last suggestion"),
+    after(CHANGED, &["^ sorry|^ apologies"], "no need|does not|doesn't|need not|unchanged|stays|confirms|confirm|correct|right|same|fine|okay|earlier|previous|last time|first answer|inconvenience|confusion|delay|for that|for this|for missing|for the|last proposal|last answer|last reply|last attempt|last try|last action|last suggestion|was on the|was off the|was next to"),
     lone(CHANGED, &["actually ,|looking again|looking at it again|looking closer|looking more closely|on closer look|on closer inspection"], "no need|also|unchanged|stays|confirms|confirm|correct|right|same"),
     lone(CHANGED, &["should be the one|opposite way|than i wrote|one step lower|one step higher|one level"], NOT),
 ];
@@ -253,6 +253,14 @@ fn sentences<'a, 't>(tokens: &'a [Token<'t>], last_claim: Option<usize>) -> Vec<
     found
 }
 
+/// Returns how much an answer of these tokens says.
+pub(super) fn prose(tokens: &[Token<'_>]) -> Prose {
+    match doubt::gives_reasons(tokens) {
+        true => Prose::Explanation,
+        false => doubt::prose(tokens, doubt::MIN_EXPLANATION),
+    }
+}
+
 /// Returns why an answer is in doubt; of the sentence that states the last value, only what follows it is read.
 ///
 /// - `stated`: the claims that stand among the tokens.
@@ -264,8 +272,7 @@ pub(super) fn doubt(
 ) -> Option<&'static str> {
     let prose = match place {
         Place::Beside => doubt::prose(tokens, doubt::MIN_BESIDE),
-        _ if doubt::gives_reasons(tokens) => Prose::Explanation,
-        _ => doubt::prose(tokens, doubt::MIN_EXPLANATION),
+        Place::Before | Place::After => prose(tokens),
     };
     doubt_in(tokens, stated, place, prose)
 }

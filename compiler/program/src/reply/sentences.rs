@@ -1065,11 +1065,15 @@ impl<'a> Sentences<'a> {
             let is_noun = at > 0
                 && self.tokens[at].is_any(&["pull", "move", "drag", "carry"])
                 && self.tokens[at - 1].is_any(&["the", "a", "this", "each", "that", "one"]);
+            // `The upper rim is pulled down in its middle` describes the cloth.
+            let is_state = at > 0
+                && self.tokens[at].is_any(&["pulled", "dragged", "drawn"])
+                && self.tokens[at - 1].is_any(&["is", "are"]);
             // `The corner has to go down and to the left`
             let goes = at > 0
                 && self.tokens[at].is_any(&["go", "travel"])
                 && self.tokens[at - 1].is_any(&["to", "must", "should"]);
-            if is_noun || !(goes || self.tokens[at].is_any(CARRYING)) {
+            if is_noun || is_state || !(goes || self.tokens[at].is_any(CARRYING)) {
                 continue;
             }
             let sentence = self.sentence(at);
@@ -1118,21 +1122,34 @@ impl<'a> Sentences<'a> {
 
     /// Returns which corners are said to be picked and where they are put: `the lower left corner is picked`.
     fn corners(&self) -> Vec<Claim> {
-        let (Some(pick), Some(place)) = (self.point_field("pick"), self.point_field("place"))
-        else {
+        let Some(pick) = self.point_field("pick") else {
             return Vec::new();
         };
+        let fields = (pick, self.point_field("place"));
         let mut claims = Vec::new();
         let mut begin = 0;
         while begin < self.tokens.len() {
             let sentence = begin..self.sentence(begin).end.max(begin + 1);
-            begin = sentence.end;
-            let is_unreal = self.tokens[sentence.clone()]
-                .iter()
-                .any(|it| it.is_any(UNREAL));
-            if !is_unreal {
-                claims.extend(corners::of_sentence(self.tokens, sentence, (pick, place)));
+            // `…, then it is put down` tells of the same motion.
+            let is_unreal = |till: usize| {
+                let mut said = self.tokens[sentence.clone()].iter();
+                said.any(|it| {
+                    it.is_any(UNREAL) && (it.at < till || !it.is_any(&["then", "next", "after"]))
+                })
+            };
+            let found =
+                corners::of_sentence(self.tokens, sentence.clone(), fields, self.reader.notation);
+            let end = found.iter().map(|claim| claim.span.end).max();
+            let is_denied = found.first().is_some_and(|claim| {
+                let at = self
+                    .tokens
+                    .partition_point(|token| token.at < claim.span.start);
+                self.is_denied(at, Clarity::Spoken, false)
+            });
+            if !is_denied && !end.is_some_and(is_unreal) {
+                claims.extend(found);
             }
+            begin = sentence.end;
         }
         claims
     }

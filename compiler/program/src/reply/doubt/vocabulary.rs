@@ -125,7 +125,7 @@ pub(super) const WEAK_DOUBTS: &[&str] = words!(
 /// Trust, which is doubt where it is denied.
 pub(super) const TRUSTED: &[&str] = words!(
     "instruction recommendation command solution prediction measurement supposed how what where reliable trustworthy real final accurate certain sure correct right valid usable safe trusted verified measured
-    meant serious binding official authoritative definitive conclusive sound suitable ready feasible reachable
+    permissible admissible meant serious binding official authoritative definitive conclusive sound suitable ready feasible reachable
     executable intended recommended advisable wise useful worth dependable confident grounded based checked tested
     confirmed credible sensible good mine settled true possible workable sane solid convinced comfortable allowed
     permitted acceptable happy satisfied convincing plausible believable guaranteed"
