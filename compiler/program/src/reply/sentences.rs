@@ -184,6 +184,7 @@ impl Reader<'_> {
         let found = (0..mentions.len()).filter_map(|index| sentences.claim(index));
         found
             .chain(sentences.motions())
+            .chain(sentences.taken())
             .chain(sentences.pulls())
             .chain(sentences.courses())
             .chain(sentences.corners())
@@ -991,6 +992,65 @@ impl<'a> Sentences<'a> {
                 span,
                 claimed: Claimed::Value(value, note),
             });
+        }
+        claims
+    }
+
+    /// Returns the lengths and angles that the author says it takes: `so I take 0.75 edge`, `it may go 0.25 edge`.
+    fn taken(&self) -> Vec<Claim> {
+        let is_length = |field: &ActionField| matches!(field.choices, Choices::Lengths { .. });
+        let is_angle = |field: &ActionField| matches!(field.choices, Choices::Directions { .. });
+        let only = |is_kind: &dyn Fn(&ActionField) -> bool| {
+            let mut found =
+                (0..self.reader.fields.len()).filter(|it| is_kind(&self.reader.fields[*it]));
+            found.next().filter(|_| found.next().is_none())
+        };
+        let fields: Vec<usize> = [only(&is_length), only(&is_angle)]
+            .into_iter()
+            .flatten()
+            .collect();
+        let mut claims = Vec::new();
+        for at in 2..self.tokens.len() {
+            let (subject, verb) = (&self.tokens[at - 1], &self.tokens[at]);
+            let takes = subject.is_any(&["i", "we"])
+                && verb.is_any(&["take", "choose", "chose", "use", "select"]);
+            let goes = subject.is("may")
+                && verb.is_any(&["go", "travel", "move"])
+                && self.tokens[at - 2].is("it");
+            if !(takes || goes) {
+                continue;
+            }
+            let sentence = self.sentence(at);
+            let mut cursor = Cursor {
+                tokens: &self.tokens[..sentence.end],
+                at: at + 1,
+            };
+            cursor.skip(&["the", "a", "an", "about", "by", "up", "to"], &[]);
+            if !quantity::begins(cursor) {
+                continue;
+            }
+            let is_unreal = self.tokens[sentence]
+                .iter()
+                .any(|it| it.is_any(UNREAL) && !it.is_any(&["may", "not"]));
+            let before = if goes { at - 2 } else { at };
+            if is_unreal || self.is_denied(before, Clarity::Spoken, false) {
+                continue;
+            }
+            let read = fields.iter().find_map(|field| {
+                let context = self
+                    .reader
+                    .context(*field, self.text, None, Clarity::Spoken);
+                let mut behind = cursor;
+                let (value, note) = value::bare(&mut behind, &context)?;
+                Some((*field, behind.at, value, note))
+            });
+            if let Some((field, end, value, note)) = read {
+                claims.push(Claim {
+                    field,
+                    span: self.tokens[at].at..self.tokens[end - 1].end(),
+                    claimed: Claimed::Value(value, note),
+                });
+            }
         }
         claims
     }
