@@ -417,6 +417,10 @@ fn take_linear_time(length: usize, every: usize) {
         "with pick would ",
         "grip=soft, a would otherwise ",
         "pull it up ",
+        "grip=soft,",
+        "{\"to\":1,",
+        "I take 45 deg ",
+        "take the lower left corner ",
     ];
     let compass = spaces::space("paper");
     let begun = Instant::now();

@@ -8,6 +8,7 @@ use super::corners;
 use super::point::{self, PointFound};
 use super::reading::{Malformed, Reading, Stated, bounded, quoted};
 use super::sentences::{Claim, Claimed, Reader};
+use super::words;
 use crate::data::actions::Proposal;
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::data::program::Program;
@@ -100,7 +101,7 @@ pub fn read_fields(
     })
 }
 
-/// Returns the point that is on the other side of the cloth than all the words for it.
+/// Returns the point that is on the other side of the other point than all the words for it.
 fn contradicted<'a>(
     actions: &'a [ActionField],
     found: &Claims,
@@ -122,10 +123,11 @@ fn contradicted<'a>(
         }
         let declared = &actions[index];
         let why = format!(
-            "Your answer says `{}`, but its {} {} is on the other side.",
+            "Your answer says `{}`, but its {} {} is on the other side of its {}.",
             quoted(reply.get(first.span.clone()).unwrap_or_default()),
             noun(declared),
-            notation.stated_value(declared, own)
+            notation.stated_value(declared, own),
+            notation.stated_value(declared, other)
         );
         Some((declared, why))
     })
@@ -210,14 +212,20 @@ impl Field<'_> {
         }
         if let Some(exact) = claims.iter().rposition(|claim| self.is_exact(claim)) {
             // `Grip: between soft and firm I was undecided`, above the value in the asked form.
+            let n_claims = claims.len();
             let mut at = 0;
             claims.retain(|claim| {
                 at += 1;
-                at > exact || !matches!(claim.claimed, Claimed::Bad(_) | Claimed::Prose(..))
+                at > exact || !claim.claimed.is_unclear()
             });
+            if claims.len() < n_claims {
+                repairs.push(format!(
+                    "left out what is not clear above the {noun} in the asked form"
+                ));
+            }
         }
         if let Some(why) = claims.iter().find_map(|claim| match &claim.claimed {
-            Claimed::Bad(why) => Some(why.as_str()),
+            Claimed::Bad(why) | Claimed::Unclear(why) => Some(why.as_str()),
             Claimed::Torn => Some("its words and its angle differ"),
             _ => None,
         }) {
@@ -282,8 +290,7 @@ impl Field<'_> {
             .collect();
         let differs = |claim: &&Claim| match (&claim.claimed, value) {
             (Claimed::Course(course), Value::Direction { deg }) => {
-                let apart = (course - deg).rem_euclid(360.0);
-                apart.min(360.0 - apart) >= 90.0
+                words::apart_deg(*course, *deg) >= 90.0
             }
             _ => false,
         };
@@ -317,18 +324,30 @@ impl Field<'_> {
         let Claimed::Value(value, None) = &claim.claimed else {
             return false;
         };
-        let above = self.reply[..claim.span.start].trim_end_matches([' ', '\t', '*', '`']);
-        let begins = above.is_empty() || above.ends_with('\n');
-        let last = above.trim_end().rsplit(char::is_whitespace).next();
-        let is_other = last.is_some_and(|word| {
-            let word = word.trim_matches(|letter: char| !letter.is_alphabetic());
-            ["or", "otherwise", "alternatively"]
-                .iter()
-                .any(|it| word.eq_ignore_ascii_case(it))
-        });
+        let mark = [' ', '\t', '*', '`'];
+        let above = self.reply[..claim.span.start].trim_end_matches(mark);
+        let below = self.reply[claim.span.end..].trim_start_matches(mark);
+        let has_own_line = (above.is_empty() || above.ends_with('\n'))
+            && (below.is_empty() || below.starts_with(['\n', '\r']));
+        let is_other = |above: &str| {
+            let letters = above
+                .trim_end()
+                .bytes()
+                .rev()
+                .take_while(|it| !it.is_ascii_whitespace());
+            let word: Vec<u8> = letters
+                .filter(u8::is_ascii_alphabetic)
+                .map(|it| it.to_ascii_lowercase())
+                .take(16)
+                .collect();
+            [b"ro".as_slice(), b"esiwrehto", b"ylevitanretla"].contains(&word.as_slice())
+        };
+        if !has_own_line || is_other(above) {
+            return false;
+        }
         let written = self.notation.stated_value(self.declared, value);
         let text = self.reply.get(claim.span.clone()).unwrap_or_default();
-        begins && !is_other && text.eq_ignore_ascii_case(&space::statement(self.declared, &written))
+        text.eq_ignore_ascii_case(&space::statement(self.declared, &written))
     }
 
     /// Returns the direction in which something is moved, where only words state it: `pull it up and to the right`.
@@ -380,6 +399,7 @@ impl Field<'_> {
                     axis.get_or_insert((*number, claim.span.clone()));
                 }
                 Claimed::Bad(_)
+                | Claimed::Unclear(_)
                 | Claimed::Torn
                 | Claimed::Prose(..)
                 | Claimed::Course(_)

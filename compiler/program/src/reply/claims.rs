@@ -5,7 +5,7 @@
 
 use super::aside::{self, Aside, Cleared};
 use super::data;
-use super::doubt::Place;
+use super::doubt::{self, Place};
 use super::lexer::{self, Kind, Token};
 use super::names;
 use super::remarks;
@@ -15,7 +15,7 @@ use std::ops::Range;
 /// What an answer claims.
 pub(super) struct Claims {
     pub claims: Vec<Claim>,
-    /// Where the answer takes something back: `no wait`, `final answer`.
+    /// Where the answer takes something back: `no wait`, `correction`.
     pub turns: Vec<usize>,
     pub cleared: Cleared,
     /// Why the answer as a whole is in doubt.
@@ -77,7 +77,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let beside = data::beside(&text, &is_field);
     let objects = data::objects(reader, &text, &mut claims);
     text = aside::blanked(&text, &objects);
-    let prose = remarks::prose(&lexer::tokens(&text));
+    let prose = doubt::prose(&lexer::tokens(&text), doubt::MIN_EXPLANATION);
     let tables = data::tables(reader, &text, &mut claims);
     text = aside::blanked(&text, &tables);
     claims.extend(reader.sentences(&text, None));
@@ -97,7 +97,11 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     // After `No wait`, an answer that is whole again stands for itself.
     let restart = turns.iter().copied().rfind(|turn| {
         let follows = |field: usize| {
-            let own = || claims.iter().filter(|claim| claim.field == field);
+            let own = || {
+                claims
+                    .iter()
+                    .filter(|claim| claim.field == field && !is_course(claim))
+            };
             own().any(|claim| claim.span.start < *turn)
                 && own().any(|claim| claim.span.start > *turn)
         };

@@ -1,10 +1,10 @@
 //! Reads which corner an answer says in words that it picks, and where it says to put it.
 //!
 //! In: the sentences of an answer. Out: sides of the picture, as angles. Models name the right corner and then give the
-//! point of another one, so a value on the other side of the cloth is not what they mean.
+//! point of another one, so a value on the other side of the other point is not what they mean.
 
 use super::cursor::Cursor;
-use super::lexer::{Kind, Token};
+use super::lexer::{Gap, Kind, Token};
 use super::point::{self, Brackets, PointFound};
 use super::sentences::{Claim, Claimed};
 use super::wordlist::words;
@@ -20,16 +20,29 @@ const TAKING: &[&str] = words!(
     moving moved drag drags dragging dragged"
 );
 
-/// The same after `is`.
-const TAKEN: &[&str] =
+/// The same after `is`, where it tells of no earlier step: `is folded` may.
+const TAKEN: &[&str] = words!("picked grasped grabbed taken lifted brought carried dragged");
+
+/// The same after `is to be` and `is therefore`.
+const TO_BE_TAKEN: &[&str] =
     words!("picked grasped grabbed taken lifted folded brought carried moved dragged");
+
+/// What may stand before a verb that is an action of the answer: `I`, `the robot`; otherwise it may be a noun.
+const ACTING: &[&str] = words!("i we to and robot arm gripper it therefore so must should will");
+
+/// What makes `at` lead to the place: `let go at the upper left corner`.
+const RELEASING: &[&str] = words!("go released releases placed dropped down");
+
+/// What makes the next word no lead to a place: `closest to the upper left corner`.
+const COMPARING: &[&str] =
+    words!("closest close next nearest near opposite similar belongs equal parallel");
 
 /// What may stand between a verb and its corner.
 const BETWEEN: &[&str] =
     words!("the its this up by at hold of cloth cloth's fabric towel my your towel's fabric's");
 
 /// What leads to the place.
-const LEADING: &[&str] = words!("to onto on over toward towards at");
+const LEADING: &[&str] = words!("to onto on over toward towards");
 
 /// The fewest degrees between a side in words and the side on which a point lies that nobody can mean.
 const OPPOSITE_DEG: f64 = 120.0;
@@ -71,9 +84,13 @@ pub(super) fn of_sentence(
         }
     };
     for at in sentence.clone() {
-        // `under the fold at (10, 20)`
-        let is_noun = at > 0 && tokens[at - 1].is_any(&["the", "a", "this", "last", "each"]);
-        let taken = match tokens[at].is_any(TAKING) && !is_noun {
+        // `under the fold at (10, 20)`, `the finished fold of the upper left corner`
+        let is_act = tokens[at].is_any(TAKING)
+            && (at == sentence.start
+                || tokens[at].gap >= Gap::Line
+                || tokens[at - 1].kind != Kind::Word && tokens[at - 1].kind != Kind::Number
+                || tokens[at - 1].is_any(ACTING));
+        let taken = match is_act {
             true => taken(Cursor {
                 tokens: within,
                 at: at + 1,
@@ -93,7 +110,9 @@ pub(super) fn of_sentence(
                 at: to + 1,
             };
             cursor.eat_any(&["the", "its"]);
-            corner(within, cursor.at).filter(|_| tokens[to].is_any(LEADING))
+            let is_lead = tokens[to].is_any(LEADING) && !tokens[to - 1].is_any(COMPARING)
+                || tokens[to].is("at") && tokens[to - 1].is_any(RELEASING);
+            corner(within, cursor.at).filter(|_| is_lead)
         });
         if let (Some(put), Some(place)) = (put, place) {
             add(place, at, put);
@@ -117,7 +136,16 @@ fn taken(mut cursor: Cursor<'_, '_>) -> Option<Corner> {
     while cursor.eat_any(BETWEEN) {}
     let is_one = cursor.eat_word("one") && cursor.eat_any(&["at", "on", "in"]);
     side(cursor.tokens, cursor.at, is_one).or_else(|| {
-        let is_thing = cursor.eat_any(THINGS) || cursor.tokens[cursor.at - 1].is("at");
+        let is_named = cursor.eat_any(THINGS);
+        let mut behind = cursor;
+        let of_corner = is_named && behind.eat_any(&["at", "of"]) && {
+            behind.eat_any(&["the", "its"]);
+            true
+        };
+        if of_corner && let Some(corner) = corner(cursor.tokens, behind.at) {
+            return Some(corner);
+        }
+        let is_thing = is_named || cursor.tokens[cursor.at - 1].is("at");
         cursor.at -= usize::from(cursor.tokens[cursor.at - 1].is("at"));
         is_thing.then_some(Corner {
             deg: None,
@@ -133,9 +161,13 @@ fn is_taken(mut behind: Cursor<'_, '_>) -> bool {
     behind.eat_sign(',');
     let is_active = behind.eat_any(&["which", "that"]) && behind.eat_any(&["i", "we"]);
     let is_passive = behind.eat_any(&["is", "gets"]);
-    behind.eat_any(&["therefore", "thus", "now", "hence", "to"]);
+    let is_now = behind.eat_any(&["therefore", "thus", "now", "hence", "to"]);
     behind.eat_word("be");
-    let verbs = if is_active { TAKING } else { TAKEN };
+    let verbs = match () {
+        () if is_active => TAKING,
+        () if is_now => TO_BE_TAKEN,
+        () => TAKEN,
+    };
     (is_active || is_passive) && behind.peek().is_some_and(|it| it.is_any(verbs))
 }
 
@@ -158,7 +190,7 @@ fn side(tokens: &[Token<'_>], at: usize, is_known: bool) -> Option<Corner> {
     })
 }
 
-/// Returns whether a point lies on the other side of the cloth than words say.
+/// Returns whether a point lies on the other side of the other point than words say.
 ///
 /// - `own`: the point that the words describe; `other`: the other end of the motion.
 pub(super) fn contradicts(deg: f64, own: &Value, other: &Value) -> bool {
@@ -170,6 +202,5 @@ pub(super) fn contradicts(deg: f64, own: &Value, other: &Value) -> bool {
         f64::from(own.v) - f64::from(other.v),
     );
     let seen = (-down).atan2(right).to_degrees();
-    let apart = (seen - deg).rem_euclid(360.0);
-    own != other && apart.min(360.0 - apart) >= OPPOSITE_DEG
+    own != other && words::apart_deg(seen, deg) >= OPPOSITE_DEG
 }

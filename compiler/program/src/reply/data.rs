@@ -213,9 +213,10 @@ fn members(
                 });
                 return;
             }
-            for object::Member { key, at, value } in found {
+            let moved = moved(reader, found);
+            for (object::Member { key, at, value }, moved) in found.iter().zip(moved) {
                 let label = lexer::tokens(key);
-                let moved = moved(reader, found, key).map(|field| (field, &[][..]));
+                let moved = moved.map(|field| (field, &[][..]));
                 if let Some((field, rest)) = names::labelled(reader.fields, &label).or(moved) {
                     let span = spanned(value);
                     let begin = if depth == 0 { *at } else { span.start };
@@ -238,17 +239,21 @@ fn members(
     }
 }
 
-/// Returns the point that `from` or `to` means in an object that has both.
-fn moved(reader: &Reader<'_>, found: &[object::Member], key: &str) -> Option<usize> {
-    let meant = |key: &str| {
-        let tokens = lexer::tokens(key);
+/// Returns the points that `from` and `to` mean, for each member of an object that has both.
+fn moved(reader: &Reader<'_>, found: &[object::Member]) -> Vec<Option<usize>> {
+    let meant = |member: &object::Member| {
+        let tokens = lexer::tokens(&member.key);
         let mut cursor = Cursor::new(&tokens);
         let field = names::eat_label(reader.fields, &mut cursor)?;
         (cursor.rest().is_empty() && reader.fields[field].is_point()).then_some(field)
     };
-    let field = meant(key)?;
-    let is_other = |member: &object::Member| meant(&member.key).is_some_and(|it| it != field);
-    found.iter().any(is_other).then_some(field)
+    let mut fields: Vec<Option<usize>> = found.iter().map(meant).collect();
+    let mut named = fields.iter().flatten();
+    let first = named.next().copied();
+    if named.all(|it| Some(*it) == first) {
+        fields.fill(None);
+    }
+    fields
 }
 
 /// Returns the field that a label names, if it names nothing else.
@@ -457,9 +462,8 @@ pub(super) fn tables(
     let mut is_open = false;
     for line in text.split_inclusive('\n') {
         let trimmed = line.trim();
-        let is_row = trimmed.len() > 2
-            && trimmed.starts_with(['|', '｜'])
-            && trimmed[1..].contains(['|', '｜']);
+        let inside = trimmed.strip_prefix(BARS).unwrap_or_default();
+        let is_row = inside.len() > 1 && inside.contains(BARS);
         if is_row {
             if !is_open {
                 blocks.push(Vec::new());
@@ -522,20 +526,22 @@ fn comma_rows(reader: &Reader<'_>, text: &str, claims: &mut Vec<Claim>) -> Optio
     None
 }
 
+/// What stands between the cells of a table.
+const BARS: [char; 2] = ['|', '｜'];
+
 /// Returns the places of a row's cells.
 fn cells(text: &str, line: Range<usize>) -> Vec<Range<usize>> {
     let row = text[line.clone()].trim_end();
     let indent = row.len() - row.trim_start().len();
     let row = row.trim_start();
     let mut cells = Vec::new();
-    let mut start = 1;
-    for (at, _) in row
+    let mut bars = row
         .char_indices()
-        .skip(1)
-        .filter(|(_, letter)| *letter == '|')
-    {
+        .filter(|(_, letter)| BARS.contains(letter));
+    let mut start = bars.next().map_or(0, |(at, bar)| at + bar.len_utf8());
+    for (at, bar) in bars {
         cells.push(line.start + indent + start..line.start + indent + at);
-        start = at + 1;
+        start = at + bar.len_utf8();
     }
     if start < row.len() {
         cells.push(line.start + indent + start..line.start + indent + row.len());

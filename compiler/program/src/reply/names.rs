@@ -4,7 +4,7 @@
 //! `Tip angle`) belongs to the longer one.
 
 use super::cursor::Cursor;
-use super::lexer::{self, Gap, Kind, Token};
+use super::lexer::{self, Gap, Token};
 use super::quantity;
 use super::words;
 use crate::data::actions::{ActionField, Choices};
@@ -135,13 +135,7 @@ const LABELS: [(&str, &[&str]); 4] = [
     ),
     (
         "length",
-        &[
-            "length",
-            "distance",
-            "pull length",
-            "pull distance",
-            "travel distance",
-        ],
+        &["pull length", "pull distance", "travel distance"],
     ),
 ];
 
@@ -167,6 +161,7 @@ pub(super) fn mentions(fields: &[ActionField], tokens: &[Token<'_>]) -> Vec<Ment
         .map(|field| lexer::tokens(&field.name))
         .collect();
     let mut found: Vec<Mention> = Vec::new();
+    let mut labels: Vec<usize> = Vec::new();
     let mut at = 0;
     while at < tokens.len() {
         let mut longest: Option<Mention> = None;
@@ -202,9 +197,9 @@ pub(super) fn mentions(fields: &[ActionField], tokens: &[Token<'_>]) -> Vec<Ment
             }
         }
         if longest.is_none() {
-            longest = other_label(fields, tokens, at, Kind::Sign(':'))
-                .or_else(|| other_label(fields, tokens, at, Kind::Sign('=')))
-                .or_else(|| verb(fields, tokens, at));
+            let label = other_label(fields, tokens, at);
+            labels.extend(label.map(|mention| mention.at));
+            longest = label.or_else(|| verb(fields, tokens, at));
         }
         match longest {
             Some(mention) => {
@@ -217,6 +212,16 @@ pub(super) fn mentions(fields: &[ActionField], tokens: &[Token<'_>]) -> Vec<Ment
             None => at += 1,
         }
     }
+    // `From: (10, 20)` may tell of a crease where the field has its own line.
+    let is_other = |mention: &Mention| labels.binary_search(&mention.at).is_ok();
+    let mut is_named = vec![false; fields.len()];
+    for mention in found
+        .iter()
+        .filter(|it| it.form == Form::Name && !is_other(it))
+    {
+        is_named[mention.field] = true;
+    }
+    found.retain(|mention| !(is_other(mention) && is_named[mention.field]));
     found
 }
 
@@ -270,12 +275,7 @@ fn is_qualifier(tokens: &[Token<'_>], end: usize) -> bool {
 }
 
 /// Returns the field that a line's label means by another name, if its sign and a number follow.
-fn other_label(
-    fields: &[ActionField],
-    tokens: &[Token<'_>],
-    at: usize,
-    sign: Kind,
-) -> Option<Mention> {
+fn other_label(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Mention> {
     if tokens[at].gap < Gap::Line {
         return None;
     }
@@ -283,8 +283,7 @@ fn other_label(
     let field = eat_label(fields, &mut cursor)?;
     let end = cursor.at;
     skip_nouns(&mut cursor, &fields[field]);
-    let is_signed = cursor.peek().is_some_and(|next| next.kind == sign);
-    cursor.at += 1;
+    let is_signed = cursor.eat_signs(&[':', '=']).is_some();
     (is_signed && quantity::begins(cursor)).then_some(Mention {
         field,
         form: Form::Name,
@@ -295,10 +294,6 @@ fn other_label(
 
 /// Moves past one of [`LABELS`], and returns its field.
 pub(super) fn eat_label(fields: &[ActionField], cursor: &mut Cursor<'_, '_>) -> Option<usize> {
-    let one = |is_wanted: &dyn Fn(&ActionField) -> bool| {
-        let mut found = (0..fields.len()).filter(|field| is_wanted(&fields[*field]));
-        found.next().filter(|_| found.next().is_none())
-    };
     let start = *cursor;
     LABELS.iter().find_map(|(means, labels)| {
         let longest = labels
@@ -309,13 +304,26 @@ pub(super) fn eat_label(fields: &[ActionField], cursor: &mut Cursor<'_, '_>) -> 
             })
             .max()?;
         let field = match *means {
-            "angle" => one(&|it| matches!(it.choices, Choices::Directions { .. })),
-            "length" => one(&|it| matches!(it.choices, Choices::Lengths { .. })),
-            name => one(&|it| it.name == name && it.is_point()),
+            "angle" => only(fields, |it| {
+                matches!(it.choices, Choices::Directions { .. })
+            }),
+            "length" => only(fields, |it| {
+                matches!(it.choices, Choices::Lengths { .. }) && it.name == "distance"
+            }),
+            name => only(fields, |it| it.name == name && it.is_point()),
         }?;
         cursor.at = longest;
         Some(field)
     })
+}
+
+/// Returns the index of the only field of a kind.
+pub(super) fn only(
+    fields: &[ActionField],
+    is_wanted: impl Fn(&ActionField) -> bool,
+) -> Option<usize> {
+    let mut found = (0..fields.len()).filter(|field| is_wanted(&fields[*field]));
+    found.next().filter(|_| found.next().is_none())
 }
 
 fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Mention> {
@@ -326,6 +334,15 @@ fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Menti
             "last", "has", "have", "had",
         ]);
     if is_noun {
+        return None;
+    }
+    // `which puts the crease at (10, 20)`
+    let is_effect = at > 0
+        && tokens[at - 1].is_any(&["which", "that", "this"])
+        && tokens[at].is_any(&[
+            "puts", "drops", "releases", "moves", "brings", "drags", "pulls",
+        ]);
+    if is_effect {
         return None;
     }
     let is_passive = at > 0 && tokens[at - 1].is_any(&["be"]);

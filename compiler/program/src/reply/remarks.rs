@@ -114,7 +114,7 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_ORDER, &["row before the column|rows before columns|row before column|is the vertical one|row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
     anywhere(Pixels, OTHER_ORDER, &["yx|y , x|row_col|rowcol", "order|coordinate_order|format|convention|coordinates"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
-    anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], "not|no|without|isn't|aren't|haven't|crease|creases|wrinkle|wrinkles|ignore|extra"),
+    anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], "not|no|without|isn't|aren't|haven't|from a crease|from the crease|from a wrinkle|from an old crease"),
     anywhere(Pixels, OTHER_PICTURE, &["copy|version|thumbnail|screenshot", "half size|half the size|double size|twice the size|smaller size|reduced size|half scale|another scale"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["refer to the goal|refers to the goal|refer to the depth|refers to the depth|twice the resolution|double the resolution|from the goal image|from the depth|half the resolution|half resolution"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["in the depth image|in the goal image", "coordinates|coordinate|pixels|values"], NOT),
@@ -187,9 +187,14 @@ pub(super) fn of(
     stated: Option<Stated>,
 ) -> Vec<(About, String)> {
     let last_claim = stated.map(|stated| stated.last);
-    let prose = doubt::prose(tokens, doubt::MIN_EXPLANATION);
+    let all = doubt::prose(tokens, doubt::MIN_EXPLANATION);
+    let reasons = doubt::reasons_begin(tokens).filter(|_| stated.is_some());
     let mut found: Vec<(About, String)> = Vec::new();
     for sentence in sentences(tokens, last_claim) {
+        let prose = match reasons.is_some_and(|at| sentence[0].at >= at) {
+            true => Prose::Explanation,
+            false => all,
+        };
         // Nobody writes sentences of this length; looking for every phrase in them would only take time.
         if sentence.len() > MAX_SENTENCE {
             continue;
@@ -253,14 +258,6 @@ fn sentences<'a, 't>(tokens: &'a [Token<'t>], last_claim: Option<usize>) -> Vec<
     found
 }
 
-/// Returns how much an answer of these tokens says.
-pub(super) fn prose(tokens: &[Token<'_>]) -> Prose {
-    match doubt::gives_reasons(tokens) {
-        true => Prose::Explanation,
-        false => doubt::prose(tokens, doubt::MIN_EXPLANATION),
-    }
-}
-
 /// Returns why an answer is in doubt; of the sentence that states the last value, only what follows it is read.
 ///
 /// - `stated`: the claims that stand among the tokens.
@@ -272,7 +269,7 @@ pub(super) fn doubt(
 ) -> Option<&'static str> {
     let prose = match place {
         Place::Beside => doubt::prose(tokens, doubt::MIN_BESIDE),
-        Place::Before | Place::After => prose(tokens),
+        Place::Before | Place::After => doubt::prose(tokens, doubt::MIN_EXPLANATION),
     };
     doubt_in(tokens, stated, place, prose)
 }
@@ -290,7 +287,13 @@ pub(super) fn doubt_in(
         .filter(|sentence| sentence.len() <= MAX_SENTENCE)
         .collect();
     let language = doubt::language(&spoken);
+    let reasons = doubt::reasons_begin(tokens).filter(|_| place != Place::Beside);
     spoken.into_iter().find_map(|sentence| {
+        let begins = sentence.first()?.at;
+        let prose = match reasons.is_some_and(|at| begins >= at) {
+            true => Prose::Explanation,
+            false => prose,
+        };
         let Some(Stated {
             first,
             settled,

@@ -46,9 +46,24 @@ pub(super) enum Claimed {
     Prose(String, Vec<Named>),
     /// Something that is not a value, and why not.
     Bad(String),
+    /// Words that neither begin with a value nor can be told apart, and the reason.
+    Unclear(String),
     /// A value that its own words contradict: `pull it down (90 deg)`.
     Torn,
     Nothing,
+}
+
+impl Claimed {
+    /// Returns whether words name no value, or weigh several of them.
+    pub fn is_unclear(&self) -> bool {
+        match self {
+            Claimed::Unclear(_) => true,
+            Claimed::Prose(_, named) => named
+                .iter()
+                .any(|it| named.first().is_some_and(|first| it.value != first.value)),
+            _ => false,
+        }
+    }
 }
 
 /// A value that prose names.
@@ -64,13 +79,12 @@ impl Named {
     pub fn may_mean(&self, value: &Value) -> bool {
         match (&self.value, value) {
             (Value::Direction { deg: named }, Value::Direction { deg }) => {
-                let apart = (named - deg).rem_euclid(360.0);
                 let most = if self.is_worded {
                     WORDED_DEG
                 } else {
                     ROUNDED_DEG
                 };
-                apart.min(360.0 - apart) <= most
+                words::apart_deg(*named, *deg) <= most
             }
             (named, value) => named == value,
         }
@@ -125,7 +139,7 @@ pub(super) struct Reader<'a> {
 const DENYING: &[&str] = words!(
     "case not don't don’t didn't isn't won't wouldn't shouldn't can't cannot never avoid avoiding no nor neither
     previous previously last old earlier former initial initially example e.g. rejected refused wrong incorrect
-    repeat instead than considered considering candidate candidates alternative alternatives alternatively otherwise option options choices if
+    instead than considered considering candidate candidates alternative alternatives alternatively otherwise option options choices if
     unless could might may maybe perhaps possible possibly unlike was were template tempting without ❌ ✗ rather human ideally"
 );
 
@@ -233,6 +247,14 @@ impl Reader<'_> {
             ends_at_name: false,
         }
     }
+}
+
+fn is_length(field: &ActionField) -> bool {
+    matches!(field.choices, Choices::Lengths { .. })
+}
+
+fn is_angle(field: &ActionField) -> bool {
+    matches!(field.choices, Choices::Directions { .. })
 }
 
 /// The sentences of a text, with the fields that they mention.
@@ -372,10 +394,14 @@ impl<'a> Sentences<'a> {
                 .is_some_and(|it| it.is_any(&["was", "were"]))
         });
         // `About the grip: soft would lose the cloth`
-        let is_supposed = self
+        let is_number = self
             .tokens
-            .get(start + 1)
-            .is_some_and(|it| it.is_any(&["would", "could", "might"]) && it.gap < Gap::Line);
+            .get(start)
+            .is_some_and(|it| it.kind == Kind::Number);
+        let words = self.tokens[start..limit].iter().skip(1);
+        let is_supposed = words
+            .take(1 + usize::from(is_number))
+            .any(|it| it.is_any(&["would", "could", "might"]) && it.gap < Gap::Line);
         if is_supposed || was.is_some_and(|at| self.is_weighed(mention.at, at)) {
             return None;
         }
@@ -398,7 +424,7 @@ impl<'a> Sentences<'a> {
                         .map(|(value, is_worded)| Named { value, is_worded })
                         .collect(),
                 ),
-                None => Claimed::Bad(why),
+                None => Claimed::Unclear(why),
             },
             Found::Bad(_) | Found::Prose(_) | Found::Rejected | Found::Nothing => Claimed::Nothing,
         };
@@ -772,9 +798,17 @@ impl<'a> Sentences<'a> {
                 && self.mentions.first().is_some_and(|first| first.at < index);
             // `not 270 deg, which would pull against the fold`
             let is_supposed = token.is("would")
-                && index > 0
-                && self.tokens[index - 1].is_any(&["which", "left", "right", "one"]);
+                && index + 3 >= at
+                && self.tokens[..index]
+                    .last()
+                    .is_some_and(|it| it.is_any(&["which", "left", "right", "other", "one"]));
+            // `we can repeat with 62.5 mm`
+            let is_later = token.is("repeat")
+                && self.tokens[..index]
+                    .last()
+                    .is_some_and(|it| it.is_any(&["can", "could", "then"]));
             let is_proposed = is_supposed
+                || is_later
                 || token.is("you")
                     && self.tokens[index + 1..at].iter().take(3).any(|next| {
                         next.is_any(&[
@@ -928,10 +962,7 @@ impl<'a> Sentences<'a> {
     /// Returns the lengths by which something is moved, without a field's name: `moving it by 1 edge`.
     fn motions(&self) -> Vec<Claim> {
         let mut claims = Vec::new();
-        let lengths: Vec<usize> = (0..self.reader.fields.len())
-            .filter(|field| matches!(self.reader.fields[*field].choices, Choices::Lengths { .. }))
-            .collect();
-        let [field] = lengths[..] else {
+        let Some(field) = names::only(self.reader.fields, is_length) else {
             return claims;
         };
         for at in 0..self.tokens.len() {
@@ -960,7 +991,10 @@ impl<'a> Sentences<'a> {
                     at: begin,
                 };
                 let joined = inside[begin - 1]
-                    .is_any(&["by", "it", "cloth", "corner", "for", "over", "of"])
+                    .is_any(&["by", "it", "cloth", "corner", "for", "over"])
+                    || inside[begin - 1].is("of")
+                        && inside[begin - 2]
+                            .is_any(&["pull", "move", "distance", "length", "drag"])
                     || begin == at + 1;
                 let (value, note) = value::bare(&mut cursor, &context).filter(|_| joined)?;
                 let is_part = inside[begin..cursor.at]
@@ -996,72 +1030,50 @@ impl<'a> Sentences<'a> {
         claims
     }
 
-    /// Returns the lengths and angles that the author says it takes: `so I take 0.75 edge`, `it may go 0.25 edge`.
+    /// Returns the lengths and angles that the author says it takes: `so I take 0.75 edge`.
     fn taken(&self) -> Vec<Claim> {
-        let is_length = |field: &ActionField| matches!(field.choices, Choices::Lengths { .. });
-        let is_angle = |field: &ActionField| matches!(field.choices, Choices::Directions { .. });
-        let only = |is_kind: &dyn Fn(&ActionField) -> bool| {
-            let mut found =
-                (0..self.reader.fields.len()).filter(|it| is_kind(&self.reader.fields[*it]));
-            found.next().filter(|_| found.next().is_none())
-        };
-        let fields: Vec<usize> = [only(&is_length), only(&is_angle)]
+        let fields: Vec<usize> = [is_length, is_angle]
             .into_iter()
-            .flatten()
+            .filter_map(|is_kind| names::only(self.reader.fields, is_kind))
             .collect();
-        let mut claims = Vec::new();
-        for at in 2..self.tokens.len() {
-            let (subject, verb) = (&self.tokens[at - 1], &self.tokens[at]);
-            let takes = subject.is_any(&["i", "we"])
-                && verb.is_any(&["take", "choose", "chose", "use", "select"]);
-            let goes = subject.is("may")
-                && verb.is_any(&["go", "travel", "move"])
-                && self.tokens[at - 2].is("it");
-            if !(takes || goes) {
-                continue;
+        let claims = (1..self.tokens.len()).filter_map(|at| {
+            let takes = self.tokens[at - 1].is_any(&["i", "we"])
+                && self.tokens[at].is_any(&["take", "choose", "chose", "use", "select"]);
+            if !takes {
+                return None;
             }
             let sentence = self.sentence(at);
             let mut cursor = Cursor {
                 tokens: &self.tokens[..sentence.end],
                 at: at + 1,
             };
-            cursor.skip(&["the", "a", "an", "about", "by", "up", "to"], &[]);
-            if !quantity::begins(cursor) {
-                continue;
+            cursor.skip(&["the", "a", "an", "about"], &[]);
+            let is_unreal = self.tokens[sentence].iter().any(|it| it.is_any(UNREAL));
+            if !quantity::begins(cursor) || is_unreal || self.is_denied(at, Clarity::Spoken, false)
+            {
+                return None;
             }
-            let is_unreal = self.tokens[sentence]
-                .iter()
-                .any(|it| it.is_any(UNREAL) && !it.is_any(&["may", "not"]));
-            let before = if goes { at - 2 } else { at };
-            if is_unreal || self.is_denied(before, Clarity::Spoken, false) {
-                continue;
-            }
-            let read = fields.iter().find_map(|field| {
+            fields.iter().find_map(|field| {
                 let context = self
                     .reader
                     .context(*field, self.text, None, Clarity::Spoken);
                 let mut behind = cursor;
-                let (value, note) = value::bare(&mut behind, &context)?;
-                Some((*field, behind.at, value, note))
-            });
-            if let Some((field, end, value, note)) = read {
-                claims.push(Claim {
-                    field,
-                    span: self.tokens[at].at..self.tokens[end - 1].end(),
+                let Found::Value(value, note) = value::read(&mut behind, &context) else {
+                    return None;
+                };
+                Some(Claim {
+                    field: *field,
+                    span: self.tokens[at].at..self.tokens[behind.at - 1].end(),
                     claimed: Claimed::Value(value, note),
-                });
-            }
-        }
-        claims
+                })
+            })
+        });
+        claims.collect()
     }
 
     /// Returns the angles at which something is moved, without a field's name: `pull it down (270 deg)`.
     fn pulls(&self) -> Vec<Claim> {
-        let mut angles = (0..self.reader.fields.len()).filter(|field| {
-            let choices = &self.reader.fields[*field].choices;
-            matches!(choices, Choices::Directions { .. })
-        });
-        let (Some(field), None) = (angles.next(), angles.next()) else {
+        let Some(field) = names::only(self.reader.fields, is_angle) else {
             return Vec::new();
         };
         let context = self.reader.context(field, self.text, None, Clarity::Spoken);
@@ -1114,9 +1126,7 @@ impl<'a> Sentences<'a> {
                 .all(|deg| choices.iter().any(|choice| choice.deg == *deg)),
             _ => false,
         };
-        let mut fields =
-            (0..self.reader.fields.len()).filter(|field| is_compass(&self.reader.fields[*field]));
-        let (Some(field), None) = (fields.next(), fields.next()) else {
+        let Some(field) = names::only(self.reader.fields, is_compass) else {
             return Vec::new();
         };
         let mut claims = Vec::new();
@@ -1128,7 +1138,10 @@ impl<'a> Sentences<'a> {
             // `The upper rim is pulled down in its middle` describes the cloth.
             let is_state = at > 0
                 && self.tokens[at].is_any(&["pulled", "dragged", "drawn"])
-                && self.tokens[at - 1].is_any(&["is", "are"]);
+                && self.tokens[at - 1].is_any(&["is", "are"])
+                && self.tokens[..at - 1].last().is_some_and(|it| {
+                    it.is_any(&["rim", "hem", "edge", "border", "side", "middle"])
+                });
             // `The corner has to go down and to the left`
             let goes = at > 0
                 && self.tokens[at].is_any(&["go", "travel"])

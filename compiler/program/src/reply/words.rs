@@ -51,8 +51,7 @@ const SIDES: [(&str, f64); 42] = [
 ];
 
 /// Arrows that are directions.
-const ARROWS: [(char, f64); 11] = [
-    ('➡', 0.0),
+const ARROWS: [(char, f64); 10] = [
     ('⬇', 270.0),
     ('⬅', 180.0),
     ('↑', 90.0),
@@ -128,6 +127,12 @@ pub(super) fn side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {
     }
     cursor.skip(TRAILING, &[]);
     Some(deg)
+}
+
+/// Returns the angle between two directions, 0 to 180 degrees.
+pub(super) fn apart_deg(one: f64, other: f64) -> f64 {
+    let apart = (one - other).rem_euclid(360.0);
+    apart.min(360.0 - apart)
 }
 
 fn one_side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {

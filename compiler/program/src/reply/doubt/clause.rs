@@ -489,6 +489,7 @@ impl<'a> Clause<'a> {
                 )
                     .contains(&verb)
                     && self.place == Place::Before
+                    && !refers_forward(rest)
                     || words!("admit concede wonder worry fear suspect").contains(&verb)
                         && !self.is_remark();
             return (!is_free).then_some(DOUBTED);

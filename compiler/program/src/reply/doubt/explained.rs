@@ -3,7 +3,9 @@
 //! Most of an explanation describes the cloth, the picture, earlier tries and other ways to act, in any words. So only
 //! what plainly speaks of the answer, of its author or to whoever carries it out counts.
 
-use super::clause::{Clause, DOUBTED, OTHERWISE, Place, Predicate, Subject, orders};
+use super::clause::{
+    Clause, DOUBTED, OTHERWISE, Place, Predicate, Subject, orders, refers_forward,
+};
 use super::sayings;
 use super::vocabulary::*;
 use crate::reply::wordlist::words;
@@ -121,13 +123,18 @@ impl Clause<'_> {
                 || words!("these those numbers coordinates point points place pixels guess")
                     .contains(it)
         };
-        let names_it = |it: &&str| names_answer(it) || *it == "this";
+        let wants = Predicate::of(self.predicate).head == Some("want");
+        let names_it = |it: &&str| {
+            names_answer(it) || *it == "this" || !wants && words!("it them both").contains(it)
+        };
         let is_slight = self.predicate.windows(2).any(|pair| {
             pair[0] == "not"
                 && words!("entirely fully completely absolutely totally quite perfectly")
                     .contains(&pair[1])
         });
-        rest.len() > 2 && !rest.iter().any(names_it) || is_slight && !rest.iter().any(names_answer)
+        let tells_of_values = self.place == Place::Before && refers_forward(rest);
+        !tells_of_values && rest.len() > 2 && !rest.iter().any(names_it)
+            || is_slight && !rest.iter().any(names_answer)
     }
 
     /// `Wait for the operator`, `a mere guess`
@@ -153,7 +160,10 @@ impl Clause<'_> {
             .take(4)
             .any(|it| DOUBTS.contains(it) && !WEAK_DOUBTS.contains(it));
         // `That was a slip` is told of what was corrected.
-        let is_past = matches!(self.predicate.first(), Some(&"was" | &"were"));
+        let is_past = matches!(self.predicate.first(), Some(&"was" | &"were"))
+            && rest
+                .iter()
+                .any(|it| words!("slip mistake error typo misreading oversight").contains(it));
         (doubts && !denies && !is_past && self.place != Place::Before).then_some(DOUBTED)
     }
 }

@@ -48,13 +48,14 @@ pub(super) fn prose(tokens: &[Token<'_>], least: usize) -> Prose {
     }
 }
 
-/// Returns whether a line begins with `Reason:`; what stands behind it is an explanation, however short.
-pub(super) fn gives_reasons(tokens: &[Token<'_>]) -> bool {
-    tokens.windows(2).any(|pair| {
+/// Returns where `Reason:` first begins a line, in bytes; what stands behind it is an explanation, however short.
+pub(super) fn reasons_begin(tokens: &[Token<'_>]) -> Option<usize> {
+    let label = tokens.windows(2).find(|pair| {
         pair[0].gap >= Gap::Line
             && pair[0].is_any(REASONS)
-            && matches!(pair[1].kind, Kind::Sign(':' | '-' | '–' | '—'))
-    })
+            && matches!(pair[1].kind, Kind::Sign(':' | '-' | '–'))
+    });
+    label.map(|pair| pair[0].at)
 }
 
 /// Returns the language of an answer that consists of these sentences.
@@ -232,7 +233,13 @@ fn whole(
         {
             return Some(CONDITIONAL);
         }
-        let dismisses = is_formal
+        // `I mixed up x and y in the lines below:`
+        let confuses = announces
+            && words.iter().any(|it| {
+                words!("mixed misread misjudged mistyped erred confused transposed").contains(it)
+            });
+        let dismisses = confuses
+            || is_formal
             || forbids
             || is_bad
             || announces
@@ -361,10 +368,13 @@ fn introduces_another(words: &[&str]) -> bool {
     // `Based on the corners that were detected, here is the action:`
     let announced = words.rsplit(|it| *it == ",").next().unwrap_or_default();
     let is_condition =
-        words!("if unless once until were had should assuming supposing").contains(first);
-    let words = match announced {
-        ["here", "is" | "are", ..] if !is_condition => announced,
-        _ => words,
+        words!("if unless once until were had should assuming supposing in when provided")
+            .contains(first);
+    let is_later = |word: &&str| {
+        LATER.contains(word)
+            && (is_condition
+                || !matches!(announced, ["here", "is" | "are", ..])
+                || announced.contains(word))
     };
     let is_own = words.iter().any(|it| words!("i we").contains(it));
     let begins = words!("if unless once until had draft").contains(first)
@@ -374,7 +384,7 @@ fn introduces_another(words: &[&str]) -> bool {
     begins
         || words.windows(2).any(|pair| {
             (OTHER.contains(&pair[0]) && OTHERS.contains(&pair[1]))
-                || (LATER.contains(&pair[1])
+                || (is_later(&pair[1])
                     // `The places where the hem could be pinched:`
                     && (!words!("could might").contains(&pair[1])
                         || words.iter().any(|it| {
