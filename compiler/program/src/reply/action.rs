@@ -3,11 +3,12 @@
 //! For each field, an answer states a set of values. One value is read. None, or two different ones, are refused, and
 //! the message names both. What an answer takes back, with words such as `no wait`, counts only if nothing replaces it.
 
+use super::claim::{Claim, Claimed};
 use super::claims::{self, Claims};
 use super::corners;
 use super::point::{self, PointFound};
 use super::reading::{Malformed, Reading, Stated, bounded, quoted};
-use super::sentences::{Claim, Claimed, Reader};
+use super::sentences::Reader;
 use super::words;
 use crate::data::actions::Proposal;
 use crate::data::actions::{ActionField, Choices, Value};

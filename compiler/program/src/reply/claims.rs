@@ -4,12 +4,13 @@
 //! quotations, examples and negations claim nothing.
 
 use super::aside::{self, Aside, Cleared};
+use super::claim::{Claim, Claimed};
 use super::data;
 use super::doubt::{self, Place};
 use super::lexer::{self, Kind, Token};
 use super::names;
 use super::remarks;
-use super::sentences::{Claim, Claimed, Reader};
+use super::sentences::Reader;
 use std::ops::Range;
 
 /// What an answer claims.

@@ -3,10 +3,10 @@
 //! In: the sentences of an answer. Out: sides of the picture, as angles. Models name the right corner and then give the
 //! point of another one, so a value on the other side of the other point is not what they mean.
 
+use super::claim::{Claim, Claimed};
 use super::cursor::Cursor;
 use super::lexer::{Gap, Kind, Token};
 use super::point::{self, Brackets, PointFound};
-use super::sentences::{Claim, Claimed};
 use super::wordlist::words;
 use super::words;
 use crate::data::actions::Value;

@@ -2,13 +2,14 @@
 //!
 //! In: an answer without its asides. Out: claims, and the text with these parts blank, for the reader of sentences.
 
+use super::claim::{Claim, Claimed};
 use super::cursor::Cursor;
 use super::lexer;
 use super::names;
 use super::object::{self, Node, Shape};
 use super::point;
 use super::quantity::{self, AnswerUnit};
-use super::sentences::{Claim, Claimed, Reader};
+use super::sentences::Reader;
 use super::value::Clarity;
 use super::wordlist::words;
 use crate::units::UNITS;

@@ -7,6 +7,7 @@
 mod action;
 mod aside;
 mod choice;
+mod claim;
 mod claims;
 mod corners;
 mod cursor;
