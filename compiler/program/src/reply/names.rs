@@ -197,7 +197,8 @@ pub(super) fn mentions(fields: &[ActionField], tokens: &[Token<'_>]) -> Vec<Ment
             }
         }
         if longest.is_none() {
-            let label = other_label(fields, tokens, at);
+            let label =
+                other_label(fields, tokens, at).or_else(|| misspelt(fields, &names, tokens, at));
             labels.extend(label.map(|mention| mention.at));
             longest = label.or_else(|| verb(fields, tokens, at));
         }
@@ -290,6 +291,62 @@ fn other_label(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Optio
         at,
         end,
     })
+}
+
+/// Returns the field whose name begins a line with a slip in one of its words, if its sign follows: `Tip Angel = `.
+fn misspelt(
+    fields: &[ActionField],
+    names: &[Vec<Token<'_>>],
+    tokens: &[Token<'_>],
+    at: usize,
+) -> Option<Mention> {
+    if tokens[at].gap < Gap::Line {
+        return None;
+    }
+    (0..fields.len()).find_map(|field| {
+        let end = at + names[field].len();
+        let written = tokens.get(at..end)?.iter().zip(&names[field]);
+        let mut n_slips = 0;
+        for (word, meant) in written {
+            if !word.is(meant.text) {
+                n_slips += 1;
+                if !is_slip(&word.text.to_lowercase(), meant.text) {
+                    return None;
+                }
+            }
+        }
+        let mut cursor = Cursor { tokens, at: end };
+        skip_nouns(&mut cursor, &fields[field]);
+        let is_signed = cursor.eat_signs(&[':', '=']).is_some();
+        (n_slips == 1 && is_signed).then_some(Mention {
+            field,
+            form: Form::Name,
+            at,
+            end,
+        })
+    })
+}
+
+/// The fewest letters of a word of which one may be wrong.
+const MIN_SLIP: usize = 5;
+
+/// Returns whether one letter of a word is missing, added, changed, or exchanged with the next one.
+fn is_slip(word: &str, meant: &str) -> bool {
+    let (word, meant): (Vec<char>, Vec<char>) = (word.chars().collect(), meant.chars().collect());
+    let same = word
+        .iter()
+        .zip(&meant)
+        .take_while(|(one, other)| one == other)
+        .count();
+    let (left, right) = (&word[same..], &meant[same..]);
+    let rest = |letters: &'_ [char], n: usize| letters.get(n..).map(<[char]>::to_vec);
+    let is_swapped =
+        left.len() > 1 && right.len() > 1 && left[0] == right[1] && left[1] == right[0];
+    meant.len() >= MIN_SLIP
+        && [(1, 1), (0, 1), (1, 0)]
+            .iter()
+            .any(|(one, other)| rest(left, *one).is_some_and(|it| Some(it) == rest(right, *other)))
+        || meant.len() >= MIN_SLIP && is_swapped && left[2..] == right[2..]
 }
 
 /// Moves past one of [`LABELS`], and returns its field.

@@ -890,7 +890,8 @@ impl<'a> Sentences<'a> {
             let is_noun =
                 at > 0 && self.tokens[at - 1].is_any(&["the", "a", "this", "each", "that", "one"]);
             if !self.tokens[at].is_any(&[
-                "move", "moving", "drag", "dragging", "pull", "pulling", "shift", "shifting",
+                "move", "moves", "moving", "drag", "drags", "dragging", "pull", "pulls", "pulling",
+                "shift", "shifting",
             ]) || is_noun
             {
                 continue;
@@ -929,12 +930,18 @@ impl<'a> Sentences<'a> {
             let Some((begin, end, value, note)) = found else {
                 continue;
             };
-            let is_doubted = self.tokens[end..].iter().take(4).any(|token| {
-                token.is_any(&[
-                    "would", "could", "might", "may", "is", "was", "less", "more", "or",
-                    "wouldn't", "won't", "couldn't", "doesn't",
-                ])
-            });
+            // `a pull of 10 mm is all that is needed`
+            let suffices = self.tokens[end..]
+                .iter()
+                .take(2)
+                .any(|token| token.is_any(&["all", "enough"]));
+            let is_doubted = !suffices
+                && self.tokens[end..].iter().take(4).any(|token| {
+                    token.is_any(&[
+                        "would", "could", "might", "may", "is", "was", "less", "more", "or",
+                        "wouldn't", "won't", "couldn't", "doesn't",
+                    ])
+                });
             if is_doubted
                 || self.is_denied(at, Clarity::Spoken, false)
                 || self.is_denied(begin, Clarity::Spoken, false)
@@ -1225,7 +1232,8 @@ impl<'a> Sentences<'a> {
                     word.is_any(HARMING) || moves && word.is_any(&["off", "outside", "beyond"]);
                 moves |= word.is_any(MOVING);
                 denies |= word.is_any(&[
-                    "not", "no", "never", "without", "would", "could", "might", "may",
+                    "not", "no", "nor", "neither", "never", "without", "would", "could", "might",
+                    "may",
                 ]);
             }
             if harms && !denies {
