@@ -162,6 +162,9 @@ const ROWS: &[Row] = &[
 const CONVERTED: &str =
     "scaled back|converted|multiplied by|in your picture|divided by|dividing by";
 
+/// The most words of a heading that has no sign.
+const MAX_HEADING: usize = 2;
+
 /// The most tokens of a sentence that is a remark.
 const MAX_SENTENCE: usize = 300;
 
@@ -248,7 +251,12 @@ fn sentences<'a, 't>(tokens: &'a [Token<'t>], last_claim: Option<usize>) -> Vec<
             let states_last =
                 last_claim.is_some_and(|at| (tokens[start].at..=tokens[index].at).contains(&at));
             let least = if states_last { Gap::Line } else { Gap::Item };
-            !value::ends_sentence(tokens, index) && next.gap < least
+            // `Check` as a heading orders nothing.
+            let is_heading = index < start + MAX_HEADING
+                && tokens[start].gap >= Gap::Line
+                && next.gap >= Gap::Line
+                && next.text.starts_with(char::is_uppercase);
+            !value::ends_sentence(tokens, index) && next.gap < least && !is_heading
         });
         if !goes_on {
             found.push(&tokens[start..=index]);
