@@ -339,14 +339,10 @@ fn is_slip(word: &str, meant: &str) -> bool {
         .take_while(|(one, other)| one == other)
         .count();
     let (left, right) = (&word[same..], &meant[same..]);
-    let rest = |letters: &'_ [char], n: usize| letters.get(n..).map(<[char]>::to_vec);
-    let is_swapped =
-        left.len() > 1 && right.len() > 1 && left[0] == right[1] && left[1] == right[0];
+    let goes_on = |n: usize, m: usize| left.get(n..).is_some_and(|it| right.get(m..) == Some(it));
+    let is_swapped = matches!((left, right), ([a, b, ..], [c, d, ..]) if a == d && b == c);
     meant.len() >= MIN_SLIP
-        && [(1, 1), (0, 1), (1, 0)]
-            .iter()
-            .any(|(one, other)| rest(left, *one).is_some_and(|it| Some(it) == rest(right, *other)))
-        || meant.len() >= MIN_SLIP && is_swapped && left[2..] == right[2..]
+        && (goes_on(1, 1) || goes_on(0, 1) || goes_on(1, 0) || is_swapped && goes_on(2, 2))
 }
 
 /// Moves past one of [`LABELS`], and returns its field.
