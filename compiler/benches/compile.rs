@@ -6,11 +6,11 @@
 
 #![allow(missing_docs)]
 
-#[path = "../tests/common/inputs.rs"]
+#[path = "../tests/suite/common/inputs.rs"]
 mod inputs;
 
 /// A small task with every section that a task needs.
-const TASK: &str = include_str!("../tests/common/task.fab");
+const TASK: &str = include_str!("../tests/suite/common/task.fab");
 
 use divan::{Bencher, black_box};
 use fab_compiler::{Compiled, LoadError, Loader, diag};

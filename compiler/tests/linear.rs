@@ -5,7 +5,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-#[path = "common/inputs.rs"]
+#[path = "suite/common/inputs.rs"]
 mod inputs;
 
 use fab_grammar::Problem;

@@ -2,7 +2,7 @@
 
 #![no_main]
 
-#[path = "../../compiler/tests/common/promises.rs"]
+#[path = "../../compiler/tests/suite/common/promises.rs"]
 mod promises;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {

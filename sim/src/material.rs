@@ -220,7 +220,7 @@ impl Material {
             });
         }
         let Directions { warp, weft, bias } = self.bending_length_m;
-        // By the cantilevers of `tests/textile`, 10 mm along a thread at 6.25 mm, and 14 mm on the bias.
+        // By the cantilevers of `tests/suite/textile`, 10 mm along a thread at 6.25 mm, and 14 mm on the bias.
         let limits = [(warp, 0.625), (weft, 0.625), (bias, 0.45)].map(|(c, share)| (c, c * share));
         let strictest = limits.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((length_m, limit)) = strictest

@@ -1,6 +1,6 @@
 //! `check --fix`: which files are written, and how.
 //!
-//! Which edits are applied is tested with the compiler (`compiler/tests/fixes.rs`).
+//! Which edits are applied is tested with the compiler (`compiler/tests/suite/fixes.rs`).
 
 use super::support::{fabc, finish, project};
 use std::fs;

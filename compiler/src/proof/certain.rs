@@ -818,7 +818,7 @@ impl Range {
 }
 
 #[cfg(test)]
-#[path = "../../tests/common/chance.rs"]
+#[path = "../../tests/suite/common/chance.rs"]
 mod chance;
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod case;
-#[path = "../../../tests/common/mod.rs"]
+#[path = "../../../tests/suite/common/mod.rs"]
 mod common;
 mod docs;
 mod drivers;

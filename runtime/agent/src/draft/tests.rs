@@ -93,20 +93,6 @@ fn arrows_that_are_drawn_are_found_and_the_folds_that_they_mean() {
 
 #[test]
 #[ignore = "long"]
-fn folds_are_proposed_from_the_change_between_pictures() {
-    let (pictures, arrows) = pinned("house");
-    let draft = drafted(&pictures).unwrap();
-    check("house", &draft, &arrows, ArrowOrigin::Proposed, 2.0);
-    assert!(draft.steps.iter().all(DraftStep::is_sure), "{draft:?}");
-    assert!(
-        (draft.untouched_m - 0.025).abs() < 0.001,
-        "{}",
-        draft.untouched_m
-    );
-}
-
-#[test]
-#[ignore = "long"]
 fn folds_are_proposed_for_every_shipped_task() {
     for task in TASKS {
         let (pictures, arrows) = pinned(task);
@@ -118,7 +104,14 @@ fn folds_are_proposed_for_every_shipped_task() {
                 step.overlap, step.next_best
             );
         }
-        check(task, &draft, &arrows, ArrowOrigin::Proposed, 10.0);
+        let is_house = task == "house";
+        let within_px = if is_house { 2.0 } else { 10.0 };
+        check(task, &draft, &arrows, ArrowOrigin::Proposed, within_px);
+        if is_house {
+            assert!(draft.steps.iter().all(DraftStep::is_sure), "{draft:?}");
+            let untouched = draft.untouched_m;
+            assert!((untouched - 0.025).abs() < 0.001, "{untouched}");
+        }
     }
 }
 
@@ -166,27 +159,8 @@ fn arrows_on_recorded_pictures_are_found() {
 
 #[test]
 #[ignore = "long"]
-fn folds_are_proposed_from_recorded_pictures() {
-    let test = "folds_are_proposed_from_recorded_pictures";
-    let Some((pictures, arrows)) = recorded(test, "DoubleTriangle", "rgb") else {
-        return;
-    };
-    let draft = drafted(&pictures).unwrap();
-    let off = off_px(&draft.steps[0].arrow, &arrows[0].unwrap());
-    assert!(off <= 2.0, "{off} px off, {:?}", draft.steps[0]);
-    // The second fold was recorded between these two corners.
-    let corner = |right, front| ClothPoint::Particle { right, front };
-    let fold = draft.steps[1].fold.clone().unwrap();
-    assert_eq!(
-        [fold.pick, fold.place],
-        [corner(1.0, 1.0), corner(0.0, 0.0)]
-    );
-}
-
-#[test]
-#[ignore = "long"]
 fn folds_are_proposed_from_every_recorded_picture() {
-    let test = "long_folds_are_proposed_from_every_recorded_picture";
+    let test = "folds_are_proposed_from_every_recorded_picture";
     for fold in [
         "AllCornersInward",
         "CornersEdgesInward",
@@ -210,6 +184,20 @@ fn folds_are_proposed_from_every_recorded_picture() {
             assert!(
                 off <= 16.0 || !step.is_sure(),
                 "{fold}: {off} px off, {step:?}"
+            );
+        }
+        if fold == "DoubleTriangle" {
+            let [first, second] = &draft.steps[..] else {
+                panic!("{draft:?}");
+            };
+            let off = off_px(&first.arrow, &arrows[0].unwrap());
+            assert!(off <= 2.0, "{off} px off, {first:?}");
+            // The second fold was recorded between these two corners.
+            let corner = |right, front| ClothPoint::Particle { right, front };
+            let second = second.fold.clone().unwrap();
+            assert_eq!(
+                [second.pick, second.place],
+                [corner(1.0, 1.0), corner(0.0, 0.0)]
             );
         }
     }

@@ -1,0 +1,60 @@
+//! The tables and lists of the language reference are complete; the book's own test compiles its examples.
+
+use crate::common;
+use std::fs;
+
+fn reference() -> String {
+    fs::read_to_string(common::workspace().join("docs/language.md")).unwrap()
+}
+
+/// The tables between markers are the ones that the compiler's own tables give; `FABC_WRITE_DOCS=1` writes them.
+#[test]
+fn the_tables_of_the_reference_are_those_of_the_compiler() {
+    let text = reference();
+    let refreshed = fab_compiler::lang::refreshed(&text).expect("each table has its end");
+    if std::env::var_os("FABC_WRITE_DOCS").is_some() {
+        fs::write(common::workspace().join("docs/language.md"), refreshed).unwrap();
+        return;
+    }
+    for (name, _) in fab_compiler::lang::tables() {
+        assert!(
+            text.contains(&format!("<!-- table: {name} -->")),
+            "`{name}` stands nowhere"
+        );
+    }
+    assert!(
+        text == refreshed,
+        "write them: FABC_WRITE_DOCS=1 cargo test -p fab-compiler --test suite language::"
+    );
+}
+
+#[test]
+fn limits_are_as_stated() {
+    let text = reference();
+    for row in [
+        format!("| a file | {} KiB |", fab_grammar::MAX_BYTES >> 10),
+        format!(
+            "| files in one compilation | {}, each {} `use`s deep |",
+            fab_compiler::MAX_FILES,
+            fab_compiler::MAX_USE_DEPTH
+        ),
+        format!(
+            "| text in one compilation | {} KiB |",
+            fab_compiler::MAX_TOTAL_BYTES >> 10
+        ),
+        format!(
+            "| letters of a word outside of texts | {} |",
+            fab_grammar::MAX_WORD_BYTES
+        ),
+        format!(
+            "| tasks below a task | {} |",
+            fab_compiler::MAX_EXTENDS_DEPTH
+        ),
+        format!(
+            "| open brackets and braces | {} |",
+            fab_grammar::MAX_NESTING
+        ),
+    ] {
+        assert!(text.contains(&row), "{row}");
+    }
+}

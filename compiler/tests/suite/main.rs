@@ -1,0 +1,32 @@
+//! The tests of the compiler, in one binary.
+
+#![allow(clippy::unwrap_used)]
+
+mod any_text;
+mod broken;
+#[path = "common/chance.rs"]
+mod chance;
+mod common;
+mod explained;
+mod faults;
+mod fixes;
+mod grids;
+mod import_circles;
+#[path = "common/inputs.rs"]
+mod inputs;
+mod language;
+mod messages;
+mod mutations;
+mod pointing;
+mod programs;
+#[path = "common/promises.rs"]
+mod promises;
+mod proof;
+mod rendering;
+mod replies;
+mod schema;
+mod slips;
+#[path = "common/spaces.rs"]
+mod spaces;
+mod verdicts;
+mod wasm;

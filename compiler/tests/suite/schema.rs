@@ -1,0 +1,352 @@
+//! The JSON Schema of an answer accepts exactly the offered values.
+
+use crate::common;
+use crate::spaces;
+use fab_program::reply;
+use fab_program::space;
+use fab_program::{PixelPoint, Program, Value};
+use serde_json::{Map, Value as Json, json};
+
+/// Returns whether an answer fits a schema; panics on an unknown keyword.
+fn fits(schema: &Json, answer: &Json) -> bool {
+    schema
+        .as_object()
+        .unwrap()
+        .iter()
+        .all(|(keyword, wanted)| match &**keyword {
+            "description" => true,
+            "type" => match wanted.as_str().unwrap() {
+                "object" => answer.is_object(),
+                "string" => answer.is_string(),
+                other => panic!("no type `{other}`"),
+            },
+            "enum" => wanted.as_array().unwrap().contains(answer),
+            "pattern" => {
+                let pattern: Vec<char> = wanted.as_str().unwrap().chars().collect();
+                let text: Vec<char> = answer.as_str().unwrap_or("").chars().collect();
+                let pattern = pattern
+                    .strip_prefix(&['^'])
+                    .unwrap()
+                    .strip_suffix(&['$'])
+                    .unwrap();
+                ends(pattern, &text).contains(&text.len())
+            }
+            "properties" => wanted
+                .as_object()
+                .unwrap()
+                .iter()
+                .all(|(name, schema)| answer.get(name).is_none_or(|value| fits(schema, value))),
+            "required" => {
+                let names = wanted.as_array().unwrap();
+                names
+                    .iter()
+                    .all(|name| answer.get(name.as_str().unwrap()).is_some())
+            }
+            "additionalProperties" => {
+                assert_eq!(*wanted, false);
+                let known = &schema["properties"];
+                answer
+                    .as_object()
+                    .is_none_or(|it| it.keys().all(|name| known.get(name).is_some()))
+            }
+            other => panic!("no keyword `{other}`"),
+        })
+}
+
+/// Returns the possible lengths of a match of one piece of a pattern at the start of a text.
+type Step<'p> = Box<dyn Fn(&[char]) -> Vec<usize> + 'p>;
+
+/// Returns the possible lengths of a match of a pattern at the start of a text: characters, `\x`, `[a-b]`, `(a|b)`,
+/// each with `?` or `{m,n}`.
+fn ends(pattern: &[char], text: &[char]) -> Vec<usize> {
+    let mut depth = 0;
+    for (at, character) in pattern.iter().enumerate() {
+        match character {
+            '(' | ')' if at > 0 && pattern[at - 1] == '\\' => {}
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            '|' if depth == 0 => {
+                return [ends(&pattern[..at], text), ends(&pattern[at + 1..], text)].concat();
+            }
+            _ => {}
+        }
+    }
+    let Some(first) = pattern.first() else {
+        return vec![0];
+    };
+    let closing = |open: usize| {
+        let mut depth = 0;
+        (open..pattern.len())
+            .find(|at| {
+                match pattern[*at] {
+                    '(' if pattern[*at - usize::from(*at > 0)] != '\\' => depth += 1,
+                    ')' if pattern[*at - 1] != '\\' => depth -= 1,
+                    _ => {}
+                }
+                depth == 0
+            })
+            .unwrap()
+    };
+    let (length, once): (usize, Step<'_>) = match first {
+        '(' => {
+            let close = closing(0);
+            (
+                close + 1,
+                Box::new(move |text| ends(&pattern[1..close], text)),
+            )
+        }
+        '[' => {
+            let (from, to) = (pattern[1], pattern[3]);
+            let is_in =
+                move |text: &[char]| text.first().is_some_and(|it| (from..=to).contains(it));
+            (
+                5,
+                Box::new(move |text| if is_in(text) { vec![1] } else { vec![] }),
+            )
+        }
+        '\\' => {
+            let wanted = pattern[1];
+            (
+                2,
+                Box::new(move |text| {
+                    if text.first() == Some(&wanted) {
+                        vec![1]
+                    } else {
+                        vec![]
+                    }
+                }),
+            )
+        }
+        wanted => {
+            let wanted = *wanted;
+            (
+                1,
+                Box::new(move |text| {
+                    if text.first() == Some(&wanted) {
+                        vec![1]
+                    } else {
+                        vec![]
+                    }
+                }),
+            )
+        }
+    };
+    let rest = &pattern[length..];
+    let (least, most, rest) = match rest.first() {
+        Some('?') => (0, 1, &rest[1..]),
+        Some('{') => {
+            let close = rest.iter().position(|it| *it == '}').unwrap();
+            let bounds: String = rest[1..close].iter().collect();
+            let (least, most) = bounds.split_once(',').unwrap();
+            (
+                least.parse().unwrap(),
+                most.parse().unwrap(),
+                &rest[close + 1..],
+            )
+        }
+        _ => (1, 1, rest),
+    };
+    let mut reached = vec![0];
+    let mut all = Vec::new();
+    for times in 0..=most {
+        if times >= least {
+            for at in &reached {
+                all.extend(ends(rest, &text[*at..]).iter().map(|end| at + end));
+            }
+        }
+        let next = |at: usize| once(&text[at..]).into_iter().map(move |end| at + end);
+        reached = reached.into_iter().flat_map(next).collect();
+    }
+    all
+}
+
+fn offered(program: &Program, points: &[(i32, i32)]) -> Vec<(String, Vec<Value>)> {
+    let points = || {
+        points
+            .iter()
+            .map(|(u, v)| Value::Point(PixelPoint::new(*u, *v)))
+            .collect()
+    };
+    let of = |field: &fab_program::ActionField| match space::declared(field) {
+        values if values.is_empty() => points(),
+        values => values,
+    };
+    let fields = program.actions.iter();
+    fields
+        .map(|field| (field.name.clone(), of(field)))
+        .collect()
+}
+
+#[test]
+fn every_offered_value_fits_and_others_do_not() {
+    for name in ["points", "paper", "grip"] {
+        let program = spaces::space(name);
+        let offered = offered(&program, &[(10, 20), (0, 223), (-3, 4)]);
+        let schemas = [
+            reply::schema(&program, &offered),
+            reply::static_schema(&program),
+        ];
+        let first: Map<String, Json> = program
+            .actions
+            .iter()
+            .zip(&offered)
+            .map(|(field, (_, values))| (field.name.clone(), json!(space::text(field, &values[0]))))
+            .collect();
+        let stating = |name: &str, text: &str| {
+            let mut answer = first.clone();
+            answer.insert(name.to_owned(), json!(text));
+            Json::Object(answer)
+        };
+        for schema in &schemas {
+            for (field, (name, values)) in program.actions.iter().zip(&offered) {
+                for value in values {
+                    let text = space::text(field, value);
+                    assert!(fits(schema, &stating(name, &text)), "{name} {text}");
+                    for other in [
+                        format!("{text} "),
+                        text.to_uppercase(),
+                        text.replace(' ', ""),
+                    ] {
+                        assert!(
+                            other == text || !fits(schema, &stating(name, &other)),
+                            "{other}"
+                        );
+                    }
+                }
+                for other in [
+                    "", "(1,2)", "(01, 2)", "(-0, 2)", "(1, 2", "(1.5, 2)", "44 deg", "hard",
+                ] {
+                    assert!(!fits(schema, &stating(name, other)), "{name} {other}");
+                }
+                let mut lacking = first.clone();
+                lacking.shift_remove(name);
+                assert!(!fits(schema, &Json::Object(lacking)));
+            }
+            assert!(!fits(schema, &stating("else", "x")));
+            assert!(!fits(schema, &json!("(10, 20)")));
+        }
+        // The points are known only in a scene.
+        let elsewhere = stating("pick", "(11, 20)");
+        assert!(!fits(&schemas[0], &elsewhere) && fits(&schemas[1], &elsewhere));
+    }
+}
+
+#[test]
+fn a_field_without_values_accepts_nothing() {
+    let program = spaces::space("paper");
+    let schema = reply::schema(&program, &[]);
+    assert_eq!(schema["properties"]["pick"]["enum"], json!([]));
+    assert_eq!(schema["properties"]["direction"]["enum"][1], "45 deg");
+    assert_eq!(schema["required"], json!(["pick", "direction", "distance"]));
+}
+
+/// What a schema accepts for one property: each choice, or points that fit the pattern.
+fn instances(property: &Json) -> Vec<Json> {
+    match property["enum"].as_array() {
+        Some(choices) => choices.clone(),
+        None if property["pattern"].is_string() => {
+            let points =
+                ["(0, 0)", "(-1, 223)", "(999999, -999999)", "(41, 167)"].map(|point| json!(point));
+            assert!(points.iter().all(|point| fits(property, point)));
+            points.into()
+        }
+        None => vec![json!(
+            "The corner is free, so 90 deg and (1, 2) are no good."
+        )],
+    }
+}
+
+#[test]
+fn schema_and_reader_admit_the_same_actions() {
+    for name in ["points", "paper", "region", "grip"] {
+        let program = spaces::space(name);
+        let offered = offered(&program, &[(10, 20), (0, 223), (-3, 4)]);
+        for schema in [
+            reply::schema(&program, &offered),
+            reply::static_schema(&program),
+        ] {
+            let properties = schema["properties"].as_object().unwrap();
+            let most = properties
+                .values()
+                .map(|it| instances(it).len())
+                .max()
+                .unwrap();
+            for index in 0..most {
+                let chosen = properties.iter().map(|(name, property)| {
+                    let all = instances(property);
+                    (name.clone(), all[index % all.len()].clone())
+                });
+                let answer = Json::Object(chosen.collect());
+                assert!(fits(&schema, &answer), "{answer}");
+                let read = reply::read_action(&program, &answer.to_string())
+                    .unwrap_or_else(|refused| panic!("{answer}: {}", refused.message));
+                // What is read is what the schema states, and the schema can state what is read.
+                for (field, (_, value)) in program.actions.iter().zip(&read.value.fields) {
+                    assert_eq!(
+                        answer[&field.name],
+                        json!(space::text(field, value)),
+                        "{answer}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_action_from_any_form_of_answer_is_one_that_the_schema_can_state() {
+    let folder = common::workspace().join("tests/fixtures/replies");
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let mut n_read = 0;
+    for file in &files {
+        let text = std::fs::read_to_string(file).unwrap();
+        let (head, answer) = text.split_once("---\n").unwrap();
+        let Some(name) = head.lines().next().unwrap().strip_prefix("action in ") else {
+            continue;
+        };
+        let program = spaces::space(name);
+        let Ok(read) = reply::read_action(&program, answer) else {
+            continue;
+        };
+        let schema = reply::static_schema(&program);
+        let stated: Map<String, Json> = program
+            .actions
+            .iter()
+            .zip(&read.value.fields)
+            .map(|(field, (name, value))| (name.clone(), json!(space::text(field, value))))
+            .collect();
+        let is_offered =
+            program
+                .actions
+                .iter()
+                .zip(&read.value.fields)
+                .all(|(field, (_, value))| {
+                    let declared = space::declared(field);
+                    declared.is_empty() || declared.contains(value)
+                });
+        // The verifier refuses what is not offered, and so does the schema.
+        assert_eq!(fits(&schema, &Json::Object(stated)), is_offered, "{answer}");
+        n_read += 1;
+    }
+    assert!(n_read > 500, "{n_read}");
+}
+
+#[test]
+fn a_prompt_that_asks_for_reasons_has_a_place_for_them() {
+    let text = common::TASK;
+    let asks = |text: &str| {
+        let program = common::program("task.fab", text);
+        reply::static_schema(&program)["required"]
+            .as_array()
+            .unwrap()
+            .contains(&json!("reason"))
+    };
+    assert!(!asks(text));
+    let format = "{{ actions.format }}";
+    assert!(text.contains(format), "{text}");
+    assert!(asks(
+        &text.replace(format, &format!("{format} Then give your reasons."))
+    ));
+}
