@@ -283,20 +283,21 @@ impl Field<'_> {
                 "Your answer calls its own {noun}, {written}, unfit."
             ));
         }
-        // `carry it down and to the left` is no 45 deg.
-        let courses: Vec<&Claim> = claims
+        // `carry it down and to the left` is no 45 deg, and `the shortest pull` not the longest.
+        let worded: Vec<&Claim> = claims
             .iter()
             .copied()
-            .filter(|claim| matches!(claim.claimed, Claimed::Course(_)))
+            .filter(|claim| matches!(claim.claimed, Claimed::Course(_) | Claimed::OneOf(_)))
             .collect();
         let differs = |claim: &&Claim| match (&claim.claimed, value) {
             (Claimed::Course(course), Value::Direction { deg }) => {
                 words::apart_deg(*course, *deg) >= 90.0
             }
+            (Claimed::OneOf(values), value) => !values.contains(value),
             _ => false,
         };
-        if let Some(course) = courses.first().filter(|_| courses.iter().all(differs)) {
-            let said = self.reply.get(course.span.clone()).unwrap_or_default();
+        if let Some(said) = worded.first().filter(|_| worded.iter().all(differs)) {
+            let said = self.reply.get(said.span.clone()).unwrap_or_default();
             return Err(format!(
                 "Your answer says both `{}` and {written}. State only the {noun} that you choose.",
                 quoted(said)
@@ -405,6 +406,7 @@ impl Field<'_> {
                 | Claimed::Prose(..)
                 | Claimed::Course(_)
                 | Claimed::Side(_)
+                | Claimed::OneOf(_)
                 | Claimed::Unfit(_)
                 | Claimed::Hedge(_)
                 | Claimed::Nothing => {}

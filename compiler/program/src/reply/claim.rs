@@ -35,6 +35,8 @@ pub(super) enum Claimed {
     Course(f64),
     /// Its point is the corner on this side, degrees.
     Side(f64),
+    /// It is one of these, by words that are coarser than the choices: `a short pull`.
+    OneOf(Vec<Value>),
     /// Words that do not begin with a value, the reason, and how each value that they name is meant.
     Prose(String, Vec<Named>),
     /// Something that is not a value, and why not.
@@ -47,6 +49,14 @@ pub(super) enum Claimed {
 }
 
 impl Claimed {
+    /// Returns whether it is in words that are coarser than the choices.
+    pub fn is_worded(&self) -> bool {
+        matches!(
+            self,
+            Claimed::Course(_) | Claimed::Side(_) | Claimed::OneOf(_)
+        )
+    }
+
     /// Returns whether words name no value, or weigh several of them.
     pub fn is_unclear(&self) -> bool {
         match self {

@@ -82,6 +82,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let tables = data::tables(reader, &text, &mut claims);
     text = aside::blanked(&text, &tables);
     claims.extend(reader.sentences(&text, None));
+    claims.extend(worded(reader, &beside.thought, reply));
     claims.sort_by_key(|claim| claim.span.start);
     let tokens = lexer::tokens(&text);
     if let Some(end) = cut_off(&tokens) {
@@ -89,8 +90,8 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         last.for_each(|claim| claim.claimed = Claimed::Bad("its number may be cut off".to_owned()));
     }
     let turns = turns(&tokens);
-    // A direction in words within an explanation does not move the end of the answer.
-    let is_course = |claim: &Claim| matches!(claim.claimed, Claimed::Course(_) | Claimed::Side(_));
+    // A direction or size in words within an explanation does not move the end of the answer.
+    let is_course = |claim: &Claim| claim.claimed.is_worded();
     let mut has_value = vec![false; reader.fields.len()];
     for claim in claims.iter().filter(|claim| !is_course(claim)) {
         has_value[claim.field] = true;
@@ -164,6 +165,21 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         cleared,
         doubt,
     }
+}
+
+/// Returns what the reasons within an object say in words that are coarser than the choices.
+fn worded(reader: &Reader<'_>, thought: &str, reply: &str) -> Vec<Claim> {
+    let claims = reader.sentences(thought, None).into_iter();
+    let claims = claims.filter(|claim| claim.claimed.is_worded());
+    let claims = claims.filter_map(|claim| {
+        let said = &thought[claim.span.clone()];
+        let start = reply.find(said)?;
+        Some(Claim {
+            span: start..start + said.len(),
+            ..claim
+        })
+    });
+    claims.collect()
 }
 
 /// Returns where a text ends, if it ends with a number inside of braces that are never closed.

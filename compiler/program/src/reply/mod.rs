@@ -22,6 +22,7 @@ mod reading;
 mod remarks;
 mod schema;
 mod sentences;
+mod sizes;
 mod text;
 mod value;
 mod wordlist;

@@ -11,6 +11,7 @@ use super::lexer::{self, Gap, Kind, Token};
 use super::names::{self, Form, Mention};
 use super::point::{self, Brackets, PointFound};
 use super::quantity::{self, AnswerUnit};
+use super::sizes;
 use super::value::{self, Clarity, Context, Found};
 use super::wordlist::words;
 use super::words;
@@ -123,6 +124,7 @@ impl Reader<'_> {
             .chain(sentences.pulls())
             .chain(sentences.courses())
             .chain(sentences.corners())
+            .chain(sentences.sizes())
             .chain(sentences.judgements())
             .chain(sentences.carries())
             .map(|claim| Claim {
@@ -966,7 +968,9 @@ impl<'a> Sentences<'a> {
             .collect();
         let claims = (1..self.tokens.len()).filter_map(|at| {
             let takes = self.tokens[at - 1].is_any(&["i", "we"])
-                && self.tokens[at].is_any(&["take", "choose", "chose", "use", "select"]);
+                && self.tokens[at].is_any(&["take", "choose", "chose", "use", "select"])
+                || self.tokens[at - 1].is_any(&["go", "going", "opt"])
+                    && self.tokens[at].is_any(&["with", "for"]);
             if !takes {
                 return None;
             }
@@ -1121,6 +1125,82 @@ impl<'a> Sentences<'a> {
         claims
     }
 
+    /// Returns which lengths and words an answer says it takes by their size: `the shortest pull`.
+    fn sizes(&self) -> Vec<Claim> {
+        let is_words = |field: &ActionField| matches!(field.choices, Choices::Words { .. });
+        let fields = [
+            names::only(self.reader.fields, is_length),
+            names::only(self.reader.fields, is_words),
+        ];
+        let mut claims = Vec::new();
+        let parts = self
+            .sentences()
+            .flat_map(|it| sizes::parts(self.tokens, it));
+        for part in parts {
+            let is_unreal = self.tokens[part.clone()]
+                .iter()
+                .any(|it| it.is_any(UNREAL) || it.is("too"));
+            if is_unreal {
+                continue;
+            }
+            if let [Some(length), _] = fields {
+                claims.extend(self.sufficing(part.clone(), length));
+            }
+            for index in fields.into_iter().flatten() {
+                let field = (index, &self.reader.fields[index]);
+                claims.extend(sizes::of_part(self.tokens, part.clone(), field));
+            }
+        }
+        claims
+    }
+
+    /// Returns the lengths that are said to be enough: `a tenth of an edge is all that is allowed`.
+    fn sufficing(&self, part: Range<usize>, field: usize) -> Vec<Claim> {
+        let context = self.reader.context(field, self.text, None, Clarity::Spoken);
+        let words = &self.tokens[..part.end];
+        let found = part.filter_map(|at| {
+            let mut cursor = Cursor { tokens: words, at };
+            let is_part = words[at].is_any(&["a", "one", "half", "three", "the", "full"]);
+            if !is_part && !quantity::begins(cursor) {
+                return None;
+            }
+            let (value, _) = value::bare(&mut cursor, &context)?;
+            let end = cursor.at;
+            let goes = words[..at]
+                .last()
+                .is_some_and(|it| it.is_any(&["go", "goes", "travel", "travels"]));
+            let is_said = cursor.eat_any(&["is", "will", "should"]) && {
+                cursor.skip(&["be", "just", "quite", "really", "about"], &[]);
+                cursor.eat_any(&[
+                    "all",
+                    "enough",
+                    "sufficient",
+                    "plenty",
+                    "right",
+                    "appropriate",
+                ])
+            } || cursor.eat_any(&["suffices"]);
+            (goes || is_said).then(|| Claim {
+                field,
+                span: words[at].at..words[end - 1].end(),
+                claimed: Claimed::OneOf(vec![value]),
+            })
+        });
+        found.collect()
+    }
+
+    /// Returns where each sentence stands, as indices of tokens.
+    fn sentences(&self) -> impl Iterator<Item = Range<usize>> {
+        let mut begin = 0;
+        std::iter::from_fn(move || {
+            (begin < self.tokens.len()).then(|| {
+                let sentence = begin..self.sentence(begin).end.max(begin + 1);
+                begin = sentence.end;
+                sentence
+            })
+        })
+    }
+
     /// Returns which corners are said to be picked and where they are put: `the lower left corner is picked`.
     fn corners(&self) -> Vec<Claim> {
         let Some(pick) = self.point_field("pick") else {
@@ -1128,9 +1208,7 @@ impl<'a> Sentences<'a> {
         };
         let fields = (pick, self.point_field("place"));
         let mut claims = Vec::new();
-        let mut begin = 0;
-        while begin < self.tokens.len() {
-            let sentence = begin..self.sentence(begin).end.max(begin + 1);
+        for sentence in self.sentences() {
             // `…, then it is put down` tells of the same motion.
             let is_unreal = |till: usize| {
                 let mut said = self.tokens[sentence.clone()].iter();
@@ -1150,7 +1228,6 @@ impl<'a> Sentences<'a> {
             if !is_denied && !end.is_some_and(is_unreal) {
                 claims.extend(found);
             }
-            begin = sentence.end;
         }
         claims
     }
