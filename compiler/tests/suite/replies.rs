@@ -7,7 +7,7 @@
 //! - `means VALUE`, `refused FIELD` or `refused or means VALUE`: what a careful person would say, judged before the
 //!   reader was run. Messages and repairs are not compared.
 //! - `should mean VALUE`: the same, but it is refused today. At most 4 % of the right answers may be.
-//! - `should be refused`: the same, but it is read today. At most 3 % of the others may be; many were written to slip through.
+//! - `should be refused`: the same, but it is read today. At most 2.5 % of the others may be; many were written to slip through.
 //!
 //! `FABC_REPLIES=FOLDER` tries the files of another folder.
 
@@ -81,7 +81,7 @@ fn every_reply_is_read_as_its_fixture_says() {
     );
     let n_others = files.len() - n_right;
     assert!(
-        n_misread * 33 <= n_others,
+        n_misread * 40 <= n_others,
         "{n_misread} of {n_others} answers are read that are no right ones"
     );
 }

@@ -23,15 +23,22 @@ const TAKING: &[&str] = words!(
 /// The same after `is`, where it tells of no earlier step: `is folded` may.
 const TAKEN: &[&str] = words!("picked grasped grabbed taken lifted brought carried dragged");
 
-/// The same after `is to be` and `is therefore`.
-const TO_BE_TAKEN: &[&str] =
-    words!("picked grasped grabbed taken lifted folded brought carried moved dragged");
+/// The same after `is to be`, `has to be` and `is therefore`.
+const TO_BE_TAKEN: &[&str] = words!(
+    "picked grasped grabbed taken lifted folded brought carried moved dragged laid put placed"
+);
+
+/// What an action is drawn as, if its ends are named: `the arrow starts at the lower right corner`.
+const DRAWN: &[&str] = words!("arrow motion movement");
+
+/// The most tokens back from `It starts at …` to what it is.
+const MAX_BACK: usize = 30;
 
 /// What may stand before a verb that is an action of the answer: `I`, `the robot`; otherwise it may be a noun.
 const ACTING: &[&str] = words!("i we to and robot arm gripper it therefore so must should will");
 
 /// What makes `at` lead to the place: `let go at the upper left corner`.
-const RELEASING: &[&str] = words!("go released releases placed dropped down");
+const RELEASING: &[&str] = words!("go released releases placed dropped down ends ending");
 
 /// What makes the next word no lead to a place: `closest to the upper left corner`.
 const COMPARING: &[&str] =
@@ -90,7 +97,8 @@ pub(super) fn of_sentence(
                 || tokens[at].gap >= Gap::Line
                 || tokens[at - 1].kind != Kind::Word && tokens[at - 1].kind != Kind::Number
                 || tokens[at - 1].is_any(ACTING));
-        let taken = match is_act {
+        let begins = tokens[at].is_any(&["starts", "begins"]) && is_drawn(tokens, at);
+        let taken = match is_act || begins {
             true => taken(Cursor {
                 tokens: within,
                 at: at + 1,
@@ -120,6 +128,14 @@ pub(super) fn of_sentence(
         break;
     }
     claims
+}
+
+/// Returns whether a verb tells of the arrow or the motion of the answer, perhaps as `It`.
+fn is_drawn(tokens: &[Token<'_>], verb: usize) -> bool {
+    let before = &tokens[verb.saturating_sub(MAX_BACK)..verb];
+    let last = before.last();
+    let is_it = last.is_some_and(|it| it.is("it")) && before.iter().any(|it| it.is_any(DRAWN));
+    is_it || last.is_some_and(|it| it.is_any(DRAWN))
 }
 
 /// A corner in words.
@@ -160,9 +176,11 @@ fn is_taken(mut behind: Cursor<'_, '_>) -> bool {
     behind.eat_any(&["cloth", "towel", "fabric", "napkin", "shirt"]);
     behind.eat_sign(',');
     let is_active = behind.eat_any(&["which", "that"]) && behind.eat_any(&["i", "we"]);
-    let is_passive = behind.eat_any(&["is", "gets"]);
+    let is_passive = behind.eat_any(&["is", "gets", "has", "must", "should", "needs"])
+        || behind.peek().is_some_and(|it| it.is("to"))
+            && behind.ahead(1).is_some_and(|it| it.is("be"));
     let is_now = behind.eat_any(&["therefore", "thus", "now", "hence", "to"]);
-    behind.eat_word("be");
+    let is_now = behind.eat_word("be") || is_now;
     let verbs = match () {
         () if is_active => TAKING,
         () if is_now => TO_BE_TAKEN,

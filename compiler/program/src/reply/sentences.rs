@@ -333,22 +333,32 @@ impl<'a> Sentences<'a> {
             .tokens
             .get(limit)
             .is_some_and(|next| next.gap < Gap::Line);
+        let begins_with_word = cursor.peek().is_some_and(|it| it.kind == Kind::Word);
         let found = value::read(&mut cursor, &context);
         let is_firm = sign == Sign::Assigns && mention.form == Form::Name;
         let claimed = match found {
             Found::Value(value, _) if hedged => Claimed::Hedge(value),
             Found::Value(value, note) => Claimed::Value(value, note),
-            Found::Bad(why) if is_firm => Claimed::Bad(why),
-            Found::Prose(why) if is_firm => match value::named(cursor, &context) {
-                Some(named) => Claimed::Prose(
-                    why,
-                    named
-                        .into_iter()
-                        .map(|(value, is_worded)| Named { value, is_worded })
-                        .collect(),
-                ),
-                None => Claimed::Unclear(why),
-            },
+            // `Direction: the upper right area is empty`, or a list of distances with what each leads to
+            Found::Bad(why)
+                if is_firm
+                    && why != value::SEVERAL_NUMBERS
+                    && !(begins_with_word && self.is_direction(mention)) =>
+            {
+                Claimed::Bad(why)
+            }
+            Found::Bad(why) | Found::Prose(why) if is_firm => {
+                match value::named(cursor, &context) {
+                    Some(named) => Claimed::Prose(
+                        why,
+                        named
+                            .into_iter()
+                            .map(|(value, is_worded)| Named { value, is_worded })
+                            .collect(),
+                    ),
+                    None => Claimed::Unclear(why),
+                }
+            }
             Found::Bad(_) | Found::Prose(_) | Found::Rejected | Found::Nothing => Claimed::Nothing,
         };
         if matches!(claimed, Claimed::Nothing) {
@@ -1139,7 +1149,7 @@ impl<'a> Sentences<'a> {
         for part in parts {
             let is_unreal = self.tokens[part.clone()]
                 .iter()
-                .any(|it| it.is_any(UNREAL) || it.is("too"));
+                .any(|it| it.is_any(UNREAL) || it.is_any(&["too", "rule", "rules"]));
             if is_unreal {
                 continue;
             }
@@ -1211,9 +1221,14 @@ impl<'a> Sentences<'a> {
         for sentence in self.sentences() {
             // `…, then it is put down` tells of the same motion.
             let is_unreal = |till: usize| {
-                let mut said = self.tokens[sentence.clone()].iter();
-                said.any(|it| {
-                    it.is_any(UNREAL) && (it.at < till || !it.is_any(&["then", "next", "after"]))
+                sentence.clone().any(|at| {
+                    let it = &self.tokens[at];
+                    // `and lays it on the opposite corner`
+                    let is_corner = it.is("opposite")
+                        && self.tokens[..at].last().is_some_and(|last| last.is("the"));
+                    it.is_any(UNREAL)
+                        && !is_corner
+                        && (it.at < till || !it.is_any(&["then", "next", "after"]))
                 })
             };
             let found =

@@ -9,31 +9,36 @@ use super::wordlist::words;
 use crate::data::actions::{ActionField, Choices, Value};
 use std::ops::Range;
 
-/// Adjectives and adverbs at both ends of a scale, by how they begin.
+/// What is said of the size of one kind of value.
 struct Scale {
+    /// Adjectives and adverbs at both ends, by how they begin.
     low: &'static [&'static str],
     high: &'static [&'static str],
+    /// What has the size.
+    nouns: &'static [&'static str],
+    /// Verbs that an adverb may follow: `pinches it as gently as possible`.
+    verbs: &'static [&'static str],
+    /// Whether only an end says enough: `it slips out of a light hold` chooses nothing.
+    only_extremes: bool,
 }
 
 const LENGTH: Scale = Scale {
     low: words!("short small tiny slight minimal minimum least"),
     high: words!("long large big great maximal maximum"),
+    nouns: words!("pull tug nudge distance drag"),
+    verbs: &[],
+    only_extremes: false,
 };
 
 const FORCE: Scale = Scale {
     low: words!("soft gentl light weak loose delicate"),
     high: words!("firm strong tight hard"),
+    nouns: words!("grip grips pinch hold grasp squeeze pressure"),
+    verbs: words!(
+        "pinch pinches pinched pinching grip grips gripped gripping hold holds grasped grasps"
+    ),
+    only_extremes: true,
 };
-
-/// What is short or long.
-const PULLS: &[&str] = words!("pull tug nudge distance drag");
-
-/// What is gentle or firm.
-const GRIPS: &[&str] = words!("grip grips pinch hold grasp squeeze pressure");
-
-/// Verbs with an adverb: `pinches it gently`.
-const GRIPPING: &[&str] =
-    words!("pinch pinches pinched pinching grip grips gripped gripping held holds grasped grasps");
 
 /// What may stand between an adjective and its noun.
 const BETWEEN: &[&str] =
@@ -42,15 +47,18 @@ const BETWEEN: &[&str] =
 /// What links a noun to an adjective behind it: `the pull is kept short`.
 const LINKING: &[&str] = words!("is be stays stay kept keep remains");
 
-/// What follows a size that is no choice: `a short distance from the center`, `the largest distance that is allowed`.
+/// What follows a length that is no choice: `a short distance from the center`, `the largest distance that is allowed`.
 const LIMITING: &[&str] =
     words!("from between away below above beside behind to at that that's which where");
 
 /// What begins the reason or the conclusion, behind a comma.
 const REASONING: &[&str] = words!("so since because as for therefore which hence thus but and");
 
-/// The most words from a noun or verb to an adjective behind it.
-const MAX_BEHIND: usize = 6;
+/// The most words from a verb to its adverb.
+const MAX_TO_ADVERB: usize = 6;
+
+/// The most words from a noun to the adjective that is linked to it.
+const MAX_TO_ADJECTIVE: usize = 4;
 
 /// The end of a scale that a word names.
 #[derive(Clone, Copy, PartialEq)]
@@ -60,6 +68,15 @@ enum End {
 }
 
 impl Scale {
+    /// Returns the scale of a field's values, if there is one.
+    fn of(field: &ActionField) -> Option<&'static Scale> {
+        match &field.choices {
+            Choices::Lengths { .. } => Some(&LENGTH),
+            Choices::Words { .. } => Some(&FORCE),
+            _ => None,
+        }
+    }
+
     /// Returns the end that a word names, and whether nothing is farther out: `shortest`, `minimal`.
     fn end(&self, token: &Token<'_>) -> Option<(End, bool)> {
         let text = token.text.to_ascii_lowercase();
@@ -71,6 +88,51 @@ impl Scale {
             () => return None,
         };
         Some((end, is_extreme))
+    }
+
+    /// Returns what the word at this index says is chosen: an end, and whether nothing is farther out.
+    fn chosen(&self, words: &[Token<'_>], at: usize) -> Option<(End, bool)> {
+        let (end, is_superlative) = self.end(&words[at])?;
+        // `longer` compares with another value.
+        if words[at].text.ends_with("er") {
+            return None;
+        }
+        let behind = &words[at + 1..];
+        let is_as =
+            at > 0 && words[at - 1].is("as") && behind.first().is_some_and(|it| it.is("as"));
+        let is_extreme =
+            is_superlative || is_as && behind.get(1).is_some_and(|it| it.is("possible"));
+        // `as long as` compares, or means `while`.
+        if !is_extreme && (is_as || self.only_extremes) {
+            return None;
+        }
+        let is_chosen = self.precedes_noun(behind)
+            || self.follows_verb(&words[at.saturating_sub(MAX_TO_ADVERB)..at])
+            || self.follows_noun(&words[at.saturating_sub(MAX_TO_ADJECTIVE)..at]);
+        is_chosen.then_some((end, is_extreme))
+    }
+
+    /// `(shortest) of the five pulls`
+    fn precedes_noun(&self, behind: &[Token<'_>]) -> bool {
+        let n_between = behind.iter().take_while(|it| it.is_any(BETWEEN)).count();
+        let is_limited = !self.only_extremes
+            && behind
+                .get(n_between + 1)
+                .is_some_and(|it| it.is_any(LIMITING));
+        let noun = behind.get(n_between);
+        !is_limited && noun.is_some_and(|it| it.is_any(self.nouns))
+    }
+
+    /// `pinches it as (gently)`
+    fn follows_verb(&self, before: &[Token<'_>]) -> bool {
+        let verb = before.iter().rposition(|it| it.is_any(self.verbs));
+        verb.is_some_and(|verb| before[verb..].iter().all(|it| it.kind == Kind::Word))
+    }
+
+    /// `the pull is kept (short)`
+    fn follows_noun(&self, before: &[Token<'_>]) -> bool {
+        let link = before.iter().rposition(|it| it.is_any(LINKING));
+        link.is_some_and(|link| before[..link].iter().any(|it| it.is_any(self.nouns)))
     }
 }
 
@@ -98,48 +160,18 @@ pub(super) fn of_part(
     part: Range<usize>,
     (index, field): (usize, &ActionField),
 ) -> Vec<Claim> {
-    let (scale, nouns) = match &field.choices {
-        Choices::Lengths { .. } => (LENGTH, PULLS),
-        Choices::Words { .. } => (FORCE, GRIPS),
-        _ => return Vec::new(),
+    let Some(scale) = Scale::of(field) else {
+        return Vec::new();
     };
     let words = &tokens[part];
-    let said = (0..words.len()).filter_map(|at| {
-        // `longer` compares with another length.
-        let compares = nouns == PULLS && words[at].text.ends_with("er");
-        let (end, mut is_extreme) = scale.end(&words[at]).filter(|_| !compares)?;
-        let before = &words[at.saturating_sub(MAX_BEHIND)..at];
-        let behind = &words[at + 1..];
-        let n_between = behind.iter().take_while(|it| it.is_any(BETWEEN)).count();
-        let noun = behind.get(n_between).filter(|it| it.is_any(nouns));
-        let next = behind.get(n_between + 1);
-        let is_limited = nouns == PULLS && next.is_some_and(|it| it.is_any(LIMITING));
-        let is_before = noun.is_some() && !is_limited;
-        let verb = before.iter().rposition(|it| it.is_any(GRIPPING));
-        let is_adverb = nouns == GRIPS
-            && verb.is_some_and(|verb| before[verb..].iter().all(|it| it.kind == Kind::Word));
-        let link = before.iter().rposition(|it| it.is_any(LINKING));
-        let is_behind = link.is_some_and(|link| before[..link].iter().any(|it| it.is_any(nouns)))
-            && before
-                .iter()
-                .rposition(|it| it.is_any(nouns))
-                .is_some_and(|noun| before.len() - noun <= 4);
-        let is_as = before.last().is_some_and(|it| it.is("as"))
-            && behind.first().is_some_and(|it| it.is("as"));
-        is_extreme |= is_as && behind.get(1).is_some_and(|it| it.is("possible"));
-        // `as long as` compares or means `while`, and `it slips out of a light hold` chooses nothing.
-        let says_little = (is_as || nouns == GRIPS) && !is_extreme;
-        (!says_little && (is_before || is_adverb || is_behind)).then_some((at, end, is_extreme))
-    });
-    let claims = said.filter_map(|(at, end, is_extreme)| {
-        let values = values(&field.choices, &scale, end, is_extreme)?;
-        let last = (at..words.len().min(at + 3))
-            .rev()
-            .find(|it| words[*it].is_any(nouns))
-            .unwrap_or(at);
+    let claims = (0..words.len()).filter_map(|at| {
+        let (end, is_extreme) = scale.chosen(words, at)?;
+        let values = values(&field.choices, scale, end, is_extreme)?;
+        let behind = &words[at..words.len().min(at + 3)];
+        let noun = behind.iter().rfind(|it| it.is_any(scale.nouns));
         Some(Claim {
             field: index,
-            span: words[at].at..words[last].end(),
+            span: words[at].at..noun.unwrap_or(&words[at]).end(),
             claimed: Claimed::OneOf(values),
         })
     });

@@ -73,6 +73,9 @@ const SHOWING: &[&str] = words!(
 /// The most words before a point that describe it.
 const MAX_DESCRIPTION: usize = 20;
 
+/// Why a value is not read that another number follows.
+pub(super) const SEVERAL_NUMBERS: &str = "it contains more than one number";
+
 /// The same in running text.
 const MAX_SPOKEN_DESCRIPTION: usize = 10;
 
@@ -166,7 +169,19 @@ pub(super) fn read<'t>(cursor: &mut Cursor<'_, 't>, context: &Context<'_>) -> Fo
     };
     let is_whole = clause.tokens.len() == ahead.tokens.len();
     let calls_wrong = clause.rest().iter().any(|token| token.is_any(&REJECTING));
-    if calls_wrong {
+    // `the pick point (180, 45) I gave was an estimate`
+    let mut given = clause;
+    given.eat_any(&["that", "which"]);
+    let is_given = given.eat_word("i")
+        && given.eat_any(&[
+            "gave", "stated", "named", "sent", "proposed", "wrote", "chose",
+        ]);
+    let is_past = is_given
+        && given
+            .rest()
+            .iter()
+            .any(|token| token.is_any(&["was", "were"]));
+    if calls_wrong || is_past {
         return Found::Rejected;
     }
     let context = Context {
@@ -787,7 +802,7 @@ fn tail(
             }
             _ if is_apart && (quantity::begins(cursor) || point_begins(cursor, context)) => {
                 if !restated(&mut cursor, context, value)? {
-                    return Err("it contains more than one number".to_owned());
+                    return Err(SEVERAL_NUMBERS.to_owned());
                 }
             }
             // `↗ 45 deg`
@@ -1118,7 +1133,7 @@ fn restated(
         Found::Nothing | Found::Rejected => {
             *cursor = start;
             if quantity::begins(*cursor) {
-                return Err("it contains more than one number".to_owned());
+                return Err(SEVERAL_NUMBERS.to_owned());
             }
             Ok(false)
         }
