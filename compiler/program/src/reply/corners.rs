@@ -21,7 +21,8 @@ const TAKING: &[&str] = words!(
 );
 
 /// The same after `is`, where it tells of no earlier step: `is folded` may.
-const TAKEN: &[&str] = words!("picked grasped grabbed taken lifted brought carried dragged");
+const TAKEN: &[&str] =
+    words!("picked gripped pinched grasped grabbed taken lifted brought carried dragged");
 
 /// The same after `is to be`, `has to be` and `is therefore`.
 const TO_BE_TAKEN: &[&str] = words!(
@@ -104,10 +105,13 @@ pub(super) fn of_sentence(
                 at: at + 1,
             }),
             false => corner(within, at).filter(|corner| {
-                is_taken(Cursor {
-                    tokens: within,
-                    at: corner.end,
-                })
+                is_taken(
+                    Cursor {
+                        tokens: within,
+                        at: corner.end,
+                    },
+                    notation,
+                )
             }),
         };
         let Some(taken) = taken else { continue };
@@ -171,9 +175,11 @@ fn taken(mut cursor: Cursor<'_, '_>) -> Option<Corner> {
 }
 
 /// Returns whether a corner is said to be taken: `is picked`, `, which I grab`.
-fn is_taken(mut behind: Cursor<'_, '_>) -> bool {
+fn is_taken(mut behind: Cursor<'_, '_>, notation: &Notation) -> bool {
     // `corner of the` was read with the side.
     behind.eat_any(&["cloth", "towel", "fabric", "napkin", "shirt"]);
+    // `the top left corner (41, 41) is gripped`
+    let _ = point::read(&mut behind, notation, Brackets::Needed);
     behind.eat_sign(',');
     let is_active = behind.eat_any(&["which", "that"]) && behind.eat_any(&["i", "we"]);
     let is_passive = behind.eat_any(&["is", "gets", "has", "must", "should", "needs"])

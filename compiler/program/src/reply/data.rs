@@ -605,13 +605,18 @@ fn table(reader: &Reader<'_>, text: &str, rows: &[Vec<Range<usize>>], claims: &m
         && !data.is_empty()
         && columns.iter().skip(1).any(Option::is_some)
     {
+        let compares = data.len() > 1;
         for row in data {
             for (cell, column) in row.iter().zip(&columns) {
                 if let Some((field, axis, hint)) = column {
                     let axis = axis
                         .or(row_axis(row))
                         .filter(|_| reader.fields[*field].is_point());
-                    claims.extend(of_cell(reader, text, *field, axis, *hint, cell));
+                    let claim = of_cell(reader, text, *field, axis, *hint, cell);
+                    // Corners and their distances, one a row, have no offered distances.
+                    let is_other =
+                        |claim: &Claim| compares && matches!(claim.claimed, Claimed::Bad(_));
+                    claims.extend(claim.filter(|claim| !is_other(claim)));
                 }
             }
         }

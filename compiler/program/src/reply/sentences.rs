@@ -970,12 +970,13 @@ impl<'a> Sentences<'a> {
         claims
     }
 
-    /// Returns the lengths and angles that the author says it takes: `so I take 0.75 edge`.
+    /// Returns the lengths, angles and pick points that the author says it takes: `so I take 0.75 edge`.
     fn taken(&self) -> Vec<Claim> {
         let fields: Vec<usize> = [is_length, is_angle]
             .into_iter()
             .filter_map(|is_kind| names::only(self.reader.fields, is_kind))
             .collect();
+        let pick = self.point_field("pick");
         let claims = (1..self.tokens.len()).filter_map(|at| {
             let takes = self.tokens[at - 1].is_any(&["i", "we"])
                 && self.tokens[at].is_any(&["take", "choose", "chose", "use", "select"])
@@ -995,16 +996,16 @@ impl<'a> Sentences<'a> {
             {
                 return None;
             }
-            fields.iter().find_map(|field| {
-                let context = self
-                    .reader
-                    .context(*field, self.text, None, Clarity::Spoken);
+            // `so I chose (41, 41)` may tell of the place.
+            let pick = pick.filter(|_| self.tokens[at].is("take"));
+            fields.iter().copied().chain(pick).find_map(|field| {
+                let context = self.reader.context(field, self.text, None, Clarity::Spoken);
                 let mut behind = cursor;
                 let Found::Value(value, note) = value::read(&mut behind, &context) else {
                     return None;
                 };
                 Some(Claim {
-                    field: *field,
+                    field,
                     span: self.tokens[at].at..self.tokens[behind.at - 1].end(),
                     claimed: Claimed::Value(value, note),
                 })
@@ -1180,7 +1181,7 @@ impl<'a> Sentences<'a> {
                 .last()
                 .is_some_and(|it| it.is_any(&["go", "goes", "travel", "travels"]));
             let is_said = cursor.eat_any(&["is", "will", "should"]) && {
-                cursor.skip(&["be", "just", "quite", "really", "about"], &[]);
+                cursor.skip(&["be", "just", "quite", "really", "about", "the"], &[]);
                 cursor.eat_any(&[
                     "all",
                     "enough",
@@ -1188,6 +1189,8 @@ impl<'a> Sentences<'a> {
                     "plenty",
                     "right",
                     "appropriate",
+                    "maximum",
+                    "limit",
                 ])
             } || cursor.eat_any(&["suffices"]);
             (goes || is_said).then(|| Claim {
@@ -1223,9 +1226,10 @@ impl<'a> Sentences<'a> {
             let is_unreal = |till: usize| {
                 sentence.clone().any(|at| {
                     let it = &self.tokens[at];
-                    // `and lays it on the opposite corner`
+                    // `and lays it on the opposite corner`, `Instead the corner is carried …`
                     let is_corner = it.is("opposite")
-                        && self.tokens[..at].last().is_some_and(|last| last.is("the"));
+                        && self.tokens[..at].last().is_some_and(|last| last.is("the"))
+                        || it.is("instead") && at == sentence.start;
                     it.is_any(UNREAL)
                         && !is_corner
                         && (it.at < till || !it.is_any(&["then", "next", "after"]))
@@ -1499,6 +1503,13 @@ impl<'a> Sentences<'a> {
             return None;
         }
         let preceding = begin.checked_sub(1).map(|at| &self.tokens[at]);
+        // `from the center (350, 345) to the pick point`, `it would slip out of a soft grip`
+        let is_from = self.tokens[begin.saturating_sub(4)..begin]
+            .iter()
+            .any(|it| it.is_any(&["from", "out"]));
+        if is_from {
+            return None;
+        }
         if preceding.is_some_and(|token| {
             token.is_any(&[
                 "or", "of", "from", "very", "too", "less", "more", "hardly", "than", "near",

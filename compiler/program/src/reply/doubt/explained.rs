@@ -132,9 +132,12 @@ impl Clause<'_> {
                 && words!("entirely fully completely absolutely totally quite perfectly")
                     .contains(&pair[1])
         });
+        // `I do not want to squeeze it more than needed`
+        let spares = wants && rest.ends_with(&["more", "than", "needed"]);
         let tells_of_values = self.place == Place::Before && refers_forward(rest);
         !tells_of_values && rest.len() > 2 && !rest.iter().any(names_it)
             || is_slight && !rest.iter().any(names_answer)
+            || spares
     }
 
     /// `Wait for the operator`, `a mere guess`
