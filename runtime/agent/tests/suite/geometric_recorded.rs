@@ -2,9 +2,7 @@
 //! and from words and detected corners to the points that the expert picked and placed.
 //!
 //! Needs `FABC_REFERENCE_DATA`; without it the tests count as skipped.
-#![allow(clippy::unwrap_used)]
-
-#[path = "../../../tests/recorded_data.rs"]
+#[path = "../../../../tests/recorded_data.rs"]
 mod recorded;
 
 use fab_model::calls::Unrecorded;

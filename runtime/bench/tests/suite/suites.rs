@@ -1,6 +1,4 @@
 //! Tests of suites as data: what is rejected, and the positions of generated and recorded starts.
-#![allow(clippy::unwrap_used)]
-
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_bench::starts;
@@ -11,7 +9,7 @@ use fab_world::start::Start;
 use fab_world::{SimulatedWorld, WorldError};
 use std::path::Path;
 
-#[path = "../../../tests/recorded_data.rs"]
+#[path = "../../../../tests/recorded_data.rs"]
 mod recorded;
 
 const SUITE: &str = r#"

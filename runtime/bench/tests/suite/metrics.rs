@@ -1,11 +1,9 @@
 //! Tests that the tables of metrics and of axes in `docs/bench.md` match the rows.
-#![allow(clippy::unwrap_used, missing_docs)]
-
 use fab_bench::metric::{Better, METRICS, Metric};
 use fab_world::vary::{AXES, Axis};
 use std::path::Path;
 
-const WRITE: &str = "FABC_WRITE_DOCS=1 cargo test -p fab-bench --test metrics";
+const WRITE: &str = "FABC_WRITE_DOCS=1 cargo test -p fab-bench --test suite metrics";
 
 fn metrics() -> String {
     let mut table = "| metric | unit | better | what it is |\n|---|---|---|---|\n".to_owned();

@@ -1,8 +1,6 @@
 //! Tests that a moved camera is noticed whatever lies on the table, without false alarms.
 
-#![allow(clippy::unwrap_used, missing_docs)]
-
-#[path = "../../arm/src/calibration/tests/truth.rs"]
+#[path = "../../../arm/src/calibration/tests/truth.rs"]
 mod truth;
 
 use fab_agent::arm_sight::SIGHT;

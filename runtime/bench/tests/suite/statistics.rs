@@ -1,6 +1,4 @@
 //! Tests of the tables' statistics, against results of numpy and scipy, and by their laws.
-#![allow(clippy::unwrap_used)]
-
 use fab_bench::statistics;
 use fab_bench::statistics::{Clusters, Statistic, Summary};
 use proptest::prelude::*;

@@ -1,6 +1,4 @@
 //! Tests that rollouts' own types can read the example of `docs/records.md`.
-#![allow(clippy::unwrap_used, missing_docs)]
-
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::record::{Line, RECORD_FILE, Record, RecordError, SPENT_FILE, Spent};
