@@ -401,6 +401,11 @@ fn slip_is_fixed_without_harm(file: &Shipped, case: usize, outcome: &mut Outcome
     if findings.iter().any(|it| it.is_certain()) {
         fail("fixing again would change it again");
     }
+    // Compiling anew takes most of the time of this test.
+    let is_fixed_twice = case.is_multiple_of(10);
+    if is_fixed_twice && fixed(SHIPPED, name, &once).0 != once {
+        fail("fixing again changes it again");
+    }
     let [own, after] = [&file.compiled, &fixed_once.compiled].map(counts);
     let is_added = |known: &[&Counts<'_>]| {
         after.iter().any(|(key, count)| {
@@ -425,7 +430,7 @@ fn slip_is_fixed_without_harm(file: &Shipped, case: usize, outcome: &mut Outcome
         return;
     }
     let is_user = file.user == *name;
-    let programs = if is_user {
+    let programs = if is_user && !is_fixed_twice {
         hashes(&fixed_once.compiled)
     } else {
         file.programs_of(&once)

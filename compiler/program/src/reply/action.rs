@@ -298,6 +298,11 @@ impl Field<'_> {
         };
         if let Some(said) = worded.first().filter(|_| worded.iter().all(differs)) {
             let said = self.reply.get(said.span.clone()).unwrap_or_default();
+            if said.is_empty() {
+                return Err(format!(
+                    "The reasons of your answer contradict its {noun}, {written}."
+                ));
+            }
             return Err(format!(
                 "Your answer says both `{}` and {written}. State only the {noun} that you choose.",
                 quoted(said)
@@ -372,7 +377,7 @@ impl Field<'_> {
         let is_bad = |claim: &&Claim| {
             matches!(
                 claim.claimed,
-                Claimed::Bad(_) | Claimed::Torn | Claimed::Prose(..)
+                Claimed::Bad(_) | Claimed::Unclear(_) | Claimed::Torn | Claimed::Prose(..)
             )
         };
         !claims.iter().any(is_bad)

@@ -37,11 +37,11 @@ pub(super) enum Claimed {
     Side(f64),
     /// It is one of these, by words that are coarser than the choices: `a short pull`.
     OneOf(Vec<Value>),
-    /// Words that do not begin with a value, the reason, and how each value that they name is meant.
+    /// Words that do not state one value, the reason, and how each value that they name is meant.
     Prose(String, Vec<Named>),
     /// Something that is not a value, and why not.
     Bad(String),
-    /// Words that neither begin with a value nor can be told apart, and the reason.
+    /// What states no value and cannot be told apart, and the reason.
     Unclear(String),
     /// A value that its own words contradict: `pull it down (90 deg)`.
     Torn,
@@ -57,7 +57,7 @@ impl Claimed {
         )
     }
 
-    /// Returns whether words name no value, or weigh several of them.
+    /// Returns whether no single value is meant: nothing is understood, or several values are weighed.
     pub fn is_unclear(&self) -> bool {
         match self {
             Claimed::Unclear(_) => true,

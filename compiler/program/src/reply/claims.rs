@@ -67,6 +67,9 @@ const TURNS: [&str; 17] = [
     "let me reconsider",
 ];
 
+/// The most claims in words within objects; each is looked for in the whole answer.
+const MAX_WORDED: usize = 16;
+
 /// Returns everything that an answer states.
 pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let cleared = aside::clear(reply);
@@ -82,7 +85,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let tables = data::tables(reader, &text, &mut claims);
     text = aside::blanked(&text, &tables);
     claims.extend(reader.sentences(&text, None));
-    claims.extend(worded(reader, &beside.thought, reply));
+    claims.extend(worded(reader, &beside.reasons, reply));
     claims.sort_by_key(|claim| claim.span.start);
     let tokens = lexer::tokens(&text);
     if let Some(end) = cut_off(&tokens) {
@@ -91,9 +94,9 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     }
     let turns = turns(&tokens);
     // A direction or size in words within an explanation does not move the end of the answer.
-    let is_course = |claim: &Claim| claim.claimed.is_worded();
+    let is_worded = |claim: &Claim| claim.claimed.is_worded();
     let mut has_value = vec![false; reader.fields.len()];
-    for claim in claims.iter().filter(|claim| !is_course(claim)) {
+    for claim in claims.iter().filter(|claim| !is_worded(claim)) {
         has_value[claim.field] = true;
     }
     // After `No wait`, an answer that is whole again stands for itself.
@@ -102,7 +105,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
             let own = || {
                 claims
                     .iter()
-                    .filter(|claim| claim.field == field && !is_course(claim))
+                    .filter(|claim| claim.field == field && !is_worded(claim))
             };
             own().any(|claim| claim.span.start < *turn)
                 && own().any(|claim| claim.span.start > *turn)
@@ -111,7 +114,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     });
     let placed: Vec<&Claim> = claims
         .iter()
-        .filter(|claim| !(is_course(claim) && has_value[claim.field]))
+        .filter(|claim| !(is_worded(claim) && has_value[claim.field]))
         .filter(|claim| restart.is_none_or(|turn| claim.span.start > turn))
         .collect();
     let stated = placed
@@ -136,7 +139,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         });
     let at = reply.len();
     let judged = restart.map_or(0, |turn| tokens.partition_point(|token| token.at <= turn));
-    let above = match (restart, claims.first()) {
+    let above = match (restart, claims.iter().find(|claim| !is_worded(claim))) {
         (Some(_), Some(first)) => tokens.partition_point(|token| token.at < first.span.start),
         _ => 0,
     };
@@ -168,16 +171,20 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
 }
 
 /// Returns what the reasons within an object say in words that are coarser than the choices.
-fn worded(reader: &Reader<'_>, thought: &str, reply: &str) -> Vec<Claim> {
-    let claims = reader.sentences(thought, None).into_iter();
-    let claims = claims.filter(|claim| claim.claimed.is_worded());
-    let claims = claims.filter_map(|claim| {
-        let said = &thought[claim.span.clone()];
-        let start = reply.find(said)?;
-        Some(Claim {
-            span: start..start + said.len(),
+fn worded(reader: &Reader<'_>, reasons: &str, reply: &str) -> Vec<Claim> {
+    let claims = reader.sentences(reasons, None).into_iter();
+    // A direction in words may stand for an angle, but not from within a reason.
+    let claims =
+        claims.filter(|claim| matches!(claim.claimed, Claimed::Side(_) | Claimed::OneOf(_)));
+    let claims = claims.take(MAX_WORDED).map(|claim| {
+        // Escaped letters stand otherwise in the answer.
+        let said = &reasons[claim.span.clone()];
+        let start = reply.find(said).unwrap_or(reply.len());
+        let end = reply.len().min(start + said.len());
+        Claim {
+            span: start..end,
             ..claim
-        })
+        }
     });
     claims.collect()
 }

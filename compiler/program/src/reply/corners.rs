@@ -24,7 +24,11 @@ const TAKING: &[&str] = words!(
 const TAKEN: &[&str] =
     words!("picked gripped pinched grasped grabbed taken lifted brought carried dragged");
 
-/// The same after `is to be`, `has to be` and `is therefore`.
+/// The same after `is therefore`.
+const NOW_TAKEN: &[&str] =
+    words!("picked grasped grabbed taken lifted folded brought carried moved dragged");
+
+/// The same after `is to be`, `has to be` and `must be`.
 const TO_BE_TAKEN: &[&str] = words!(
     "picked grasped grabbed taken lifted folded brought carried moved dragged laid put placed"
 );
@@ -114,7 +118,10 @@ pub(super) fn of_sentence(
                 )
             }),
         };
-        let Some(taken) = taken else { continue };
+        // The tail of an arrow is seen roughly, so only a corner's name counts.
+        let Some(taken) = taken.filter(|it| !begins || it.deg.is_some()) else {
+            continue;
+        };
         add(pick, at, taken);
         let put = (taken.end..sentence.end).find_map(|to| {
             let mut cursor = Cursor {
@@ -182,14 +189,20 @@ fn is_taken(mut behind: Cursor<'_, '_>, notation: &Notation) -> bool {
     let _ = point::read(&mut behind, notation, Brackets::Needed);
     behind.eat_sign(',');
     let is_active = behind.eat_any(&["which", "that"]) && behind.eat_any(&["i", "we"]);
-    let is_passive = behind.eat_any(&["is", "gets", "has", "must", "should", "needs"])
-        || behind.peek().is_some_and(|it| it.is("to"))
-            && behind.ahead(1).is_some_and(|it| it.is("be"));
-    let is_now = behind.eat_any(&["therefore", "thus", "now", "hence", "to"]);
-    let is_now = behind.eat_word("be") || is_now;
+    // `is to be`, `has to be`, `must be`, `asks for the corner to be`
+    let mut duty = behind;
+    let is_modal = duty.eat_any(&["must", "should"]);
+    duty.eat_any(&["is", "has", "needs"]);
+    let is_duty = (is_modal || duty.eat_word("to")) && duty.eat_word("be");
+    if is_duty {
+        behind = duty;
+    }
+    let is_passive = is_duty || behind.eat_any(&["is", "gets"]);
+    let is_now = behind.eat_any(&["therefore", "thus", "now", "hence"]);
     let verbs = match () {
         () if is_active => TAKING,
-        () if is_now => TO_BE_TAKEN,
+        () if is_duty => TO_BE_TAKEN,
+        () if is_now => NOW_TAKEN,
         () => TAKEN,
     };
     (is_active || is_passive) && behind.peek().is_some_and(|it| it.is_any(verbs))

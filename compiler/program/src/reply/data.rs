@@ -38,6 +38,17 @@ const NO_REMARKS: [&str; 9] = [
     "example",
 ];
 
+/// Keys of explanations.
+const REASONS: [&str; 7] = [
+    "reason",
+    "reasons",
+    "reasoning",
+    "analysis",
+    "explanation",
+    "rationale",
+    "justification",
+];
+
 /// The longest tag, bytes.
 const MAX_TAG: usize = 200;
 
@@ -84,6 +95,8 @@ pub(super) struct Beside {
     pub said: String,
     /// `"reasoning": "The corner is free."`
     pub thought: String,
+    /// What of both explains the answer.
+    pub reasons: String,
 }
 
 /// Returns what objects say beside the fields.
@@ -112,6 +125,10 @@ fn aside_members(is_field: &dyn Fn(&str) -> bool, node: &Node, depth: usize, bes
             continue;
         }
         let is_reason = NO_REMARKS.iter().any(|name| key.eq_ignore_ascii_case(name));
+        let explains = REASONS.iter().any(|name| key.eq_ignore_ascii_case(name));
+        if let (true, Shape::Text(text)) = (explains, &value.shape) {
+            beside.reasons.push_str(&format!("{text}.\n\n"));
+        }
         match &value.shape {
             Shape::Object(_) if depth < MAX_STRINGS => {
                 aside_members(is_field, value, depth + 1, beside);
@@ -612,11 +629,14 @@ fn table(reader: &Reader<'_>, text: &str, rows: &[Vec<Range<usize>>], claims: &m
                     let axis = axis
                         .or(row_axis(row))
                         .filter(|_| reader.fields[*field].is_point());
-                    let claim = of_cell(reader, text, *field, axis, *hint, cell);
-                    // Corners and their distances, one a row, have no offered distances.
-                    let is_other =
-                        |claim: &Claim| compares && matches!(claim.claimed, Claimed::Bad(_));
-                    claims.extend(claim.filter(|claim| !is_other(claim)));
+                    let mut claim = of_cell(reader, text, *field, axis, *hint, cell);
+                    // A table of candidates, one a row, gives way to the asked form below it.
+                    if let Some(claim) = claim.as_mut().filter(|_| compares)
+                        && let Claimed::Bad(why) = &claim.claimed
+                    {
+                        claim.claimed = Claimed::Unclear(why.clone());
+                    }
+                    claims.extend(claim);
                 }
             }
         }

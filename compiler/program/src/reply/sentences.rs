@@ -333,18 +333,15 @@ impl<'a> Sentences<'a> {
             .tokens
             .get(limit)
             .is_some_and(|next| next.gap < Gap::Line);
-        let begins_with_word = cursor.peek().is_some_and(|it| it.kind == Kind::Word);
+        // `**Distance:**` above a list of distances, each with where it leads
+        let heads_list =
+            !self.field(mention).is_point() && cursor.peek().is_some_and(|it| it.gap >= Gap::Line);
         let found = value::read(&mut cursor, &context);
         let is_firm = sign == Sign::Assigns && mention.form == Form::Name;
         let claimed = match found {
             Found::Value(value, _) if hedged => Claimed::Hedge(value),
             Found::Value(value, note) => Claimed::Value(value, note),
-            // `Direction: the upper right area is empty`, or a list of distances with what each leads to
-            Found::Bad(why)
-                if is_firm
-                    && why != value::SEVERAL_NUMBERS
-                    && !(begins_with_word && self.is_direction(mention)) =>
-            {
+            Found::Bad(why) if is_firm && !(heads_list && why == value::SEVERAL_NUMBERS) => {
                 Claimed::Bad(why)
             }
             Found::Bad(why) | Found::Prose(why) if is_firm => {
@@ -996,8 +993,13 @@ impl<'a> Sentences<'a> {
             {
                 return None;
             }
-            // `so I chose (41, 41)` may tell of the place.
-            let pick = pick.filter(|_| self.tokens[at].is("take"));
+            // `so I chose (41, 41)` and `I take (111, 111) as the center` may tell of the place.
+            let tells_of_place = self.tokens[self.sentence(at)].iter().any(|it| {
+                it.is_any(&[
+                    "as", "place", "put", "release", "target", "center", "centre",
+                ])
+            });
+            let pick = pick.filter(|_| self.tokens[at].is("take") && !tells_of_place);
             fields.iter().copied().chain(pick).find_map(|field| {
                 let context = self.reader.context(field, self.text, None, Clarity::Spoken);
                 let mut behind = cursor;
@@ -1189,11 +1191,20 @@ impl<'a> Sentences<'a> {
                     "plenty",
                     "right",
                     "appropriate",
-                    "maximum",
-                    "limit",
-                ])
+                ]) || cursor.eat_words("maximum here")
             } || cursor.eat_any(&["suffices"]);
-            (goes || is_said).then(|| Claim {
+            // `30 mm is enough clearance`
+            let is_alone = cursor.peek().is_none_or(|next| {
+                next.kind != Kind::Word
+                    || next.is_any(&["here", "for", "to", "that", "that's", "in", "as"])
+            });
+            let is_offered = match (&self.reader.fields[field].choices, &value) {
+                (Choices::Lengths { choices, .. }, Value::Length { length }) => {
+                    choices.iter().any(|choice| choice.value == *length)
+                }
+                _ => false,
+            };
+            (is_offered && (goes || is_said && is_alone)).then(|| Claim {
                 field,
                 span: words[at].at..words[end - 1].end(),
                 claimed: Claimed::OneOf(vec![value]),
@@ -1226,10 +1237,13 @@ impl<'a> Sentences<'a> {
             let is_unreal = |till: usize| {
                 sentence.clone().any(|at| {
                     let it = &self.tokens[at];
-                    // `and lays it on the opposite corner`, `Instead the corner is carried …`
+                    // `and lays it on the opposite corner`
                     let is_corner = it.is("opposite")
                         && self.tokens[..at].last().is_some_and(|last| last.is("the"))
-                        || it.is("instead") && at == sentence.start;
+                        && self
+                            .tokens
+                            .get(at + 1)
+                            .is_some_and(|next| next.is("corner"));
                     it.is_any(UNREAL)
                         && !is_corner
                         && (it.at < till || !it.is_any(&["then", "next", "after"]))
@@ -1504,9 +1518,10 @@ impl<'a> Sentences<'a> {
         }
         let preceding = begin.checked_sub(1).map(|at| &self.tokens[at]);
         // `from the center (350, 345) to the pick point`, `it would slip out of a soft grip`
-        let is_from = self.tokens[begin.saturating_sub(4)..begin]
-            .iter()
-            .any(|it| it.is_any(&["from", "out"]));
+        let words = self.tokens[begin.saturating_sub(3)..begin].iter().rev();
+        let mut words = words.take_while(|it| it.kind == Kind::Word);
+        let is_way = self.tokens[end - 1].is("to") || self.tokens[end].is("to");
+        let is_from = words.any(|it| it.is("out") || is_way && it.is("from"));
         if is_from {
             return None;
         }

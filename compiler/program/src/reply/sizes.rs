@@ -4,7 +4,7 @@
 //! another one, so a value that no such words can mean is not what they mean.
 
 use super::claim::{Claim, Claimed};
-use super::lexer::{Kind, Token};
+use super::lexer::{Gap, Kind, Token};
 use super::wordlist::words;
 use crate::data::actions::{ActionField, Choices, Value};
 use std::ops::Range;
@@ -48,11 +48,19 @@ const BETWEEN: &[&str] =
 const LINKING: &[&str] = words!("is be stays stay kept keep remains");
 
 /// What follows a length that is no choice: `a short distance from the center`, `the largest distance that is allowed`.
-const LIMITING: &[&str] =
-    words!("from between away below above beside behind to at that that's which where");
+const LIMITING: &[&str] = words!(
+    "from between away below above beside behind inside outside off past to at that that's which where"
+);
 
 /// What begins the reason or the conclusion, behind a comma.
 const REASONING: &[&str] = words!("so since because as for therefore which hence thus but and");
+
+/// What makes a superlative another value than the last one.
+const SHORT_OF: &[&str] =
+    words!("second third next half two three quarter quarters twice double nearly almost not");
+
+/// Verbs behind a size that choose it: `the shortest pull suffices`.
+const CHOOSING: &[&str] = words!("is suffices does works fits this thus as");
 
 /// The most words from a verb to its adverb.
 const MAX_TO_ADVERB: usize = 6;
@@ -93,11 +101,15 @@ impl Scale {
     /// Returns what the word at this index says is chosen: an end, and whether nothing is farther out.
     fn chosen(&self, words: &[Token<'_>], at: usize) -> Option<(End, bool)> {
         let (end, is_superlative) = self.end(&words[at])?;
-        // `longer` compares with another value.
-        if words[at].text.ends_with("er") {
+        let behind = &words[at + 1..];
+        // `longer` compares with another value, `long enough` says little, `the second longest` and `half the longest` are others.
+        let before = &words[at.saturating_sub(3)..at];
+        if words[at].text.to_ascii_lowercase().ends_with("er")
+            || behind.first().is_some_and(|it| it.is("enough"))
+            || before.iter().any(|it| it.is_any(SHORT_OF))
+        {
             return None;
         }
-        let behind = &words[at + 1..];
         let is_as =
             at > 0 && words[at - 1].is("as") && behind.first().is_some_and(|it| it.is("as"));
         let is_extreme =
@@ -112,15 +124,19 @@ impl Scale {
         is_chosen.then_some((end, is_extreme))
     }
 
-    /// `(shortest) of the five pulls`
+    /// `(shortest) possible pull`
     fn precedes_noun(&self, behind: &[Token<'_>]) -> bool {
         let n_between = behind.iter().take_while(|it| it.is_any(BETWEEN)).count();
         let is_limited = !self.only_extremes
             && behind
                 .get(n_between + 1)
                 .is_some_and(|it| it.is_any(LIMITING));
+        // `a long pull drags the whole cloth` tells of any
+        let is_general = behind.get(n_between + 1).is_some_and(|it| {
+            it.kind == Kind::Word && it.text.ends_with('s') && !it.is_any(CHOOSING)
+        });
         let noun = behind.get(n_between);
-        !is_limited && noun.is_some_and(|it| it.is_any(self.nouns))
+        !is_limited && !is_general && noun.is_some_and(|it| it.is_any(self.nouns))
     }
 
     /// `pinches it as (gently)`
@@ -142,7 +158,11 @@ pub(super) fn parts(tokens: &[Token<'_>], sentence: Range<usize>) -> Vec<Range<u
     let mut begin = sentence.start;
     for at in sentence.start + 1..sentence.end {
         let is_reason = tokens[at].is_any(REASONING) && tokens[at - 1].is_sign(',');
-        if is_reason || matches!(tokens[at].kind, Kind::Sign(';' | ':' | '-' | '–' | '—')) {
+        let is_apart = |at: usize| tokens.get(at).is_some_and(|it| it.gap > Gap::None);
+        let is_dash = matches!(tokens[at].kind, Kind::Sign('-' | '–' | '—'))
+            && is_apart(at)
+            && is_apart(at + 1);
+        if is_reason || is_dash || matches!(tokens[at].kind, Kind::Sign(';' | ':')) {
             parts.push(begin..at);
             begin = at;
         }

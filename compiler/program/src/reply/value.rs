@@ -73,11 +73,11 @@ const SHOWING: &[&str] = words!(
 /// The most words before a point that describe it.
 const MAX_DESCRIPTION: usize = 20;
 
-/// Why a value is not read that another number follows.
-pub(super) const SEVERAL_NUMBERS: &str = "it contains more than one number";
-
 /// The same in running text.
 const MAX_SPOKEN_DESCRIPTION: usize = 10;
+
+/// Why a value is not read that another number follows.
+pub(super) const SEVERAL_NUMBERS: &str = "it contains more than one number";
 
 /// Words in running text that begin another thought.
 const SUBORDINATING: &[&str] = words!(
@@ -176,11 +176,8 @@ pub(super) fn read<'t>(cursor: &mut Cursor<'_, 't>, context: &Context<'_>) -> Fo
         && given.eat_any(&[
             "gave", "stated", "named", "sent", "proposed", "wrote", "chose",
         ]);
-    let is_past = is_given
-        && given
-            .rest()
-            .iter()
-            .any(|token| token.is_any(&["was", "were"]));
+    given.skip(&["before", "earlier", "first", "previously"], &[]);
+    let is_past = is_given && given.eat_any(&["was", "were"]);
     if calls_wrong || is_past {
         return Found::Rejected;
     }
