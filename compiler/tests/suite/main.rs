@@ -11,6 +11,8 @@ mod explained;
 mod faults;
 mod fixes;
 mod grids;
+#[path = "common/growth.rs"]
+mod growth;
 mod import_circles;
 #[path = "common/inputs.rs"]
 mod inputs;

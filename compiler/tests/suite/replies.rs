@@ -12,6 +12,7 @@
 //! `FABC_REPLIES=FOLDER` tries the files of another folder.
 
 use crate::common;
+use crate::growth;
 use crate::spaces;
 use fab_program::Proposal;
 use fab_program::reply::{self, MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed};
@@ -20,7 +21,6 @@ use fab_program::{PixelPoint, Program, Value};
 use proptest::prelude::*;
 use std::fs;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 /// The format that a refusal in the space `points` ends with.
 const FORMAT_OF_POINTS: &str = "Pick Point = (x, y)\nPlace Point = (x, y)";
@@ -356,15 +356,7 @@ fn answers_and_texts_that_are_long_are_refused() {
     assert!(reply::read_text("Instructions:", "", &text(MAX_REPLY_BYTES)).is_err());
 }
 
-/// Time that this thread has computed, whatever runs beside it; where the system does not say, time that has passed.
-fn computed(begun: Instant) -> Duration {
-    let spent = fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = spent.and_then(|it| it.split_whitespace().next()?.parse().ok());
-    nanoseconds.map_or_else(|| begun.elapsed(), Duration::from_nanos)
-}
-
-/// Reads answers that repeat one of every so many pieces, of a length and of eight times that: the longer one may take
-/// three times as long as eight of the shorter ones.
+/// Reads answers that repeat one of every so many pieces, of a length and of eight times that.
 fn take_linear_time(length: usize, every: usize) {
     let program = spaces::space("grip");
     let pieces = [
@@ -422,25 +414,13 @@ fn take_linear_time(length: usize, every: usize) {
         "take the lower left corner ",
     ];
     let compass = spaces::space("paper");
-    let begun = Instant::now();
-    let time = |piece: &str, length: usize| {
-        let text = piece.repeat(length / piece.len());
-        let before = computed(begun);
-        let _ = reply::read_action(&program, &text);
-        let _ = reply::read_action(&compass, &text);
-        let _ = reply::read_text("Instructions:", "", &text);
-        computed(begun) - before
-    };
     for piece in pieces.iter().rev().step_by(every) {
-        // Equal amounts of text, so that what a clock cannot tell apart counts little.
-        let short: Duration = (0..8).map(|_| time(piece, length)).sum();
-        let long = time(piece, 8 * length);
-        // Quadratic work takes eight times as long.
-        let most = (short * 3).max(Duration::from_millis(50));
-        assert!(
-            long < most,
-            "{piece:?} took {short:?} in eight parts and {long:?} as a whole"
-        );
+        growth::assert_linear(piece, length, |length| {
+            let text = piece.repeat(length / piece.len());
+            let _ = reply::read_action(&program, &text);
+            let _ = reply::read_action(&compass, &text);
+            let _ = reply::read_text("Instructions:", "", &text);
+        });
     }
 }
 

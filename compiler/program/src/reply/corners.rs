@@ -22,7 +22,7 @@ const TAKING: &[&str] = words!(
 
 /// The same after `is`, where it tells of no earlier step: `is folded` may.
 const TAKEN: &[&str] =
-    words!("picked gripped pinched grasped grabbed taken lifted brought carried dragged");
+    words!("picked gripped grasped grabbed taken lifted brought carried dragged");
 
 /// The same after `is therefore`.
 const NOW_TAKEN: &[&str] =

@@ -126,8 +126,16 @@ fn aside_members(is_field: &dyn Fn(&str) -> bool, node: &Node, depth: usize, bes
         }
         let is_reason = NO_REMARKS.iter().any(|name| key.eq_ignore_ascii_case(name));
         let explains = REASONS.iter().any(|name| key.eq_ignore_ascii_case(name));
-        if let (true, Shape::Text(text)) = (explains, &value.shape) {
-            beside.reasons.push_str(&format!("{text}.\n\n"));
+        if explains {
+            let listed = match &value.shape {
+                Shape::List(items) => &items[..],
+                _ => std::slice::from_ref(value),
+            };
+            for item in listed {
+                if let Shape::Text(text) = &item.shape {
+                    beside.reasons.push_str(&format!("{text}.\n\n"));
+                }
+            }
         }
         match &value.shape {
             Shape::Object(_) if depth < MAX_STRINGS => {
@@ -630,7 +638,7 @@ fn table(reader: &Reader<'_>, text: &str, rows: &[Vec<Range<usize>>], claims: &m
                         .or(row_axis(row))
                         .filter(|_| reader.fields[*field].is_point());
                     let mut claim = of_cell(reader, text, *field, axis, *hint, cell);
-                    // A table of candidates, one a row, gives way to the asked form below it.
+                    // Where candidates stand one a row, cells that cannot be read give way to the asked form below.
                     if let Some(claim) = claim.as_mut().filter(|_| compares)
                         && let Claimed::Bad(why) = &claim.claimed
                     {

@@ -1169,6 +1169,12 @@ impl<'a> Sentences<'a> {
 
     /// Returns the lengths that are said to be enough: `a tenth of an edge is all that is allowed`.
     fn sufficing(&self, part: Range<usize>, field: usize) -> Vec<Claim> {
+        // `for a single layer 0.25 edge is enough`
+        let is_elsewhere = self.tokens[part.start].is_any(&["for", "with", "on"])
+            || self.tokens[part.clone()].iter().any(|it| it.is("other"));
+        if is_elsewhere {
+            return Vec::new();
+        }
         let context = self.reader.context(field, self.text, None, Clarity::Spoken);
         let words = &self.tokens[..part.end];
         let found = part.filter_map(|at| {
@@ -1244,7 +1250,9 @@ impl<'a> Sentences<'a> {
                             .tokens
                             .get(at + 1)
                             .is_some_and(|next| next.is("corner"));
-                    it.is_any(UNREAL)
+                    let is_later_step = it.is_any(&["second", "third"])
+                        && self.tokens.get(at + 1).is_some_and(|next| next.is("step"));
+                    (is_later_step || it.is_any(UNREAL))
                         && !is_corner
                         && (it.at < till || !it.is_any(&["then", "next", "after"]))
                 })
@@ -1518,10 +1526,11 @@ impl<'a> Sentences<'a> {
         }
         let preceding = begin.checked_sub(1).map(|at| &self.tokens[at]);
         // `from the center (350, 345) to the pick point`, `it would slip out of a soft grip`
-        let words = self.tokens[begin.saturating_sub(3)..begin].iter().rev();
-        let mut words = words.take_while(|it| it.kind == Kind::Word);
-        let is_way = self.tokens[end - 1].is("to") || self.tokens[end].is("to");
-        let is_from = words.any(|it| it.is("out") || is_way && it.is("from"));
+        let words = self.tokens[begin.saturating_sub(4)..begin].iter().rev();
+        let words: Vec<_> = words.take_while(|it| it.kind == Kind::Word).collect();
+        let has = |wanted: &[&str]| words.iter().any(|it| it.is_any(wanted));
+        let is_way = self.tokens[end..mention.at].iter().any(|it| it.is("to"));
+        let is_from = is_way && has(&["from"]) || has(&["out"]) && has(&["slip", "slips", "slid"]);
         if is_from {
             return None;
         }

@@ -25,7 +25,7 @@ struct Scale {
 const LENGTH: Scale = Scale {
     low: words!("short small tiny slight minimal minimum least"),
     high: words!("long large big great maximal maximum"),
-    nouns: words!("pull tug nudge distance drag"),
+    nouns: words!("pull tug nudge distance"),
     verbs: &[],
     only_extremes: false,
 };
@@ -49,18 +49,22 @@ const LINKING: &[&str] = words!("is be stays stay kept keep remains");
 
 /// What follows a length that is no choice: `a short distance from the center`, `the largest distance that is allowed`.
 const LIMITING: &[&str] = words!(
-    "from between away below above beside behind inside outside off past to at that that's which where"
+    "from between away below above beside behind inside outside off past into along under over left to at that that's which where still needed required necessary"
 );
 
 /// What begins the reason or the conclusion, behind a comma.
 const REASONING: &[&str] = words!("so since because as for therefore which hence thus but and");
 
 /// What makes a superlative another value than the last one.
-const SHORT_OF: &[&str] =
-    words!("second third next half two three quarter quarters twice double nearly almost not");
+const SHORT_OF: &[&str] = words!(
+    "second third next half two three quarter quarters twice double nearly almost not at below under within between than neither nor"
+);
 
-/// Verbs behind a size that choose it: `the shortest pull suffices`.
+/// Words in -s behind a size that do not make it a general one: `the shortest pull suffices`.
 const CHOOSING: &[&str] = words!("is suffices does works fits this thus as");
+
+/// Other verbs that do: `the longest pull can crumple the cloth`.
+const SUPPOSING: &[&str] = words!("can will must should");
 
 /// The most words from a verb to its adverb.
 const MAX_TO_ADVERB: usize = 6;
@@ -102,11 +106,15 @@ impl Scale {
     fn chosen(&self, words: &[Token<'_>], at: usize) -> Option<(End, bool)> {
         let (end, is_superlative) = self.end(&words[at])?;
         let behind = &words[at + 1..];
-        // `longer` compares with another value, `long enough` says little, `the second longest` and `half the longest` are others.
+        // `longer` compares with another value, `long enough` says little, and `the second longest` means another.
         let before = &words[at.saturating_sub(3)..at];
         if words[at].text.to_ascii_lowercase().ends_with("er")
             || behind.first().is_some_and(|it| it.is("enough"))
             || before.iter().any(|it| it.is_any(SHORT_OF))
+            // `between the shortest and the longest pull`
+            || before.iter().any(|it| self.end(it).is_some())
+            // `With the longest pull the cloth slides off the table`
+            || words[0].is("with") && at <= 2
         {
             return None;
         }
@@ -127,13 +135,18 @@ impl Scale {
     /// `(shortest) possible pull`
     fn precedes_noun(&self, behind: &[Token<'_>]) -> bool {
         let n_between = behind.iter().take_while(|it| it.is_any(BETWEEN)).count();
-        let is_limited = !self.only_extremes
-            && behind
-                .get(n_between + 1)
-                .is_some_and(|it| it.is_any(LIMITING));
-        // `a long pull drags the whole cloth` tells of any
-        let is_general = behind.get(n_between + 1).is_some_and(|it| {
-            it.kind == Kind::Word && it.text.ends_with('s') && !it.is_any(CHOOSING)
+        let next = behind.get(n_between + 1);
+        let is_limited = match self.only_extremes {
+            true => behind.iter().take(n_between + 3).any(|it| it.is("still")),
+            false => next.is_some_and(|it| it.is_any(LIMITING) || it.text.ends_with("ing")),
+        };
+        // `a long pull drags the whole cloth` is about long pulls in general, `the longest pull is 1 edge` about a choice.
+        let is_number = behind
+            .get(n_between + 2)
+            .is_some_and(|it| it.kind == Kind::Number);
+        let is_general = next.is_some_and(|it| {
+            let is_verb = it.kind == Kind::Word && it.text.ends_with('s') && !it.is_any(CHOOSING);
+            is_verb || it.is_any(SUPPOSING) || it.is("is") && is_number
         });
         let noun = behind.get(n_between);
         !is_limited && !is_general && noun.is_some_and(|it| it.is_any(self.nouns))
@@ -162,12 +175,16 @@ pub(super) fn parts(tokens: &[Token<'_>], sentence: Range<usize>) -> Vec<Range<u
         let is_dash = matches!(tokens[at].kind, Kind::Sign('-' | '–' | '—'))
             && is_apart(at)
             && is_apart(at + 1);
-        if is_reason || is_dash || matches!(tokens[at].kind, Kind::Sign(';' | ':')) {
+        let is_sign = is_dash || matches!(tokens[at].kind, Kind::Sign(';' | ':'));
+        if is_reason || is_sign {
             parts.push(begin..at);
-            begin = at;
+            begin = at + usize::from(is_sign);
         }
     }
-    parts.push(begin..sentence.end);
+    parts.retain(|part| !part.is_empty());
+    if begin < sentence.end {
+        parts.push(begin..sentence.end);
+    }
     parts
 }
 

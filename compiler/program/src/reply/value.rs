@@ -177,7 +177,18 @@ pub(super) fn read<'t>(cursor: &mut Cursor<'_, 't>, context: &Context<'_>) -> Fo
             "gave", "stated", "named", "sent", "proposed", "wrote", "chose",
         ]);
     given.skip(&["before", "earlier", "first", "previously"], &[]);
-    let is_past = is_given && given.eat_any(&["was", "were"]);
+    let is_past = is_given && given.eat_any(&["was", "were"]) && {
+        given.skip(&["only", "just", "an", "a"], &[]);
+        given.eat_any(&[
+            "estimate",
+            "guess",
+            "estimated",
+            "wrong",
+            "off",
+            "mistaken",
+            "not",
+        ])
+    };
     if calls_wrong || is_past {
         return Found::Rejected;
     }
@@ -692,7 +703,16 @@ fn side(cursor: &mut Cursor<'_, '_>, expected: &Expected<'_>) -> Option<Result<R
     let Choices::Directions { choices } = &expected.field.choices else {
         return None;
     };
+    let start = *cursor;
     let deg = words::side(cursor)?;
+    // `Direction: the upper right area is empty`
+    if cursor
+        .peek()
+        .is_some_and(|next| next.is_any(&["area", "region", "quadrant"]))
+    {
+        *cursor = start;
+        return None;
+    }
     if choices.iter().any(|choice| choice.deg == deg) {
         Some(Ok((Value::Direction { deg }, None)))
     } else {

@@ -118,11 +118,10 @@ pub(super) fn side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {
     let is_place = !of_picture && cursor.peek().is_some_and(|next| next.is("of"));
     // `a right angle`, `the right corner`
     let is_diagonal = deg % 90.0 != 0.0;
-    if cursor.peek().is_some_and(|next| {
-        next.is_any(&["angle", "area", "region", "quadrant"])
-            || is_place
-            || (next.is("corner") && !is_diagonal)
-    }) {
+    if cursor
+        .peek()
+        .is_some_and(|next| next.is("angle") || is_place || (next.is("corner") && !is_diagonal))
+    {
         *cursor = start;
         return None;
     }

@@ -333,7 +333,7 @@ pub(super) const FOREIGN: &[&str] = words!(
 );
 
 /// The same as phrases; separated by `|`.
-pub(super) const FOREIGN_SAYINGS: &str = "stimmt nicht|stimmt so nicht|nicht richtig|nicht sicher|bitte nicht|no estoy|al azar|no deben ejecutarse|no debe ejecutarse|no deben enviarse|no consigo ver|no puedo ver|envíe la|envíe una|no uses|pas sûr|pas certain|pas fiable|n'est pas fiable|n'est pas correct|n'est pas correcte|n'est pas exact|n'est pas exacte|n'est pas juste|n'est pas bon|n'est pas bonne|n'est pas le bon|n'est pas la bonne|n'est pas sûre|n'est pas valable|n'est pas définitif|n'est pas définitive|ce n'est pas|ne pas|não tenho|não use|não estou|non sono|non usare|non usate|bitte warten|por favor espere|me trompe|ziehe sie zurück|ziehe ich zurück|ziehe das zurück|ist hinfällig|noch einmal fotografieren|noch einmal fragen|d'illustration|mieux vaut ne|reposer la question|revenir là dessus|retiro lo dicho|sin efecto|repetir la foto|riempite a caso|rifatemi la domanda";
+pub(super) const FOREIGN_SAYINGS: &str = "stimmt nicht|stimmt so nicht|nicht richtig|nicht sicher|bitte nicht|no estoy|al azar|no deben ejecutarse|no debe ejecutarse|no deben enviarse|no consigo ver|no puedo ver|envíe la|envíe una|no uses|pas sûr|pas certain|pas fiable|n'est pas|ne pas|não tenho|não use|não estou|non sono|non usare|non usate|bitte warten|por favor espere|me trompe|ziehe sie zurück|ziehe ich zurück|ziehe das zurück|ist hinfällig|noch einmal fotografieren|noch einmal fragen|d'illustration|mieux vaut ne|reposer la question|revenir là dessus|retiro lo dicho|sin efecto|repetir la foto|riempite a caso|rifatemi la domanda";
 
 /// The same, in languages without blanks between words.
 pub(super) const FOREIGN_WITHIN: &[&str] = words!(
