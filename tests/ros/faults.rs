@@ -84,8 +84,9 @@ fn peer_ros_an_arm_of_another_model_is_not_believed() {
         trajectory: Some("/other/follow".to_owned()),
         ..ros.settings()
     };
+    // Long enough for the other server to be heard on a busy machine.
     assert_eq!(
-        refusal(&elsewhere, MODEL, 2.0),
+        refusal(&elsewhere, MODEL, 8.0),
         "there is no action server `/other/follow`: is the driver started?"
     );
     let settings = RosSettings {
