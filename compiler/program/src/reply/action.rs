@@ -288,6 +288,10 @@ impl Field<'_> {
             .iter()
             .copied()
             .filter(|claim| matches!(claim.claimed, Claimed::Course(_) | Claimed::OneOf(_)))
+            .filter(|claim| {
+                let is_taken_back = |turn: &usize| claim.span.start < *turn && *turn < span.start;
+                !found.turns.iter().any(is_taken_back)
+            })
             .collect();
         let differs = |claim: &&Claim| match (&claim.claimed, value) {
             (Claimed::Course(course), Value::Direction { deg }) => {
