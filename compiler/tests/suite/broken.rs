@@ -1,36 +1,25 @@
 //! Breaking any declaration of a shipped task gives an error, and never a smaller program.
 
-use crate::common::workspace;
-use fab_compiler::{Compiled, LoadError, Loader};
+use crate::common::{Changed, workspace};
+use fab_compiler::Compiled;
 use fab_grammar::ast::{Component, Expr};
 use fab_grammar::{Kind, Node, Sources};
 use fab_program::Program;
 use std::collections::BTreeMap;
 use std::fs;
 use std::ops::Range;
-use std::path::PathBuf;
-
-/// The folder of the shipped tasks, with one file's text replaced.
-struct Changed<'t> {
-    folder: PathBuf,
-    name: &'t str,
-    text: &'t str,
-}
-
-impl Loader for Changed<'_> {
-    fn load(&self, name: &str) -> Result<String, LoadError> {
-        if name == self.name {
-            return Ok(self.text.to_owned());
-        }
-        fs::read_to_string(self.folder.join(name)).map_err(|error| LoadError {
-            message: error.to_string(),
-        })
-    }
-}
 
 fn compile(entry: &str, name: &str, text: &str) -> Compiled {
     let folder = workspace().join("tasks");
-    fab_compiler::compile(entry, &Changed { folder, name, text }).unwrap()
+    fab_compiler::compile(
+        entry,
+        &Changed {
+            folder: &folder,
+            name,
+            text,
+        },
+    )
+    .unwrap()
 }
 
 /// The programs by their titles, without the hashes of their sources.

@@ -5,32 +5,14 @@
 //! tries the same ones.
 
 use crate::chance::Chance;
-use crate::common::workspace;
+use crate::common::{Changed, workspace};
+use fab_compiler::Compiled;
 use fab_compiler::diag::{self, Color, Diagnostic, Severity};
-use fab_compiler::{Compiled, LoadError, Loader};
 use fab_grammar::{Kind, Sources};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
-
-/// A folder, with one file's text replaced.
-struct Changed<'t> {
-    folder: &'t Path,
-    name: &'t str,
-    text: &'t str,
-}
-
-impl Loader for Changed<'_> {
-    fn load(&self, name: &str) -> Result<String, LoadError> {
-        if name == self.name {
-            return Ok(self.text.to_owned());
-        }
-        fs::read_to_string(self.folder.join(name)).map_err(|_| LoadError {
-            message: format!("there is no file `{name}`"),
-        })
-    }
-}
+use std::path::PathBuf;
 
 /// A file, and the file that is compiled: itself, or one that uses it.
 #[derive(Clone)]

@@ -11,7 +11,8 @@ use fab_program::pointing::Pointing;
 use fab_program::scene::{SceneView, Unreachable};
 use fab_program::{PixelPoint, Program, Value};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 /// A small task with every section that a task needs.
 pub const TASK: &str = include_str!("task.fab");
@@ -43,6 +44,24 @@ impl Loader for Memory {
 
     fn trial(&self, title: &str) -> Option<fab_program::Trial> {
         explain::trial(title)
+    }
+}
+
+/// A folder, with one file's text replaced.
+pub struct Changed<'t> {
+    pub folder: &'t Path,
+    pub name: &'t str,
+    pub text: &'t str,
+}
+
+impl Loader for Changed<'_> {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        if name == self.name {
+            return Ok(self.text.to_owned());
+        }
+        fs::read_to_string(self.folder.join(name)).map_err(|_| LoadError {
+            message: format!("there is no file `{name}`"),
+        })
     }
 }
 
