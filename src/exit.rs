@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use std::fmt;
+use std::path::Path;
 
 /// How the command ends; scripts rely on the exit codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +55,11 @@ impl Failure {
     /// The environment failed.
     pub fn environment(error: impl fmt::Display) -> Failure {
         Failure::new(Exit::Environment, error.to_string())
+    }
+
+    /// A file or a folder cannot be written.
+    pub fn unwritable(path: &Path, error: std::io::Error) -> Failure {
+        Failure::environment(format!("cannot write `{}`: {error}", path.display()))
     }
 
     /// The command line asks for something that does not exist or cannot be done.

@@ -7,6 +7,7 @@
 //! that a command starts, which is the process's, and raw keys of a terminal, which only the process's own streams have.
 
 use crate::exit::{Exit, Failure};
+use fab_base::files;
 use fab_base::interrupt::Interrupt;
 use fab_compiler::diag::{Color, is_hidden, visible};
 use std::borrow::Cow;
@@ -27,8 +28,6 @@ pub struct Io {
     folder: Option<PathBuf>,
     /// `None` means the process's variables.
     variables: Option<Arc<BTreeMap<OsString, OsString>>>,
-    /// `None` means the system clock.
-    now: Option<SystemTime>,
     /// `None` means an interrupt raised by SIGINT and SIGTERM.
     interrupt: Option<Interrupt>,
     /// `None` means the running program.
@@ -160,7 +159,6 @@ impl Io {
             }),
             folder: None,
             variables: None,
-            now: None,
             interrupt: None,
             program: None,
         }
@@ -181,7 +179,6 @@ impl Io {
             }),
             folder: Some(folder.into()),
             variables: Some(Arc::default()),
-            now: None,
             interrupt: Some(Interrupt::default()),
             program: None,
         }
@@ -190,12 +187,6 @@ impl Io {
     /// Returns the same surroundings with `bytes` on stdin.
     pub fn with_stdin(self, bytes: impl Into<Vec<u8>>) -> Io {
         *lock(&self.streams.stdin) = Box::new(Cursor::new(bytes.into()));
-        self
-    }
-
-    /// Returns the same surroundings, writing data to a stream instead of capturing it.
-    pub fn with_stdout(self, writer: impl Write + Send + 'static) -> Io {
-        *lock(&self.streams.stdout) = Sink::To(Box::new(writer));
         self
     }
 
@@ -211,18 +202,6 @@ impl Io {
             .variables
             .get_or_insert_with(|| Arc::new(std::env::vars_os().collect()));
         Arc::make_mut(variables).insert(name.into(), value.into());
-        self
-    }
-
-    /// Returns the same surroundings with a clock that always shows `now`.
-    pub fn with_clock(mut self, now: SystemTime) -> Io {
-        self.now = Some(now);
-        self
-    }
-
-    /// Returns the same surroundings, interrupted whenever `interrupt` is raised.
-    pub fn with_interrupt(mut self, interrupt: Interrupt) -> Io {
-        self.interrupt = Some(interrupt);
         self
     }
 
@@ -435,7 +414,7 @@ impl Io {
 
     /// Returns the current time.
     pub(crate) fn now(&self) -> SystemTime {
-        self.now.unwrap_or_else(SystemTime::now)
+        SystemTime::now()
     }
 
     /// Returns the program to start as a helper process.
@@ -485,6 +464,11 @@ impl Io {
             ))
         })
     }
+}
+
+/// Writes a file so that a crash leaves either the old content or the new.
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    files::write_whole(path, bytes).map_err(|error| Failure::unwritable(path, error))
 }
 
 /// Stdin as a stream.

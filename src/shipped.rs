@@ -10,8 +10,9 @@ mod embedded;
 use crate::exit::Failure;
 use crate::io::Io;
 use embedded::FILES;
-use fab_base::{digest, files};
-use sha2::{Digest, Sha256};
+use fab_base::cache::Cache;
+use fab_base::files;
+use fab_base::shown::quoted;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -56,10 +57,7 @@ pub fn find_beside(folder: &Path, word: &str, io: &Io) -> Result<String, Failure
     }
     Err(Failure::environment(format!(
         "there is no file `{name}`, and fabc ships no task `{word}`; it ships {}",
-        names()
-            .map(|name| format!("`{name}`"))
-            .collect::<Vec<_>>()
-            .join(", ")
+        quoted(names())
     )))
 }
 
@@ -128,15 +126,10 @@ fn installed(io: &Io) -> Option<PathBuf> {
 
 /// Returns the folder to which the embedded tasks are written.
 fn embedded_folder(io: &Io) -> Option<PathBuf> {
-    let mut hash = Sha256::new();
-    for (path, bytes) in FILES {
-        for part in [path.as_bytes(), bytes] {
-            // The length comes first, so that two different lists of files cannot hash alike.
-            hash.update((part.len() as u64).to_le_bytes());
-            hash.update(part);
-        }
-    }
-    let hash = digest::hex(&hash.finalize()[..8]);
+    let parts = FILES
+        .iter()
+        .flat_map(|(path, bytes)| [path.as_bytes(), bytes]);
+    let hash = &Cache::key(parts)[..16];
     Some(io.cache_folder()?.join("tasks").join(hash))
 }
 

@@ -4,7 +4,8 @@ use crate::exit::Failure;
 use crate::io::Io;
 use clap::Args;
 use clap::ValueHint;
-use fab_base::npy;
+use fab_base::shown::quoted;
+use fab_base::{files, npy};
 use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, diag};
 use fab_program::{PINS_FILE, Program, Trial, pins_folder};
 use serde::Deserialize;
@@ -12,8 +13,6 @@ use serde::Serialize;
 use serde_json::json;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Which task of a file is meant.
@@ -116,7 +115,7 @@ fn pinned_trial(folder: &Path, title: &str) -> Option<Trial> {
 /// Reads the file at a path in a folder as the kind of file that is wanted; says what it found.
 fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Listed {
     let read = || -> Result<Listed, String> {
-        let bytes = read_at_most(MAX_LOOKED_AT, &inside(folder, path)?)?;
+        let bytes = files::read(&inside(folder, path)?, MAX_LOOKED_AT)?;
         match wanted {
             Wanted::CameraPicture | Wanted::Picture => {
                 let [width, height] = png_size(&bytes)?;
@@ -250,26 +249,7 @@ fn inside_or_library(folder: &Path, path: &Path) -> Result<PathBuf, String> {
 
 /// Reads a regular file of at most [`MAX_BYTES`]; the error says why it cannot.
 pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
-    read_at_most(MAX_BYTES, path)
-}
-
-fn read_at_most(max_bytes: u64, path: &Path) -> Result<Vec<u8>, String> {
-    let information = fs::metadata(path).map_err(|error| error.to_string())?;
-    if information.is_dir() {
-        return Err("it is a directory, not a file".to_owned());
-    }
-    // A device or a pipe has no length and may never end.
-    if !information.is_file() {
-        return Err("it is no regular file".to_owned());
-    }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|error| error.to_string())?;
-    let read = file.take(max_bytes + 1).read_to_end(&mut bytes);
-    read.map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > max_bytes {
-        return Err(format!("it is longer than {max_bytes} bytes"));
-    }
-    Ok(bytes)
+    files::read(path, MAX_BYTES)
 }
 
 /// Compiles a file.
@@ -395,16 +375,10 @@ fn tasks(programs: &[Program]) -> impl Iterator<Item = &Program> {
     programs.iter().filter(|program| program.variant.is_none())
 }
 
-fn quoted<'n>(names: impl Iterator<Item = &'n str>) -> String {
-    names
-        .map(|name| format!("`{name}`"))
-        .collect::<Vec<_>>()
-        .join(", ")
-}
-
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
+    use std::fs;
     use std::os::unix::fs::symlink;
 
     /// A folder with a task in it, and a file outside it.

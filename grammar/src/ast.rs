@@ -221,13 +221,7 @@ views! {
         /// Returns the text beside its value.
         text -> Option<Text<'t>> = |node| first(node);
         /// Returns where its values come from.
-        cited -> Option<Text<'t>> = |node| first(node).map(Cited::text);
-    }
-
-    /// `from "…"`.
-    Cited(Cited) {
-        /// Returns the text.
-        text: Text<'t> = first,
+        cited -> Option<Text<'t>> = |node| below(node, Kind::Cited);
     }
 
     /// `sequence { … }` or `demonstrate { … }`.
@@ -261,7 +255,7 @@ views! {
         name: Name<'t> = head_name,
     } {
         /// Returns the name of the task that it extends.
-        extends -> Option<Name<'t>> = |node| first(node).map(Extends::name);
+        extends -> Option<Name<'t>> = |node| below(node, Kind::Extends);
         /// Returns its sections.
         body -> Body<'t> = |node| Body { node };
         /// Returns its variants.
@@ -273,12 +267,6 @@ views! {
             whole(node, Kind::WithoutVariant).flat_map(Names::list);
         /// Returns its tests.
         tests -> impl Iterator<Item = Test<'t>> = |node| all(node);
-    }
-
-    /// `extends BASE`.
-    Extends(Extends) {
-        /// Returns the name of the task that is extended.
-        name: Name<'t> = first,
     }
 
     /// `variant NAME { … }`.
@@ -401,13 +389,7 @@ views! {
         // The name itself reads as an expression too.
         one_of -> impl Iterator<Item = Expr<'t>> = |node| all(node).skip(1);
         /// Returns the mask's name.
-        any_of -> Option<Name<'t>> = |node| first(node).map(AnyOf::mask);
-    }
-
-    /// `any of MASK`.
-    AnyOf(AnyOf) {
-        /// Returns the mask's name.
-        mask: Name<'t> = first,
+        any_of -> Option<Name<'t>> = |node| below(node, Kind::AnyOf);
     }
 
     /// `component NAME …`, with or without `override` and `when`.
@@ -418,13 +400,7 @@ views! {
         text: Text<'t> = first,
     } {
         /// Returns the condition under which it is used.
-        when -> Option<Expr<'t>> = |node| first(node).map(Guard::condition);
-    }
-
-    /// `when …`.
-    Guard(Guard) {
-        /// Returns the condition.
-        condition: Expr<'t> = first,
+        when -> Option<Expr<'t>> = |node| below(node, Kind::Guard);
     }
 
     /// `say NAME, … in STAGE after NAME`, or `before NAME`.
@@ -588,7 +564,7 @@ views! {
         name: Name<'t> = head_name,
     } {
         /// Returns the condition under which it is checked.
-        when -> Option<Expr<'t>> = |node| first(node).map(Guard::condition);
+        when -> Option<Expr<'t>> = |node| below(node, Kind::Guard);
         /// Returns the condition; `None` if it does not parse.
         condition -> Option<Expr<'t>> = |node| node.child(Kind::Expr).and_then(Expr::cast);
         /// Returns the message for the model.
@@ -623,15 +599,9 @@ views! {
         above: Expr<'t> = first,
     } {
         /// Returns how often a step is tried again.
-        retries -> Option<Expr<'t>> = |node| first(node).map(Retries::count);
+        retries -> Option<Expr<'t>> = |node| below(node, Kind::Retries);
         /// Returns the message for the model.
         message -> Option<Text<'t>> = |node| first(node);
-    }
-
-    /// `retries N`.
-    Retries(Retries) {
-        /// Returns how many there are.
-        count: Expr<'t> = first,
     }
 
     // ---- tests ---------------------------------------------------------------------------------
@@ -752,15 +722,9 @@ views! {
         /// Returns the point.
         point -> Expr<'t> = |node| part(node, 0);
         /// Returns how far outside the point may be.
-        margin -> Option<Expr<'t>> = |node| first(node).map(Margin::value);
+        margin -> Option<Expr<'t>> = |node| below(node, Kind::Margin);
         /// Returns the mask.
         region -> Expr<'t> = |node| part(node, 1);
-    }
-
-    /// `N of`.
-    Margin(Margin) {
-        /// Returns how far from the edge.
-        value: Expr<'t> = first,
     }
 
     /// Conditions joined by `and`.
@@ -920,7 +884,7 @@ pub enum Declares {
 
 /// Returns whether a condition after `when` does not parse, or something stands where `when` may stand.
 fn has_broken_guard(node: Node<'_>) -> bool {
-    let is_empty = |guard: Node<'_>| Guard::cast(guard).is_none();
+    let is_empty = |guard: Node<'_>| first::<Expr<'_>>(guard).is_none();
     let heads = || {
         node.child(Kind::Head)
             .and_then(|head| head.child(Kind::Surplus))
@@ -1306,8 +1270,14 @@ mod tests {
     fn every_kind_of_node_has_a_view() {
         let tree = tree(EVERYTHING);
         let is_sign = |kind| matches!(kind, Kind::Token | Kind::Head | Kind::Open | Kind::Close);
+        // Their single part is read through the view of what they belong to.
+        let is_read_by_parent = |kind| {
+            use Kind::{AnyOf, Cited, Extends, Guard, Margin, Retries};
+            matches!(kind, AnyOf | Cited | Extends | Guard | Margin | Retries)
+        };
         for node in tree.nodes() {
-            let exempt = node.kind().is_trivia() || is_sign(node.kind());
+            let kind = node.kind();
+            let exempt = kind.is_trivia() || is_sign(kind) || is_read_by_parent(kind);
             assert!(exempt || has_view(node), "{node:?}");
         }
     }

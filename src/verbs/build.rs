@@ -1,12 +1,11 @@
 //! `fabc build`: writes tasks as files that other systems use without this command.
 
 use crate::exit::{Exit, Failure};
-use crate::io::Io;
+use crate::io::{Io, write_file};
 use crate::sources;
 use clap::Args;
 use clap::ValueEnum;
 use clap::ValueHint;
-use fab_base::files;
 use fab_emit::{self, Artifact, Target};
 use serde_json::json;
 use std::fs;
@@ -74,13 +73,8 @@ fn target(argument: EmitArgument) -> Target {
 fn write(folder: &Path, artifact: &Artifact) -> Result<PathBuf, Failure> {
     let path = folder.join(&artifact.path);
     let above = path.parent().unwrap_or(folder);
-    let written = fs::create_dir_all(above)
-        .and_then(|()| files::write_whole(&path, artifact.text.as_bytes()));
-    match written {
-        Ok(()) => Ok(path),
-        Err(error) => Err(Failure::environment(format!(
-            "cannot write `{}`: {error}",
-            path.display()
-        ))),
-    }
+    // The message names the file, not its folder.
+    fs::create_dir_all(above).map_err(|error| Failure::unwritable(&path, error))?;
+    write_file(&path, artifact.text.as_bytes())?;
+    Ok(path)
 }

@@ -7,6 +7,7 @@ use crate::io::Io;
 use crate::{shipped, sources, watch};
 use clap::Args;
 use clap::ValueHint;
+use fab_base::shown::counted;
 use fab_compiler::diag::{self, Severity};
 use fab_program::Program;
 use fix::Effect;
@@ -129,7 +130,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
         }
     }
     if arguments.deny_warnings && n_warnings > 0 && exit == Exit::Done {
-        let count = fix::counted(n_warnings, "warning");
+        let count = counted(n_warnings, "warning");
         io.talk(&format!(
             "error: {count}, and `--deny-warnings` allows none"
         ));

@@ -1,9 +1,8 @@
 //! `fabc explain`: what diagnostics mean and what to do.
 
 use crate::exit::{Exit, Failure};
-use crate::io::Io;
+use crate::io::{Io, write_file};
 use clap::Args;
-use fab_base::files;
 use fab_compiler::diag::Code;
 use fab_compiler::explain;
 use std::path::Path;
@@ -39,13 +38,10 @@ fn known(code: &str) -> Result<Code, Failure> {
 }
 
 fn write_pages(folder: &Path, io: &Io) -> Result<(), Failure> {
-    let failed = |path: &Path, error: std::io::Error| {
-        Failure::environment(format!("cannot write `{}`: {error}", path.display()))
-    };
-    std::fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
+    std::fs::create_dir_all(folder).map_err(|error| Failure::unwritable(folder, error))?;
     for (name, text) in explain::pages() {
         let path = folder.join(name);
-        files::write_whole(&path, text.as_bytes()).map_err(|error| failed(&path, error))?;
+        write_file(&path, text.as_bytes())?;
         io.data(&path.display().to_string());
     }
     Ok(())

@@ -18,6 +18,7 @@ use std::path::PathBuf;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::{sources, watch};
+use fab_base::shown::quoted;
 use fab_program::render::{PromptPicture, PromptText};
 use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, SubgoalStep};
 use page::{DisplayMessage, DisplayPart, ShownStage};
@@ -126,18 +127,11 @@ fn chosen_stages<'p>(
     };
     match program.stages.iter().find(|stage| stage.name == wanted) {
         Some(stage) => Ok(vec![stage]),
-        None => {
-            let names: Vec<String> = program
-                .stages
-                .iter()
-                .map(|stage| format!("`{}`", stage.name))
-                .collect();
-            Err(Failure::usage(format!(
-                "`{}` has no stage `{wanted}`; it has {}",
-                program.task,
-                names.join(", ")
-            )))
-        }
+        None => Err(Failure::usage(format!(
+            "`{}` has no stage `{wanted}`; it has {}",
+            program.task,
+            quoted(program.stages.iter().map(|stage| &stage.name))
+        ))),
     }
 }
 

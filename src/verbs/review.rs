@@ -235,8 +235,9 @@ fn as_json(
         let picture = match first {
             Some(first) => {
                 let sheet = sheets.draw(&group.id, first)?;
-                json!({ "path": sheet.path, "changed_pixels": sheet.n_changed, "bounds": sheet.bounds,
-                    "words": sheet.words })
+                let compared = sheet.compared;
+                json!({ "path": sheet.path, "changed_pixels": compared.n_changed, "bounds": compared.bounds,
+                    "words": compared.words })
             }
             None => Value::Null,
         };

@@ -2,7 +2,7 @@
 
 use crate::sources::{self, Disk};
 use fab_compiler::{LoadError, Loader};
-use fab_program::{ClothStart, FileRef, Program, Subgoals};
+use fab_program::{ClothStart, FileRef, PINS_FILE, Program, Subgoals, pins_folder};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -50,10 +50,10 @@ fn beside(program: &Program) -> Vec<PathBuf> {
     match &program.subgoals {
         Some(Subgoals::Images { images }) => named.extend(images.iter().map(|image| &image.file)),
         Some(Subgoals::Demonstrate { folds }) => {
-            let folder = format!("{}.subgoals", program.title().replace('/', "."));
+            let folder = pins_folder(&program.title());
             let pictures = (0..=folds.len()).map(|number| format!("{number}.png"));
             // `fabc subgoals` writes this description after the pictures.
-            let files = pictures.chain(["pins.json".to_owned()]);
+            let files = pictures.chain([PINS_FILE.to_owned()]);
             pins.extend(files.map(|file| Path::new(&folder).join(file)));
         }
         None => {}

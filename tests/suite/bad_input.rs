@@ -102,7 +102,7 @@ fn a_file_that_is_enormous() {
         folder.path(),
         &["check", "task.fab"],
         2,
-        &["longer than 4194304 bytes"],
+        &["longer than the limit of 4194304 bytes"],
     );
 }
 

@@ -9,9 +9,7 @@ use fab_model::{Message, Model, ModelError, Part, Png, Request, Speaker};
 use fab_program::ModelRole;
 use fab_providers::Remote;
 use fab_providers::catalogue::Catalogue;
-use fab_providers::remote::{
-    Answers, BaseUrl, Gate, Key, MessageSink, Retry, Settings, Shared, Wire,
-};
+use fab_providers::remote::{Answers, BaseUrl, Gate, Key, Retry, Settings, Shared, Wire};
 use serde_json::json;
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -69,7 +67,7 @@ impl Server {
             gate: Arc::new(Gate::new(1)),
             answers: Arc::new(Answers::none()),
             interrupt: Interrupt::default(),
-            tell: MessageSink::nobody(),
+            tell: Arc::new(|_| {}),
             hidden: Vec::new(),
         };
         let model = Remote::new(settings, shared).unwrap();

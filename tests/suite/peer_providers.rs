@@ -146,7 +146,7 @@ fn peer_the_providers_own_clients_know_every_field_that_is_sent() {
                     .headers
                     .iter()
                     .map(|(_, version)| format!("-{version}"));
-                let place = format!("{}{}", wire.name(), version.collect::<String>());
+                let place = format!("{wire}{}", version.collect::<String>());
                 let place = folder.path().join(place);
                 fs::create_dir_all(&place).unwrap();
                 fs::write(place.join(format!("{name}-{field:?}.json")), encoded.body).unwrap();
@@ -164,7 +164,7 @@ fn peer_replies_of_the_providers_own_classes_are_read() {
     let written = script("replies", folder.path());
     let mut count = 0;
     for wire in Wire::ALL {
-        for entry in fs::read_dir(folder.path().join(wire.name())).unwrap() {
+        for entry in fs::read_dir(folder.path().join(wire.to_string())).unwrap() {
             let path = entry.unwrap().path();
             let name = path.display().to_string();
             let Some(reply) = name.strip_suffix(".expected.json") else {

@@ -8,7 +8,7 @@ use fab_base::interrupt::Interrupt;
 use fab_model::Models;
 use fab_model::calls::{Fault, ledger};
 use fab_providers::Remote;
-use fab_providers::remote::{Answers, BaseUrl, Gate, MessageSink, Retry, Settings, Shared, Wire};
+use fab_providers::remote::{Answers, BaseUrl, Gate, Retry, Settings, Shared, Wire};
 use fab_world::Look;
 use std::collections::BTreeSet;
 use std::fs;
@@ -47,7 +47,7 @@ fn remote(provider: &Provider) -> Remote {
         ..Settings::new("test", "geometric", Wire::OpenaiChat, address)
     };
     let shared = Shared {
-        tell: MessageSink::nobody(),
+        tell: Arc::new(|_| {}),
         gate: Arc::new(Gate::new(4)),
         answers: Arc::new(Answers::none()),
         interrupt: Interrupt::default(),

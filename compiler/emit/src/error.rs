@@ -1,16 +1,16 @@
 //! Why a program cannot be written.
 
-use std::fmt;
-
 /// Why a program cannot be written.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EmitError {
     /// A name cannot be used in a path or a template; the compiler never gives one like that.
+    #[error("`{name}` cannot be the name of a file")]
     Name {
         /// The name.
         name: String,
     },
     /// The program lacks something that it refers to, or that is of another kind.
+    #[error("`{name}` is not {wanted}")]
     Reference {
         /// Its name.
         name: String,
@@ -18,11 +18,15 @@ pub enum EmitError {
         wanted: &'static str,
     },
     /// A number is infinite, NaN, or a zero divisor.
+    #[error("the program computes with `{value}`, which is not a finite number")]
     Number {
         /// The number.
         value: String,
     },
     /// The names of two files differ only by case.
+    #[error(
+        "`{one}` and `{other}` are the same file on systems that ignore letter case; rename one"
+    )]
     SameFile {
         /// The path of one.
         one: String,
@@ -30,29 +34,6 @@ pub enum EmitError {
         other: String,
     },
 }
-
-impl fmt::Display for EmitError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            EmitError::Name { name } => write!(f, "`{name}` cannot be the name of a file"),
-            EmitError::Reference { name, wanted } => {
-                write!(f, "`{name}` is not {wanted}")
-            }
-            EmitError::Number { value } => {
-                write!(
-                    f,
-                    "the program computes with `{value}`, which is not a finite number"
-                )
-            }
-            EmitError::SameFile { one, other } => write!(
-                f,
-                "`{one}` and `{other}` are the same file on systems that ignore letter case; rename one"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for EmitError {}
 
 /// Accepts a name that is safe in a path and in a template: ASCII letters, digits and `_`, joined by dots.
 pub(crate) fn plain_name(name: &str) -> Result<&str, EmitError> {

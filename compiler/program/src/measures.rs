@@ -334,7 +334,7 @@ impl Depends for Length {
     fn add_uses(&self, uses: &mut Uses) {
         match self {
             Length::Constant { .. } => {}
-            Length::Field { .. } => uses.action = true,
+            Length::Field { field, .. } => uses.add_field(field),
             Length::OfPoints(measure) => measure.points.add_uses(uses),
         }
     }
@@ -426,7 +426,7 @@ const fn length(
     doc: &'static str,
     square: Square,
 ) -> Call<Make> {
-    call(
+    Call::new(
         name,
         "a length in the picture",
         args,
@@ -442,23 +442,7 @@ const fn other(
     doc: &'static str,
     make: fn(&Args, f64) -> Measure,
 ) -> Call<Make> {
-    call(name, gives, args, doc, Make::Other(make))
-}
-
-const fn call(
-    name: &'static str,
-    gives: &'static str,
-    args: &'static [Arg],
-    doc: &'static str,
-    make: Make,
-) -> Call<Make> {
-    let signature = Signature {
-        name,
-        gives,
-        args,
-        doc,
-    };
-    Call { signature, make }
+    Call::new(name, gives, args, doc, Make::Other(make))
 }
 
 #[cfg(test)]

@@ -28,7 +28,8 @@ pub trait SceneView {
 }
 
 /// A missing keypoint, field or text. A scene of the same program never lacks one.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{name}` is not known here")]
 pub struct Missing {
     /// Its name.
     pub name: String,
@@ -42,14 +43,6 @@ impl Missing {
         }
     }
 }
-
-impl std::fmt::Display for Missing {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "`{}` is not known here", self.name)
-    }
-}
-
-impl std::error::Error for Missing {}
 
 /// A point of the picture that cannot be picked from or placed on.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -25,6 +25,20 @@ pub enum Dimension {
     Number,
 }
 
+impl Dimension {
+    /// Returns its name in messages and in the reference.
+    pub fn noun(self) -> &'static str {
+        match self {
+            Dimension::Length => "a length on the table",
+            Dimension::Pixels => "a length in the picture",
+            Dimension::Angle => "an angle",
+            Dimension::Speed => "a speed",
+            Dimension::ArealDensity => "a mass per area",
+            Dimension::Number => "a plain number",
+        }
+    }
+}
+
 /// A unit.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Unit {

@@ -29,6 +29,25 @@ pub struct Call<Make> {
 /// A call that makes its value from its arguments alone.
 pub type CallOf<T> = Call<fn(&Args) -> T>;
 
+impl<Make> Call<Make> {
+    /// Makes a row.
+    pub const fn new(
+        name: &'static str,
+        gives: &'static str,
+        args: &'static [Arg],
+        doc: &'static str,
+        make: Make,
+    ) -> Call<Make> {
+        let signature = Signature {
+            name,
+            gives,
+            args,
+            doc,
+        };
+        Call { signature, make }
+    }
+}
+
 /// The signature of a call: its name, its arguments, one line of documentation.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Signature {

@@ -3,7 +3,7 @@
 use super::context::{Context, Fields};
 use super::expressions::{Scope, fixed_deg, keypoint, wrong_shape};
 use super::names::Meaning;
-use super::quantity::{measured, noun, out_of_range, quantity_of, unit as unit_of};
+use super::quantity::{measured, out_of_range, quantity_of, unit as unit_of};
 use crate::diag::{Code, Diagnostic, Reported, nearest};
 use crate::lang::actions::{ChoiceKind, FIELDS, FieldRow, field as moving_field};
 use crate::proof::MAX_FIELDS;
@@ -347,7 +347,7 @@ fn length<'a>(
             }
         };
         let diagnostic = context.unexpected(code, choice, EXPECTED);
-        let diagnostic = diagnostic.label(format!("this is {}", noun(found.dimension)));
+        let diagnostic = diagnostic.label(format!("this is {}", found.dimension.noun()));
         let help = "the arm moves over the table: write, for example, `0.25edge` or `50mm`";
         return Err(context.error(diagnostic.help(help)));
     };

@@ -2,6 +2,7 @@
 
 use super::context::{Context, Declared};
 use super::files;
+use super::stage::number_of;
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::loader::Wanted;
 use crate::merge::Merged;
@@ -23,17 +24,11 @@ pub(crate) fn check<'a>(
         Wanted::Demonstrations,
         context,
     );
-    let declared = || merged.stages.iter().map(|stage| stage.name().text());
-    let Some(number) = declared().position(|name| name == part.stage().text()) else {
-        if merged.stages.is_empty() {
-            return file.map(|_| None);
-        }
-        return Err(context.unknown("stage", part.stage(), declared().collect::<Vec<_>>()));
-    };
-    let stage = match &stages[number] {
-        Ok(stage) => stage,
-        Err(reported) => return Err(*reported),
-    };
+    if merged.stages.is_empty() {
+        return file.map(|_| None);
+    }
+    let number = number_of(part.stage(), merged, context)?;
+    let stage = stages[number].as_ref().map_err(|reported| *reported)?;
     if stage.read != Read::Action || !stage.show.is_empty() {
         let lacks = match stage.show.is_empty() {
             true => "does not read the action",

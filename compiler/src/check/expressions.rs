@@ -116,7 +116,7 @@ pub(super) fn wrong_form(
 }
 
 /// Reads one argument by its kind.
-fn argument<'a>(
+pub(super) fn argument<'a>(
     expr: Expr<'a>,
     kind: Kind,
     scope: Scope,
@@ -242,7 +242,7 @@ pub(super) fn name_of(
 }
 
 /// Reads a word of a closed set, or a whole number with its unit: `low`, `2048 tokens`.
-pub(super) fn word_or_count<'a>(
+fn word_or_count<'a>(
     expr: Expr<'a>,
     (noun, words): (&str, &'static [Word]),
     (range, unit): (&Range, &'static str),

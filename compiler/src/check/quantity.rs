@@ -31,28 +31,17 @@ impl Measured {
     }
 }
 
-/// Returns the name of a dimension, and an example of how a number is written in it.
-fn words(dimension: Dimension) -> (&'static str, &'static str) {
-    match dimension {
-        Dimension::Length => ("a length on the table", " such as `40mm`"),
-        Dimension::Pixels => ("a length in the picture", " such as `10px`"),
-        Dimension::Angle => ("an angle", " such as `45deg`"),
-        Dimension::Speed => ("a speed", " such as `200mm/s`"),
-        Dimension::ArealDensity => ("a mass per area", " such as `420g/m2`"),
-        Dimension::Number => ("a plain number", ""),
-    }
-}
-
-/// Returns the name of a dimension.
-pub(super) fn noun(dimension: Dimension) -> &'static str {
-    words(dimension).0
-}
-
+/// Describes a dimension, with an example of how a number is written in it.
 fn example(dimension: Dimension) -> String {
-    match (dimension, words(dimension)) {
-        (Dimension::Number, _) => "a number without a unit".to_owned(),
-        (_, (noun, example)) => format!("{noun}{example}"),
-    }
+    let example = match dimension {
+        Dimension::Length => "40mm",
+        Dimension::Pixels => "10px",
+        Dimension::Angle => "45deg",
+        Dimension::Speed => "200mm/s",
+        Dimension::ArealDensity => "420g/m2",
+        Dimension::Number => return "a number without a unit".to_owned(),
+    };
+    format!("{} such as `{example}`", dimension.noun())
 }
 
 /// Returns the unit that advice uses for a dimension.
@@ -179,7 +168,7 @@ fn in_dimension<'a>(
         return Ok(found.value);
     }
     let written = context.written(expr.span());
-    let (expected_noun, found_noun) = (noun(expected), noun(found.dimension));
+    let (expected_noun, found_noun) = (expected.noun(), found.dimension.noun());
     let new = |code, message: String| Diagnostic::new(code, expr.span(), message);
     let mixed = || {
         new(
@@ -246,7 +235,7 @@ fn converted<'a>(
     if units::find(target.text()).map(|unit| unit.dimension) != Some(expected) {
         let message = format!(
             "expected {}, found a value in `{}`",
-            noun(expected),
+            expected.noun(),
             target.text()
         );
         let units = units_of(&[expected]);
@@ -262,11 +251,11 @@ fn converted<'a>(
         (Dimension::Pixels, Dimension::Length) => Ok(from.value / context.px_per_m()?),
         (dimension, _) => {
             if let (Dimension::Number, Expr::Name(_)) = (dimension, value) {
-                return Err(context.error(no_unit(value, noun(expected), context)));
+                return Err(context.error(no_unit(value, expected.noun(), context)));
             }
             let message = format!(
                 "{} cannot be converted to `{}`",
-                noun(dimension),
+                dimension.noun(),
                 target.text()
             );
             Err(no_conversion(

@@ -4,7 +4,7 @@ use super::context::{Context, Declared};
 use super::expressions::{Scope, call, material_name};
 use super::material;
 use super::quantity::{read, read_whole};
-use super::stage::Prompts;
+use super::stage::{Prompts, number_of};
 use crate::diag::{Code, Diagnostic, Reported, among};
 use crate::lang::goal::METRICS;
 use crate::lang::rehearse::{REVISIONS, TRUST, TWINS};
@@ -112,14 +112,11 @@ fn stage<'p>(
     prompts: &'p Prompts,
     context: &mut Context<'_, '_>,
 ) -> Declared<&'p Stage> {
-    let declared = || merged.stages.iter().map(|stage| stage.name().text());
+    if merged.stages.is_empty() {
+        return Ok(None);
+    }
     let name = part.stage();
-    let Some(number) = declared().position(|declared| declared == name.text()) else {
-        if merged.stages.is_empty() {
-            return Ok(None);
-        }
-        return Err(context.unknown("stage", name, declared().collect::<Vec<_>>()));
-    };
+    let number = number_of(name, merged, context)?;
     let stage = prompts.stages[number].as_ref().map_err(|it| *it)?;
     if stage.read != Read::Action {
         let message = format!("the stage `{}` does not read the action", stage.name);

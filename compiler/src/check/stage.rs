@@ -6,10 +6,9 @@
 use super::conditions;
 use super::context::{Context, Declared};
 use super::examples;
-use super::expressions::word_or_count;
+use super::expressions::{Scope, argument};
 use super::missing_action::{needs_action, needs_last};
 use super::placeholders::{TextPlace, TextScope, template};
-use super::quantity::{read as read_number, read_whole};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::stage::{DRAWINGS, MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
 use crate::merge::{Merged, once, unique};
@@ -625,6 +624,18 @@ fn addable<'a>(merged: &Merged<'a>) -> Option<(&'a str, &'a str)> {
         .find_map(|stage| Some((stage, merged.said.get(stage)?.names().next_back()?)))
 }
 
+/// Returns which stage a name means.
+pub(super) fn number_of(
+    name: Name<'_>,
+    merged: &Merged<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<usize, Reported> {
+    let names = || merged.stages.iter().map(|stage| stage.name().text());
+    names()
+        .position(|known| known == name.text())
+        .ok_or_else(|| context.unknown("stage", name, names()))
+}
+
 // ---- model ---------------------------------------------------------------------------------------
 
 /// The values of a model's settings, by their names.
@@ -685,17 +696,7 @@ fn setting<'a>(
         let help = format!("write `{} {example}`", row.name);
         return Err(context.error(diagnostic.help(help)));
     };
-    let value = match row.kind {
-        Kind::WordOrCount {
-            noun,
-            words,
-            range,
-            unit,
-        } => word_or_count(value, (noun, words), (&range, unit), context)?,
-        Kind::Whole(range) => ArgValue::Number(read_whole(value, &range, context)?),
-        Kind::Quantity(range) => ArgValue::Number(read_number(value, &range, context)?),
-        _ => ArgValue::Nothing,
-    };
+    let value = argument(value, row.kind, Scope::Everywhere, context)?;
     Ok((row.name, value))
 }
 

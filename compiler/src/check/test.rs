@@ -5,7 +5,7 @@ use super::examples::plain;
 use super::expressions;
 use super::names::Meaning;
 use super::quantity::read_whole;
-use super::stage::Prompts;
+use super::stage::{Prompts, number_of};
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::test::{EXPECTATIONS, GIVEN, STEP};
 use crate::merge::{Merged, once, repeated};
@@ -103,13 +103,9 @@ fn answered<'p>(
     prompts: &'p Prompts,
     context: &mut Context<'_, '_>,
 ) -> Declared<(usize, &'p Stage)> {
-    let names = || merged.stages.iter().map(|stage| stage.name().text());
     let number = match reply.stage() {
         None => prompts.stages.len().checked_sub(1),
-        Some(name) => match names().position(|known| known == name.text()) {
-            None => return Err(context.unknown("stage", name, names())),
-            number => number,
-        },
+        Some(name) => Some(number_of(name, merged, context)?),
     };
     let stage = |number: usize| prompts.stages[number].as_ref().map(|stage| (number, stage));
     number.map(stage).transpose().map_err(|reported| *reported)

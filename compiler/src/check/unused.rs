@@ -9,7 +9,7 @@ use crate::lang::actions::{FIELDS, field as moving_field};
 use crate::load::Loaded;
 use crate::merge::{MAX_EXTENDS_DEPTH, Merged, VariantChange};
 use fab_grammar::ast::{Body, Name, Task};
-use fab_program::{Condition, Heading, Length, Point, Program};
+use fab_program::{Depends, Program, Uses};
 use std::collections::BTreeSet;
 
 /// Warns of the task's own constants and keypoints that nothing uses and that are named almost like inherited ones.
@@ -119,15 +119,14 @@ fn bases<'a>(task: Task<'a>, loaded: &Loaded<'a>) -> impl Iterator<Item = Task<'
 
 /// Notes the fields that neither act on the gripper nor decide a check.
 pub(crate) fn fields(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
-    let mut checked = BTreeSet::new();
+    let mut read = Uses::default();
     for check in &program.verify.checks {
-        check.when.iter().chain([&check.holds]).for_each(|part| {
-            add_fields(part, &mut checked);
-        });
+        let conditions = check.when.iter().chain([&check.holds]);
+        conditions.for_each(|part| part.add_uses(&mut read));
     }
     for field in merged.actions.into_iter().flat_map(|part| part.fields()) {
         let name = field.name().text();
-        if moving_field(name).is_some() || checked.contains(name) {
+        if moving_field(name).is_some() || read.fields.contains(name) {
             continue;
         }
         let message = format!("nothing acts on the field `{name}`");
@@ -138,59 +137,5 @@ pub(crate) fn fields(program: &Program, merged: &Merged<'_>, context: &mut Conte
             Some(meant) => diagnostic.help(format!("{help}; there is `{meant}`, which acts")),
             None => diagnostic.help(help),
         });
-    }
-}
-
-/// Adds the action's fields that a condition reads.
-fn add_fields(condition: &Condition, fields: &mut BTreeSet<String>) {
-    match condition {
-        Condition::All { of } | Condition::Any { of } => {
-            of.iter().for_each(|part| add_fields(part, fields));
-        }
-        Condition::Not { of } => add_fields(of, fields),
-        Condition::Lengths { left, right, .. } => {
-            for length in [left, right] {
-                match length {
-                    Length::Field { field, .. } => drop(fields.insert(field.clone())),
-                    Length::OfPoints(measure) => {
-                        measure.points().iter().for_each(|it| add_point(it, fields));
-                    }
-                    Length::Constant { .. } => {}
-                }
-            }
-        }
-        Condition::Angle { a, b, .. } => {
-            for heading in [a, b] {
-                match heading {
-                    Heading::Field { field } | Heading::Last { field } => {
-                        fields.insert(field.clone());
-                    }
-                    Heading::FromTo { from, to } => {
-                        add_point(from, fields);
-                        add_point(to, fields);
-                    }
-                    Heading::Constant { .. } => {}
-                }
-            }
-        }
-        Condition::Word { field, .. } => {
-            fields.insert(field.clone());
-        }
-        Condition::Within { point, .. } => add_point(point, fields),
-        Condition::Number { .. } | Condition::Last | Condition::Unreachable => {}
-    }
-}
-
-fn add_point(point: &Point, fields: &mut BTreeSet<String>) {
-    match point {
-        Point::Action { field } => {
-            fields.insert(field.clone());
-        }
-        Point::Mirror { of, about } => {
-            add_point(of, fields);
-            add_point(about, fields);
-        }
-        Point::Carried { from, .. } => add_point(from, fields),
-        Point::Keypoint { .. } | Point::Last { .. } => {}
     }
 }

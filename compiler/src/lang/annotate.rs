@@ -1,6 +1,6 @@
 //! Rows of `annotate`: what can be drawn on the camera's picture, and in which colours.
 
-use fab_program::vocabulary::{Arg, Args, Call, CallOf, Default, Kind, Range, Signature, Word};
+use fab_program::vocabulary::{Arg, Call, CallOf, Default, Kind, Range, Word};
 use fab_program::{KeypointShape, Mark};
 
 // ---- colours -------------------------------------------------------------------------------------
@@ -10,7 +10,7 @@ macro_rules! colors {
     ($($name:literal $red:literal $green:literal $blue:literal,)*) => {
         /// The colours.
         pub(crate) const COLORS: &[Word] =
-            &[$(Word { name: $name, doc: concat!("red ", $red, ", green ", $green, ", blue ", $blue) },)*];
+            &[$(Word::new($name, concat!("red ", $red, ", green ", $green, ", blue ", $blue)),)*];
 
         const RGB: &[[u8; 3]] = &[$([$red, $green, $blue],)*];
     };
@@ -63,27 +63,11 @@ const fn width(default_px: f64) -> Arg {
     Arg::named("width", WIDTH, "the width of its lines").or(Default::Number(default_px))
 }
 
-const fn mark(
-    name: &'static str,
-    args: &'static [Arg],
-    doc: &'static str,
-    make: fn(&Args) -> Mark,
-) -> CallOf<Mark> {
-    Call {
-        signature: Signature {
-            name,
-            gives: "a mark",
-            args,
-            doc,
-        },
-        make,
-    }
-}
-
 /// The marks; prompts use a mark's name.
 pub(crate) const MARKS: &[CallOf<Mark>] = &[
-    mark(
+    Call::new(
         "dot",
+        "a mark",
         &[POINTS, COLOR, radius("its radius")],
         "a filled circle at each point",
         |args| Mark::Dot {
@@ -91,8 +75,9 @@ pub(crate) const MARKS: &[CallOf<Mark>] = &[
             radius_px: args.whole("radius"),
         },
     ),
-    mark(
+    Call::new(
         "ring",
+        "a mark",
         &[POINTS, COLOR, radius("its radius"), width(1.0)],
         "a circle at each point",
         |args| Mark::Ring {
@@ -101,8 +86,9 @@ pub(crate) const MARKS: &[CallOf<Mark>] = &[
             width_px: args.whole("width"),
         },
     ),
-    mark(
+    Call::new(
         "cross",
+        "a mark",
         &[POINTS, COLOR, radius("the length of each arm"), width(1.0)],
         "an upright cross at each point",
         |args| Mark::Cross {
@@ -111,16 +97,18 @@ pub(crate) const MARKS: &[CallOf<Mark>] = &[
             width_px: args.whole("width"),
         },
     ),
-    mark(
+    Call::new(
         "number",
+        "a mark",
         &[POINTS, COLOR],
         "beside each point its number in its list, from 1",
         |args| Mark::Number {
             at: args.spots(POINTS.name),
         },
     ),
-    mark(
+    Call::new(
         "arrow",
+        "a mark",
         &[
             Arg::positional("from", Kind::Point, "its tail"),
             Arg::positional("to", Kind::Point, "its tip"),
@@ -134,8 +122,9 @@ pub(crate) const MARKS: &[CallOf<Mark>] = &[
             width_px: args.whole("width"),
         },
     ),
-    mark(
+    Call::new(
         "box",
+        "a mark",
         &[
             Arg::positional("keypoint", Kind::Keypoint(&[KeypointShape::Box]), "the box"),
             COLOR,
@@ -152,8 +141,9 @@ pub(crate) const MARKS: &[CallOf<Mark>] = &[
             spacing_px: args.whole("spacing"),
         },
     ),
-    mark(
+    Call::new(
         "outline",
+        "a mark",
         &[
             Arg::positional(
                 "keypoint",

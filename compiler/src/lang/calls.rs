@@ -2,9 +2,7 @@
 
 use fab_program::data::keypoints::IMAGE;
 use fab_program::units::base;
-use fab_program::vocabulary::{
-    Arg, ArgValue, Args, Call, CallOf, Default, Kind, Range, Signature, Word,
-};
+use fab_program::vocabulary::{Arg, ArgValue, Args, Call, CallOf, Default, Kind, Range, Word};
 use fab_program::{Camera, Cloth, ClothPoint, ClothStart, ImageUp, MANNERS, Manner, Picker};
 
 // ---- cloths --------------------------------------------------------------------------------------
@@ -19,14 +17,11 @@ pub(crate) const PARTICLES: Range = Range::plain("a count of particles", 2.0, 20
 const SIDE: Kind = Kind::Quantity(Range::new("a side", (6.25, "mm"), (1243.75, "mm")));
 
 const STARTS: &[Word] = &[
-    Word {
-        name: "flat",
-        doc: "flat and straight",
-    },
-    Word {
-        name: "crumpled",
-        doc: "lifted and dropped at random, depending on the seed",
-    },
+    Word::new("flat", "flat and straight"),
+    Word::new(
+        "crumpled",
+        "lifted and dropped at random, depending on the seed",
+    ),
 ];
 
 const START: Arg = Arg::named(
@@ -48,56 +43,50 @@ const MATERIAL: Arg = Arg::named(
 
 /// The forms of `cloth`.
 pub(crate) const CLOTHS: &[CallOf<Cloth>] = &[
-    Call {
-        signature: Signature {
-            name: "grid",
-            gives: "a cloth",
-            args: &[
-                Arg::positional(
-                    "width",
-                    Kind::Whole(PARTICLES),
-                    "particles from left to right",
-                ),
-                Arg::positional(
-                    "depth",
-                    Kind::Whole(PARTICLES),
-                    "particles from back to front",
-                ),
-                START,
-                MATERIAL,
-            ],
-            doc: "particles from left to right and from back to front, 6.25 mm apart",
-        },
-        make: |args| cloth([args.whole("width"), args.whole("depth")], args),
-    },
-    Call {
-        signature: Signature {
-            name: "square",
-            gives: "a cloth",
-            args: &[Arg::positional("side", SIDE, "its side"), START, MATERIAL],
-            doc: "the same side both ways",
-        },
-        make: |args| cloth([particles(args.number("side")); 2], args),
-    },
-    Call {
-        signature: Signature {
-            name: "rectangle",
-            gives: "a cloth",
-            args: &[
-                Arg::positional("width", SIDE, "from left to right"),
-                Arg::positional("depth", SIDE, "from back to front"),
-                START,
-                MATERIAL,
-            ],
-            doc: "width and depth",
-        },
-        make: |args| {
+    Call::new(
+        "grid",
+        "a cloth",
+        &[
+            Arg::positional(
+                "width",
+                Kind::Whole(PARTICLES),
+                "particles from left to right",
+            ),
+            Arg::positional(
+                "depth",
+                Kind::Whole(PARTICLES),
+                "particles from back to front",
+            ),
+            START,
+            MATERIAL,
+        ],
+        "particles from left to right and from back to front, 6.25 mm apart",
+        |args| cloth([args.whole("width"), args.whole("depth")], args),
+    ),
+    Call::new(
+        "square",
+        "a cloth",
+        &[Arg::positional("side", SIDE, "its side"), START, MATERIAL],
+        "the same side both ways",
+        |args| cloth([particles(args.number("side")); 2], args),
+    ),
+    Call::new(
+        "rectangle",
+        "a cloth",
+        &[
+            Arg::positional("width", SIDE, "from left to right"),
+            Arg::positional("depth", SIDE, "from back to front"),
+            START,
+            MATERIAL,
+        ],
+        "width and depth",
+        |args| {
             cloth(
                 ["width", "depth"].map(|side| particles(args.number(side))),
                 args,
             )
         },
-    },
+    ),
 ];
 
 fn particles(side_m: f64) -> u32 {
@@ -123,112 +112,74 @@ fn cloth([dimx, dimy]: [u32; 2], args: &Args) -> Cloth {
 
 /// The pickers that state how the gripper goes about it. Without an argument, only their names are written.
 pub(crate) const PICKERS: &[CallOf<(Picker, Manner)>] = &[
-    picker(
+    Call::new(
         "put_down",
+        "a picker",
+        MANNERS,
         "carries the cloth and puts it down, in the stated manner",
         |args| (Picker::PutDown, Manner::from_args(args)),
     ),
-    picker(
+    Call::new(
         "drop",
+        "a picker",
+        MANNERS,
         "carries the cloth and lets it fall, in the stated manner",
         |args| (Picker::Drop, Manner::from_args(args)),
     ),
 ];
 
-const fn picker(
-    name: &'static str,
-    doc: &'static str,
-    make: fn(&Args) -> (Picker, Manner),
-) -> CallOf<(Picker, Manner)> {
-    Call {
-        signature: Signature {
-            name,
-            gives: "a picker",
-            args: MANNERS,
-            doc,
-        },
-        make,
-    }
-}
-
 // ---- cameras -------------------------------------------------------------------------------------
 
 /// The forms of `camera`.
-pub(crate) const CAMERAS: &[CallOf<Camera>] = &[Call {
-    signature: Signature {
-        name: "top_down",
-        gives: "a camera",
-        args: &[
-            Arg::named(
-                "height",
-                Kind::Quantity(Range::new("a height", (100.0, "mm"), (5.0, "m"))),
-                "of its optical centre above the table",
-            ),
-            Arg::named(
-                "fov",
-                Kind::Quantity(Range::new("a field of view", (5.0, "deg"), (150.0, "deg"))),
-                "its field of view across the picture",
-            ),
-            Arg::named(
-                "image",
-                Kind::Whole(IMAGE),
-                "the side of its square picture",
-            ),
-            Arg::named(
-                "up",
-                Kind::Word(ImageUp::WORDS),
-                "the axis of the table that is up in the picture",
-            )
-            .or(Default::Word("y")),
-        ],
-        doc: "looks straight down",
-    },
-    make: |args| Camera {
+pub(crate) const CAMERAS: &[CallOf<Camera>] = &[Call::new(
+    "top_down",
+    "a camera",
+    &[
+        Arg::named(
+            "height",
+            Kind::Quantity(Range::new("a height", (100.0, "mm"), (5.0, "m"))),
+            "of its optical centre above the table",
+        ),
+        Arg::named(
+            "fov",
+            Kind::Quantity(Range::new("a field of view", (5.0, "deg"), (150.0, "deg"))),
+            "its field of view across the picture",
+        ),
+        Arg::named(
+            "image",
+            Kind::Whole(IMAGE),
+            "the side of its square picture",
+        ),
+        Arg::named(
+            "up",
+            Kind::Word(ImageUp::WORDS),
+            "the axis of the table that is up in the picture",
+        )
+        .or(Default::Word("y")),
+    ],
+    "looks straight down",
+    |args| Camera {
         height_m: args.number("height"),
         fov_rad: args.number("fov"),
         image_px: args.whole("image"),
         up: args.meaning("up", ImageUp::from_word),
     },
-}];
+)];
 
 // ---- points of the cloth -------------------------------------------------------------------------
 
 const CORNERS: &[Word] = &[
-    Word {
-        name: "back_left",
-        doc: "the picture's top left",
-    },
-    Word {
-        name: "back_right",
-        doc: "the picture's top right",
-    },
-    Word {
-        name: "front_left",
-        doc: "the picture's bottom left",
-    },
-    Word {
-        name: "front_right",
-        doc: "the picture's bottom right",
-    },
+    Word::new("back_left", "the picture's top left"),
+    Word::new("back_right", "the picture's top right"),
+    Word::new("front_left", "the picture's bottom left"),
+    Word::new("front_right", "the picture's bottom right"),
 ];
 
 const SIDES: &[Word] = &[
-    Word {
-        name: "left",
-        doc: "the left side",
-    },
-    Word {
-        name: "right",
-        doc: "the right side",
-    },
-    Word {
-        name: "back",
-        doc: "the picture's top",
-    },
-    Word {
-        name: "front",
-        doc: "the picture's bottom",
-    },
+    Word::new("left", "the left side"),
+    Word::new("right", "the right side"),
+    Word::new("back", "the picture's top"),
+    Word::new("front", "the picture's bottom"),
 ];
 
 const PART: Kind = Kind::Quantity(Range::plain("a fraction", 0.0, 1.0));
@@ -238,65 +189,57 @@ pub(crate) const FOLD_FRACTION: Range = Range::plain("a fraction", 0.0, 1.0).abo
 
 /// Points of the cloth that are calls; `center` is a word.
 pub(crate) const CLOTH_POINTS: &[CallOf<ClothPoint>] = &[
-    Call {
-        signature: Signature {
-            name: "corner",
-            gives: "a point of the cloth",
-            args: &[Arg::positional(
-                "name",
-                Kind::NameOf {
-                    noun: "corner",
-                    words: CORNERS,
-                },
-                "which one",
-            )],
-            doc: "a corner",
-        },
-        make: |args| side(args.word("name")),
-    },
-    Call {
-        signature: Signature {
-            name: "middle",
-            gives: "a point of the cloth",
-            args: &[Arg::positional(
-                "side",
-                Kind::NameOf {
-                    noun: "middle",
-                    words: SIDES,
-                },
-                "which one",
-            )],
-            doc: "the middle of a side",
-        },
-        make: |args| side(args.word("side")),
-    },
-    Call {
-        signature: Signature {
-            name: "point",
-            gives: "a point of the cloth",
-            args: &[
-                Arg::positional("right", PART, "of the way from the left to the right side"),
-                Arg::positional("front", PART, "of the way from the back to the front"),
-            ],
-            doc: "a point by its fractions of both sides",
-        },
-        make: |args| ClothPoint::Particle {
+    Call::new(
+        "corner",
+        "a point of the cloth",
+        &[Arg::positional(
+            "name",
+            Kind::NameOf {
+                noun: "corner",
+                words: CORNERS,
+            },
+            "which one",
+        )],
+        "a corner",
+        |args| side(args.word("name")),
+    ),
+    Call::new(
+        "middle",
+        "a point of the cloth",
+        &[Arg::positional(
+            "side",
+            Kind::NameOf {
+                noun: "middle",
+                words: SIDES,
+            },
+            "which one",
+        )],
+        "the middle of a side",
+        |args| side(args.word("side")),
+    ),
+    Call::new(
+        "point",
+        "a point of the cloth",
+        &[
+            Arg::positional("right", PART, "of the way from the left to the right side"),
+            Arg::positional("front", PART, "of the way from the back to the front"),
+        ],
+        "a point by its fractions of both sides",
+        |args| ClothPoint::Particle {
             right: args.number("right"),
             front: args.number("front"),
         },
-    },
-    Call {
-        signature: Signature {
-            name: "between",
-            gives: "a point of the cloth",
-            args: &[
-                Arg::positional("a", Kind::ClothPoint, "where it begins"),
-                Arg::positional("b", Kind::ClothPoint, "where it ends"),
-                Arg::positional("fraction", PART, "of the way from a to b"),
-            ],
-            doc: "a point on the way from one to another",
-        },
-        make: |args| {
+    ),
+    Call::new(
+        "between",
+        "a point of the cloth",
+        &[
+            Arg::positional("a", Kind::ClothPoint, "where it begins"),
+            Arg::positional("b", Kind::ClothPoint, "where it ends"),
+            Arg::positional("fraction", PART, "of the way from a to b"),
+        ],
+        "a point on the way from one to another",
+        |args| {
             let [a, b] = ["a", "b"].map(|end| particle(args.cloth_point(end)));
             let at = |axis: usize| a[axis] + args.number("fraction") * (b[axis] - a[axis]);
             ClothPoint::Particle {
@@ -304,7 +247,7 @@ pub(crate) const CLOTH_POINTS: &[CallOf<ClothPoint>] = &[
                 front: at(1),
             }
         },
-    },
+    ),
 ];
 
 /// Returns the point of a named corner or side. Each word in the name is one end of an axis; without a word, the

@@ -124,15 +124,7 @@ const fn measured(
     set: fn(&mut Material, &Args),
 ) -> Property {
     Property {
-        call: Call {
-            signature: Signature {
-                name,
-                gives: "a property",
-                args,
-                doc,
-            },
-            make: set,
-        },
+        call: Call::new(name, "a property", args, doc, set),
         face: None,
     }
 }

@@ -6,7 +6,6 @@
 use super::sections::Inheritance;
 use super::vocabulary::{CallEntry, Vocabulary, WordEntry, vocabulary};
 use crate::diag::CODES;
-use fab_program::units::Dimension;
 use fab_program::vocabulary::{Arg, Bound, Default, Kind, Place, Range, Word};
 
 const BEGIN: &str = "<!-- table: ";
@@ -121,17 +120,9 @@ fn codes() -> String {
 
 fn units(known: &Vocabulary) -> String {
     let rows = known.units.iter().map(|unit| {
-        let measures = match unit.dimension {
-            Dimension::Length => "a length on the table",
-            Dimension::Pixels => "a length in the picture",
-            Dimension::Angle => "an angle",
-            Dimension::Speed => "a speed",
-            Dimension::ArealDensity => "a mass per area",
-            Dimension::Number => "a plain number",
-        };
         vec![
             format!("`{}`", unit.name),
-            measures.to_owned(),
+            unit.dimension.noun().to_owned(),
             unit.doc.to_owned(),
         ]
     });

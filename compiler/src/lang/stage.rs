@@ -5,14 +5,8 @@ use fab_program::{Arrow, Layers, Picture, Reasoning, ReasoningLevel, SubgoalStep
 
 /// The kinds of model, the first word of `model`.
 pub(crate) const MODELS: &[Word] = &[
-    Word {
-        name: "vision",
-        doc: "a model that sees pictures",
-    },
-    Word {
-        name: "text",
-        doc: "a model that reads only text",
-    },
+    Word::new("vision", "a model that sees pictures"),
+    Word::new("text", "a model that reads only text"),
 ];
 
 /// The settings after the kind of model, each at most once. Without a setting, the model's own default applies.
@@ -65,14 +59,11 @@ pub(crate) struct PictureRow {
     pub drawn: Picture,
 }
 
-const ARROW: Word = Word {
-    name: "arrow",
-    doc: "on a subgoal: an arrow from the step's pick to its place",
-};
-const ANNOTATIONS: Word = Word {
-    name: "annotations",
-    doc: "on the scene: the layers of `annotate`",
-};
+const ARROW: Word = Word::new(
+    "arrow",
+    "on a subgoal: an arrow from the step's pick to its place",
+);
+const ANNOTATIONS: Word = Word::new("annotations", "on the scene: the layers of `annotate`");
 
 /// Every picture that `show` takes.
 pub(crate) const PICTURE_ROWS: [PictureRow; 3] = [
@@ -87,10 +78,7 @@ pub(crate) const PICTURE_ROWS: [PictureRow; 3] = [
         "the cloth after this step, as the subgoals show it",
     ),
     PictureRow {
-        word: Word {
-            name: "scene",
-            doc: "what the camera sees now",
-        },
+        word: Word::new("scene", "what the camera sees now"),
         bare: Picture::Scene {
             layers: Layers::Absent,
         },
@@ -103,7 +91,7 @@ pub(crate) const PICTURE_ROWS: [PictureRow; 3] = [
 
 const fn subgoal(name: &'static str, which: SubgoalStep, doc: &'static str) -> PictureRow {
     PictureRow {
-        word: Word { name, doc },
+        word: Word::new(name, doc),
         bare: Picture::Subgoal {
             which,
             arrow: Arrow::Absent,

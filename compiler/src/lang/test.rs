@@ -4,18 +4,15 @@ use fab_program::vocabulary::{Range, Word};
 
 /// The values that a test may give besides the task's keypoints and texts.
 pub(crate) const GIVEN: &[Word] = &[
-    Word {
-        name: "last.pick",
-        doc: "where the previous action gripped the cloth, a pixel",
-    },
-    Word {
-        name: "last.place",
-        doc: "where the previous action released it, a pixel",
-    },
-    Word {
-        name: "step",
-        doc: "which step it is; without it, the first",
-    },
+    Word::new(
+        "last.pick",
+        "where the previous action gripped the cloth, a pixel",
+    ),
+    Word::new(
+        "last.place",
+        "where the previous action released it, a pixel",
+    ),
+    Word::new("step", "which step it is; without it, the first"),
 ];
 
 /// The number of a step.
@@ -23,20 +20,11 @@ pub(crate) const STEP: Range = Range::plain("a step", 1.0, 100.0);
 
 /// The outcomes that a test may expect.
 pub(crate) const EXPECTATIONS: &[Word] = &[
-    Word {
-        name: "accept",
-        doc: "every check accepts the action",
-    },
-    Word {
-        name: "reject",
-        doc: "the check in brackets rejects the action: `reject(far)`",
-    },
-    Word {
-        name: "malformed",
-        doc: "the answer cannot be read",
-    },
-    Word {
-        name: "text",
-        doc: "the stage reads this text: `text \"fold left\"`",
-    },
+    Word::new("accept", "every check accepts the action"),
+    Word::new(
+        "reject",
+        "the check in brackets rejects the action: `reject(far)`",
+    ),
+    Word::new("malformed", "the answer cannot be read"),
+    Word::new("text", "the stage reads this text: `text \"fold left\"`"),
 ];

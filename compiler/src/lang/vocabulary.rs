@@ -133,7 +133,7 @@ fn calls() -> Vec<CallEntry> {
 fn words() -> Vec<WordEntry> {
     let of = |set, name, value, doc| WordEntry {
         set,
-        word: Word { name, doc },
+        word: Word::new(name, doc),
         value,
     };
     let sets: [(_, &[Word]); 9] = [

@@ -262,15 +262,11 @@ impl RunFolder {
 
 /// Opens a file of lines for appending after its last whole line.
 fn after_whole_lines(path: &Path) -> Result<Appender, JournalError> {
-    let unreadable = |why: String| JournalError::Unreadable {
+    let opened = Appender::open_after_whole_lines(path, MAX_SPENT_BYTES);
+    opened.map_err(|why| JournalError::Unreadable {
         path: path.to_owned(),
         why,
-    };
-    let mut appender = Appender::open(path).map_err(|error| unreadable(error.to_string()))?;
-    let mut lines = Reader::open(path, MAX_SPENT_BYTES).map_err(unreadable)?;
-    while lines.next_line().map_err(unreadable)?.is_some() {}
-    appender.keep(lines.whole_bytes());
-    Ok(appender)
+    })
 }
 
 /// Makes sure that no other process writes the journal.

@@ -14,28 +14,15 @@ pub struct Judgement {
     pub words: Option<String>,
 }
 
-/// Why a rollout did not reach its task: the paper's three categories.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Cause {
-    /// The arm, its gripper or the camera: a grasp that missed or took two layers, a motion that failed.
-    Hardware,
-    /// What was detected in the picture: corners or the cloth itself.
-    Detection,
-    /// The model's choice.
-    Reasoning,
-}
-
-impl Cause {
-    /// All causes.
-    pub const ALL: [Cause; 3] = [Cause::Hardware, Cause::Detection, Cause::Reasoning];
-
-    /// Returns its name in journals and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Cause::Hardware => "hardware",
-            Cause::Detection => "detection",
-            Cause::Reasoning => "reasoning",
-        }
+fab_base::named! {
+    /// Why a rollout did not reach its task: the paper's three categories.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+    pub enum Cause {
+        /// The arm, its gripper or the camera: a grasp that missed or took two layers, a motion that failed.
+        Hardware = "hardware",
+        /// What was detected in the picture: corners or the cloth itself.
+        Detection = "detection",
+        /// The model's choice.
+        Reasoning = "reasoning",
     }
 }

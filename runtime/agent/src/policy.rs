@@ -27,7 +27,6 @@ pub use random::Random;
 
 pub(crate) use judge::is_accepted;
 
-use crate::demos::DemosError;
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
@@ -409,22 +408,13 @@ pub enum PolicyError {
     /// A template and its values do not match; happens only in a hand-edited program.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The demonstrations cannot be shown.
+    /// The messages cannot be written.
     #[error(transparent)]
-    Demos(#[from] DemosError),
+    Prompt(#[from] PromptError),
     /// An answer could not be stored, or is lost: nothing further may be asked.
     #[error(transparent)]
     Calls(CallRefused),
     /// The run folder cannot be written.
     #[error(transparent)]
     Record(#[from] JournalError),
-}
-
-impl From<PromptError> for PolicyError {
-    fn from(error: PromptError) -> Self {
-        match error {
-            PromptError::Render(error) => PolicyError::Render(error),
-            PromptError::Demos(error) => PolicyError::Demos(error),
-        }
-    }
 }

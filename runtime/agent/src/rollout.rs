@@ -14,7 +14,6 @@ mod turn;
 mod writer;
 
 use crate::action::Action;
-use crate::demos::DemosError;
 use crate::examples::Examples;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
@@ -28,9 +27,8 @@ use crate::twins::Twins;
 use covered::Covered;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Budget, CallRefused, Spent};
+use fab_model::calls::{Budget, Spent};
 use fab_model::recording::Recorder;
-use fab_program::render::RenderError;
 use fab_program::{Choices, Manner, Program, manner_field};
 use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
@@ -188,18 +186,12 @@ pub enum RunError {
     /// The policy cannot do this task in this world.
     #[error("{0}")]
     Unfit(String),
-    /// The task does not support a model's point convention, or the program is inconsistent.
+    /// A message could not be written, or an answer could not be stored or found.
     #[error(transparent)]
-    Render(#[from] RenderError),
-    /// The demonstrations cannot be shown to a model.
-    #[error(transparent)]
-    Demos(#[from] DemosError),
-    /// A call could not be noted, or its answer could not be stored or found.
-    #[error(transparent)]
-    Calls(CallRefused),
+    Policy(PolicyError),
     /// The picture of the start gives nothing to ask about.
-    #[error("{0}")]
-    Scene(SceneError),
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     /// The picture of the flat cloth cannot be compared with the camera's.
     #[error("the picture of the flat cloth cannot be used: {why}")]
     Flat {
@@ -223,10 +215,7 @@ impl From<PolicyError> for RunError {
     fn from(error: PolicyError) -> Self {
         match error {
             PolicyError::Unfit(why) => RunError::Unfit(why),
-            PolicyError::Render(error) => RunError::Render(error),
-            PolicyError::Demos(error) => RunError::Demos(error),
-            PolicyError::Calls(error) => RunError::Calls(error),
-            PolicyError::Record(error) => RunError::Journal(error),
+            error => RunError::Policy(error),
         }
     }
 }

@@ -70,7 +70,7 @@ fn image(message: Image) -> topics::Image {
         encoding: message.encoding,
         is_bigendian: message.is_bigendian != 0,
         step: message.step,
-        data: message.data.0,
+        data: message.data.into_vec(),
     }
 }
 

@@ -2,9 +2,8 @@
 //!
 //! Definitions did not change from Humble to Kilted. A test compares the bytes of each with another program's.
 
-use serde::de::{SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::fmt;
+use serde::{Deserialize, Serialize};
+use serde_bytes::ByteBuf;
 
 /// A message with a name in DDS.
 pub(crate) trait Message {
@@ -31,7 +30,7 @@ messages! {
         header: Header, name: Vec<String>, position: Vec<f64>, velocity: Vec<f64>, effort: Vec<f64>,
     }
     Image = "sensor_msgs::msg::dds_::Image_" {
-        header: Header, height: u32, width: u32, encoding: String, is_bigendian: u8, step: u32, data: Bytes,
+        header: Header, height: u32, width: u32, encoding: String, is_bigendian: u8, step: u32, data: ByteBuf,
     }
     RegionOfInterest { x_offset: u32, y_offset: u32, height: u32, width: u32, do_rectify: bool }
     CameraInfo = "sensor_msgs::msg::dds_::CameraInfo_" {
@@ -86,60 +85,8 @@ pub(crate) struct GetResultResponse<R> {
 }
 
 /// The items of lists that are always empty here.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Unused {}
-
-impl Serialize for Unused {
-    fn serialize<S: Serializer>(&self, _: S) -> Result<S::Ok, S::Error> {
-        match *self {}
-    }
-}
-
-impl<'de> Deserialize<'de> for Unused {
-    fn deserialize<D: Deserializer<'de>>(_: D) -> Result<Unused, D::Error> {
-        Err(serde::de::Error::custom(
-            "a list that this program leaves empty has items",
-        ))
-    }
-}
-
-/// The bytes of a picture, copied at once instead of one by one.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Bytes(pub(crate) Vec<u8>);
-
-impl Serialize for Bytes {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_bytes(&self.0)
-    }
-}
-
-impl<'de> Deserialize<'de> for Bytes {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Bytes, D::Error> {
-        deserializer.deserialize_byte_buf(BytesVisitor)
-    }
-}
-
-struct BytesVisitor;
-
-impl<'de> Visitor<'de> for BytesVisitor {
-    type Value = Bytes;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("bytes")
-    }
-
-    fn visit_byte_buf<E>(self, bytes: Vec<u8>) -> Result<Bytes, E> {
-        Ok(Bytes(bytes))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Bytes, A::Error> {
-        let mut bytes = Vec::new();
-        while let Some(byte) = items.next_element()? {
-            bytes.push(byte);
-        }
-        Ok(Bytes(bytes))
-    }
-}
 
 impl Time {
     /// Returns the nanoseconds since 1970; ROS writes 0 where there is no stamp.

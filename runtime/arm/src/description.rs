@@ -8,6 +8,7 @@ mod hull;
 mod mesh;
 mod urdf;
 
+use super::kinematics;
 use super::kinematics::chain::{Chain, Joint, MAX_JOINTS, MIN_JOINTS};
 use super::kinematics::shape::Capsule;
 use fab_base::files;
@@ -132,11 +133,7 @@ impl ArmDescription {
     }
 
     fn tip_from_tool(&self) -> Isometry3<f64> {
-        let [roll, pitch, yaw] = self.tool_rpy_deg.map(f64::to_radians);
-        Isometry3::from_parts(
-            Translation3::from(self.tool_xyz_m),
-            UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-        )
+        kinematics::frame(self.tool_xyz_m, self.tool_rpy_deg.map(f64::to_radians))
     }
 }
 

@@ -89,14 +89,7 @@ impl ArmLog {
     /// Opens the journal in a run folder, to append to it.
     pub fn open(folder: &Path) -> Result<ArmLog, LogError> {
         let path = folder.join(ARM_FILE);
-        let opened = Appender::open(&path).map_err(|error| error.to_string());
-        let opened = opened.and_then(|mut file| {
-            let mut lines = Reader::open(&path, MAX_BYTES)?;
-            while lines.next_line()?.is_some() {}
-            file.keep(lines.whole_bytes());
-            Ok(file)
-        });
-        match opened {
+        match Appender::open_after_whole_lines(&path, MAX_BYTES) {
             Ok(mut file) => Ok(ArmLog::to(path, LONGEST, move |entry| {
                 file.append(&entry).map_err(|error| error.to_string())
             })),
@@ -182,14 +175,14 @@ pub fn run_state(folder: &Path) -> Result<RunState, LogError> {
     let mut lines = Reader::open(&path, MAX_BYTES).map_err(wrong)?;
     let mut state = RunState::Clear;
     while let Some(entry) = lines.read().map_err(wrong)? {
-        state = after(state, entry);
+        follow(&mut state, entry);
     }
     Ok(state)
 }
 
-/// Returns the state after one more line.
-fn after(state: RunState, entry: Entry) -> RunState {
-    match (state, entry) {
+/// Changes the state by one more line.
+fn follow(state: &mut RunState, entry: Entry) {
+    match (&mut *state, entry) {
         (
             before,
             Entry::Begin {
@@ -198,55 +191,33 @@ fn after(state: RunState, entry: Entry) -> RunState {
                 to_m,
                 ..
             },
-        ) => RunState::NeedsRecovery {
-            segment,
-            action,
-            to_m,
-            may_hold: segment.may_hold_cloth()
-                || matches!(before, RunState::NeedsRecovery { may_hold: true, .. }),
-            is_verified: false,
-            why: None,
-        },
+        ) => {
+            *state = RunState::NeedsRecovery {
+                segment,
+                action,
+                to_m,
+                may_hold: segment.may_hold_cloth()
+                    || matches!(before, RunState::NeedsRecovery { may_hold: true, .. }),
+                is_verified: false,
+                why: None,
+            }
+        }
         (
             RunState::NeedsRecovery {
                 segment,
-                action,
-                to_m,
-                may_hold,
-                why,
-                ..
-            },
-            Entry::Done { .. },
-        ) => match may_hold && segment != SegmentName::Release {
-            true => RunState::NeedsRecovery {
-                segment,
-                action,
-                to_m,
-                may_hold,
-                is_verified: true,
-                why,
-            },
-            false => RunState::Clear,
-        },
-        (
-            RunState::NeedsRecovery {
-                segment,
-                action,
-                to_m,
                 may_hold,
                 is_verified,
                 ..
             },
-            Entry::Halted { why, .. },
-        ) => RunState::NeedsRecovery {
-            segment,
-            action,
-            to_m,
-            may_hold,
-            is_verified,
-            why: Some(why),
+            Entry::Done { .. },
+        ) => match *may_hold && *segment != SegmentName::Release {
+            true => *is_verified = true,
+            false => *state = RunState::Clear,
         },
-        (_, Entry::Recovered { .. }) => RunState::Clear,
-        (state, Entry::Done { .. } | Entry::Halted { .. } | Entry::Enabled { .. }) => state,
+        (RunState::NeedsRecovery { why, .. }, Entry::Halted { why: halted, .. }) => {
+            *why = Some(halted);
+        }
+        (_, Entry::Recovered { .. }) => *state = RunState::Clear,
+        (_, Entry::Done { .. } | Entry::Halted { .. } | Entry::Enabled { .. }) => {}
     }
 }

@@ -309,23 +309,14 @@ pub struct Ros2Settings {
     pub info: Option<String>,
 }
 
-/// A middleware of ROS 2.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Rmw {
-    /// `rmw_fastrtps_cpp`, the default of Humble, Jazzy and Kilted.
-    Fastrtps,
-    /// `rmw_cyclonedds_cpp`.
-    Cyclonedds,
-}
-
-impl Rmw {
-    /// Returns its name in the settings.
-    pub fn name(self) -> &'static str {
-        match self {
-            Rmw::Fastrtps => "fastrtps",
-            Rmw::Cyclonedds => "cyclonedds",
-        }
+fab_base::named! {
+    /// A middleware of ROS 2.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+    pub enum Rmw {
+        /// `rmw_fastrtps_cpp`, the default of Humble, Jazzy and Kilted.
+        Fastrtps = "fastrtps",
+        /// `rmw_cyclonedds_cpp`.
+        Cyclonedds = "cyclonedds",
     }
 }
 

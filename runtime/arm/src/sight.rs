@@ -7,10 +7,6 @@ use crate::settings::Settings;
 use fab_picture::MovedMark;
 use image::{GrayImage, RgbImage};
 
-/// Draws a plan on the camera's own picture, which has the calibration's size.
-pub type DrawPlan =
-    fn(&Plan, &RgbImage, &Calibration, &Settings, &Reach) -> Result<RgbImage, String>;
-
 /// Finds places of the first picture in the second; omits hidden ones and those outside it.
 pub type FindAgain = fn(&GrayImage, &[[u32; 2]], &GrayImage) -> Result<Vec<MovedMark>, String>;
 

@@ -8,13 +8,11 @@ mod sheets;
 use crate::rgbd::{RgbdError, RgbdSource, Shot};
 use crate::settings::{Settings, SimulatedSettings};
 use crate::simulated::SimulatedTable;
-use fab_picture::DepthImage;
 use fab_program::Material;
-use fab_sim::{Grid, ImageUp, Mask, Params, Simulator, TopDownCamera};
+use fab_sim::{Grid, ImageUp, Params, Simulator, TopDownCamera};
 use fab_world::WorldError;
 use fab_world::simulated::{self, Look, stopped};
 use fab_world::start::Start;
-use image::RgbImage;
 use nalgebra::{Isometry3, Point3};
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -80,21 +78,8 @@ impl ClothTable {
 
     /// Lays a cloth as a start says.
     pub fn lay(&mut self, start: &Start) -> Result<(), WorldError> {
-        let wrong = |why: String| WorldError::Start {
-            start: start.name.clone(),
-            why,
-        };
-        let grid = Grid::new(
-            start.grid.dimx as usize,
-            start.grid.dimy as usize,
-            start.grid.spacing_m as f32,
-        );
-        let grid = grid.map_err(|error| wrong(error.to_string()))?;
-        if start.outline.is_some() {
-            return Err(wrong(fab_world::simulated::OUTLINED.to_owned()));
-        }
-        let cloth = Simulator::from_positions(Mask::full(grid), &start.positions, &self.params);
-        self.cloth = Some(cloth.map_err(|error| wrong(error.to_string()))?);
+        simulated::check_whole(start)?;
+        self.cloth = Some(simulated::laid(start, &self.params)?);
         self.holds_at = None;
         self.broken = None;
         Ok(())
@@ -143,10 +128,7 @@ impl ClothTable {
             })
             .collect();
         let frame = self.lens.render(grid, &seen, &self.look);
-        const INVARIANT: &str = "a frame holds width * height pixels";
-        let mut rgb = RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT);
-        let depth_m =
-            DepthImage::from_raw(frame.width, frame.height, frame.depth_m).expect(INVARIANT);
+        let (mut rgb, depth_m) = simulated::pictures(frame);
         let height_m = self.camera.camera_height_m;
         let pixels = rgb.pixels_mut().zip(depth_m.pixels());
         for ((color, depth_m), printed) in pixels.zip(&self.printed) {

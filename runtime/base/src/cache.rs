@@ -33,9 +33,10 @@ impl Cache {
     }
 
     /// Returns a key that covers every part.
-    pub fn key<'p>(parts: impl IntoIterator<Item = &'p str>) -> String {
+    pub fn key(parts: impl IntoIterator<Item = impl AsRef<[u8]>>) -> String {
         let mut hash = Sha256::new();
         for part in parts {
+            let part = part.as_ref();
             // The length prefix keeps two different lists from hashing as the same bytes.
             hash.update((part.len() as u64).to_le_bytes());
             hash.update(part);

@@ -5,6 +5,11 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+/// Hashes bytes with SHA-256.
+pub fn of(bytes: impl AsRef<[u8]>) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
 /// Hashes the bits of every position: x, y, z of particle 0, then of particle 1, each little-endian.
 ///
 /// The body of their `.npy` file holds the same bytes, so anybody can recompute the hash.

@@ -45,6 +45,15 @@ impl Appender {
         })
     }
 
+    /// Likewise, but keeps only the whole lines of a journal of at most `max_bytes`; fails with the reason.
+    pub fn open_after_whole_lines(path: &Path, max_bytes: u64) -> Result<Appender, String> {
+        let mut appender = Appender::open(path).map_err(|error| error.to_string())?;
+        let mut lines = Reader::open(path, max_bytes)?;
+        while lines.next_line()?.is_some() {}
+        appender.keep(lines.whole_bytes());
+        Ok(appender)
+    }
+
     /// Makes sure that no other process writes the journal; the system releases the lock when this process ends.
     ///
     /// Returns whether the journal was free. Some file systems have no locks; there the user has to take care.

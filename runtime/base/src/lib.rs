@@ -1,5 +1,5 @@
 //! The runtime's foundation: journals, files, particle positions, a cache, hashes, threads, programs that answer lines,
-//! foreign text made visible.
+//! foreign text made visible, enumerations with names.
 //!
 //! Nothing here knows about tasks, models, cloths or arms.
 //!
@@ -33,6 +33,7 @@ pub mod digest;
 pub mod files;
 pub mod interrupt;
 pub mod jsonl;
+mod named;
 pub mod npy;
 pub mod outbox;
 pub mod parallel;

@@ -1,4 +1,6 @@
-//! Foreign text for a terminal: what a model, a server or a program wrote.
+//! Pieces of messages: foreign text, which a model, a server or a program wrote; names and counts.
+
+use std::fmt::Display;
 
 /// Returns a text on one line, with control and formatting characters made visible, and cut after `most` characters.
 ///
@@ -25,6 +27,17 @@ pub fn is_formatting(letter: char) -> bool {
         letter,
         '\u{ad}' | '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}'
     )
+}
+
+/// Lists names in backticks.
+pub fn quoted(names: impl IntoIterator<Item = impl Display>) -> String {
+    let names = names.into_iter().map(|name| format!("`{name}`"));
+    names.collect::<Vec<_>>().join(", ")
+}
+
+/// Formats a count with its noun, whose plural ends in `s`.
+pub fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]

@@ -81,24 +81,15 @@ pub struct Bench<'a> {
     pub interrupt: &'a Interrupt,
 }
 
-/// Whether equal questions at several starts get one answer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Answers {
-    /// Each start and repeat asks anew; methods at the same start and repeat share answers.
-    #[default]
-    PerStart,
-    /// All starts of a repeat share the answer to an equal question.
-    Shared,
-}
-
-impl Answers {
-    /// Returns its name in CSV and JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Answers::PerStart => "per_start",
-            Answers::Shared => "shared",
-        }
+fab_base::named! {
+    /// Whether equal questions at several starts get one answer.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+    pub enum Answers {
+        /// Each start and repeat asks anew; methods at the same start and repeat share answers.
+        #[default]
+        PerStart = "per_start",
+        /// All starts of a repeat share the answer to an equal question.
+        Shared = "shared",
     }
 }
 
@@ -194,8 +185,8 @@ pub enum BenchError {
     Refused {
         /// The first rollout that failed this way.
         folder: PathBuf,
-        /// The fault's name.
-        fault: &'static str,
+        /// What went wrong.
+        fault: fab_model::calls::Fault,
     },
     /// An earlier part of the suite left the arm in the middle of a motion.
     #[error(

@@ -10,7 +10,7 @@ use super::play::{self, JobEnd, Phase, Played, StopReason, Which};
 use super::record;
 use super::starts::StartPoint;
 use super::suite::Suite;
-use super::{Bench, BenchError};
+use super::{Bench, BenchError, MakeRolloutWorld};
 use fab_agent::outcome::Outcome;
 use fab_arm::log;
 use fab_arm::log::{ARM_FILE, RunState};
@@ -27,17 +27,13 @@ pub struct OnArm<'a> {
     /// How cloths get onto its table.
     pub cloths: Cloths,
     /// Makes the world of a rollout; the folder is the run's, for the arm's journal.
-    pub make_world: &'a MakeArmWorld<'a>,
+    pub make_world: &'a MakeRolloutWorld<'a>,
     /// Makes a simulated world with the arm's reach, for questions before a rollout.
     pub make_look: &'a MakeLook<'a>,
 }
 
 /// Makes the simulated world of a program.
 pub type MakeLook<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
-
-/// Makes the world of an arm for a program and a run folder.
-pub type MakeArmWorld<'a> =
-    dyn Fn(&Program, &Path) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
 /// How cloths get onto an arm's table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

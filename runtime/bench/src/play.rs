@@ -390,10 +390,9 @@ fn run(
         Outcome::BudgetExhausted => return Ok(Err(StopReason::Capped)),
         _ => {}
     }
-    let hopeless = [Fault::NotAuthorised, Fault::QuotaExhausted].map(Fault::name);
-    let named = hopeless
+    let named = [Fault::NotAuthorised, Fault::QuotaExhausted]
         .into_iter()
-        .find(|fault| took.faults.contains_key(*fault));
+        .find(|fault| took.faults.contains_key(&fault.to_string()));
     if let (Outcome::ModelFailed, Some(fault)) = (report.outcome, named) {
         return Err(BenchError::Refused {
             folder: folder.to_owned(),

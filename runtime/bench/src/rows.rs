@@ -41,11 +41,11 @@ pub enum FigureMeaning {
 impl fmt::Display for FigureMeaning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            FigureMeaning::Of(statistic) => f.write_str(statistic.as_str()),
+            FigureMeaning::Of(statistic) => f.write_str(statistic.name()),
             FigureMeaning::Difference(statistic) => {
-                write!(f, "difference of {}s", statistic.as_str())
+                write!(f, "difference of {}s", statistic.name())
             }
-            FigureMeaning::Change(statistic) => write!(f, "change of {}s", statistic.as_str()),
+            FigureMeaning::Change(statistic) => write!(f, "change of {}s", statistic.name()),
         }
     }
 }

@@ -16,26 +16,16 @@ const SEED: u64 = 2406_09640;
 /// The 97.5 % point of the normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// A statistic of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Statistic {
-    /// The median of all rollouts, with `max(|Q50 - Q25|, |Q75 - Q50|)`.
-    Median,
-    /// The mean over starts, each start's repeats averaged first, with the standard deviation over starts.
-    Mean,
-    /// The share of rollouts in which something happened; it has no spread.
-    Share,
-}
-
-impl Statistic {
-    /// Returns its name in tables and JSON.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Statistic::Median => "median",
-            Statistic::Mean => "mean",
-            Statistic::Share => "share",
-        }
+fab_base::named! {
+    /// A statistic of a sample.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum Statistic {
+        /// The median of all rollouts, with `max(|Q50 - Q25|, |Q75 - Q50|)`.
+        Median = "median",
+        /// The mean over starts, each start's repeats averaged first, with the standard deviation over starts.
+        Mean = "mean",
+        /// The share of rollouts in which something happened; it has no spread.
+        Share = "share",
     }
 }
 

@@ -3,8 +3,9 @@
 //! In: the near-black pixels. Out: the arrow's tail and tip, or why there is not exactly one. An arrow is a straight
 //! stroke with a ring at one end; the cloth's position does not matter here.
 
+use crate::Mask;
 use crate::hull::{self, Point};
-use crate::regions::{self, Grid, Patch};
+use crate::regions::{self, Patch};
 use image::RgbImage;
 
 /// An arrow; points are `[column, row]`, pixels, with pixel centres at halves.
@@ -15,7 +16,7 @@ pub struct Arrow {
     /// Point of the head.
     pub tip: Point,
     /// All of its pixels.
-    pub stroke: Grid,
+    pub stroke: Mask,
 }
 
 /// Why there is not exactly one arrow.
@@ -46,8 +47,8 @@ const MAX_PATCHES: usize = 64;
 const MAX_HOLES: usize = 64;
 
 /// Collects the pixels dark enough to belong to an arrow.
-pub fn near_black(picture: &RgbImage) -> Grid {
-    Grid::from_fn(picture.width(), picture.height(), |column, row| {
+pub fn near_black(picture: &RgbImage) -> Mask {
+    Mask::from_fn(picture.width(), picture.height(), |column, row| {
         picture
             .get_pixel(column, row)
             .0
@@ -59,7 +60,7 @@ pub fn near_black(picture: &RgbImage) -> Grid {
 /// Finds the only arrow among black pixels.
 ///
 /// `scale` is the stroke size relative to a 224 px picture, at least 1.
-pub fn find(ink: &Grid, scale: f64) -> Result<Arrow, ArrowFault> {
+pub fn find(ink: &Mask, scale: f64) -> Result<Arrow, ArrowFault> {
     let pen = Pen::at(scale);
     let mut patches = regions::components(ink);
     patches.retain(|patch| patch.len() as f64 >= SHORTEST_PX * scale);
@@ -81,10 +82,7 @@ pub fn find(ink: &Grid, scale: f64) -> Result<Arrow, ArrowFault> {
     if n_rings > 1 {
         return Err(ArrowFault::Many);
     }
-    let mut stroke = Grid::new(ink.width(), ink.height());
-    for &(column, row) in patch {
-        stroke.insert(column, row);
-    }
+    let stroke = Mask::from_pixels(ink.width(), ink.height(), patch);
     Ok(Arrow { tail, tip, stroke })
 }
 
@@ -123,7 +121,7 @@ impl Pen {
     }
 
     /// Returns the rings in a patch.
-    fn rings(&self, ink: &Grid, patch: &Patch) -> Vec<Ring> {
+    fn rings(&self, ink: &Mask, patch: &Patch) -> Vec<Ring> {
         let mut rings: Vec<Ring> = Vec::new();
         let most_px = std::f64::consts::PI * self.ring_radius.powi(2);
         let small = regions::holes(patch)
@@ -157,7 +155,7 @@ impl Pen {
     }
 
     /// Finds the middle of the ring that a hole is part of; `None` if no ring is near.
-    fn ring_around(&self, hole: Point, ink: &Grid) -> Option<Ring> {
+    fn ring_around(&self, hole: Point, ink: &Mask) -> Option<Ring> {
         const STEPS: i32 = 12;
         let step_px = 0.5 * self.scale;
         // The ring's stroke is wide enough to fit equally well in several places; take their middle.
@@ -184,7 +182,7 @@ impl Pen {
     }
 
     /// Follows the stroke from a ring to its farthest pixel; `None` if no straight line leads there.
-    fn tip(&self, tail: Point, patch: &Patch, ink: &Grid) -> Option<Point> {
+    fn tip(&self, tail: Point, patch: &Patch, ink: &Mask) -> Option<Point> {
         let tip = patch.iter().map(middle).reduce(|best, next| {
             let is_farther = hull::distance(next, tail) > hull::distance(best, tail);
             if is_farther { next } else { best }
@@ -203,12 +201,12 @@ impl Pen {
 }
 
 /// Counts the directions from a point in which there is ink at the given distance.
-fn inked_directions(ink: &Grid, center: Point, radius: f64) -> i32 {
+fn inked_directions(ink: &Mask, center: Point, radius: f64) -> i32 {
     let is_inked = |direction: &u32| {
         let angle = std::f64::consts::TAU * f64::from(*direction) / f64::from(N_DIRECTIONS);
         let (sin, cos) = angle.sin_cos();
         let at = [center[0] + radius * cos, center[1] + radius * sin];
-        at.iter().all(|&value| value >= 0.0) && ink.contains(at[0] as u32, at[1] as u32)
+        at.iter().all(|&value| value >= 0.0) && ink.has(at[0] as u32, at[1] as u32)
     };
     (0..N_DIRECTIONS).filter(is_inked).count() as i32
 }

@@ -1,4 +1,4 @@
-//! Which pixels show cloth.
+//! Sets of pixels of a picture, e.g. those that show cloth.
 //!
 //! In: a depth image and a depth limit. Out: a [`Mask`], and its centre. An empty mask is an answer, not an error.
 
@@ -23,6 +23,21 @@ impl Mask {
         for row in 0..height {
             inside.extend((0..width).map(|column| is_inside(column, row)));
         }
+        Mask::of(width, height, inside)
+    }
+
+    /// Collects these pixels, as (column, row); those outside the picture are ignored.
+    pub fn from_pixels(width: u32, height: u32, pixels: &[(u32, u32)]) -> Self {
+        let mut inside = vec![false; width as usize * height as usize];
+        for &(column, row) in pixels {
+            if column < width && row < height {
+                inside[row as usize * width as usize + column as usize] = true;
+            }
+        }
+        Mask::of(width, height, inside)
+    }
+
+    fn of(width: u32, height: u32, inside: Vec<bool>) -> Self {
         let area_px = inside.iter().filter(|&&pixel| pixel).count();
         Mask {
             width,
@@ -45,11 +60,27 @@ impl Mask {
     /// Returns whether a pixel belongs to the set; pixels outside the picture never do.
     pub fn contains(&self, point: PixelPoint) -> bool {
         match (u32::try_from(point.u), u32::try_from(point.v)) {
-            (Ok(column), Ok(row)) if column < self.width && row < self.height => {
-                self.inside[row as usize * self.width as usize + column as usize]
-            }
+            (Ok(column), Ok(row)) => self.has(column, row),
             _ => false,
         }
+    }
+
+    /// Returns whether the pixel of a column and a row belongs to the set; pixels outside the picture never do.
+    pub fn has(&self, column: u32, row: u32) -> bool {
+        column < self.width
+            && row < self.height
+            && self.inside[row as usize * self.width as usize + column as usize]
+    }
+
+    /// Returns whether a pixel or one of its eight neighbours belongs to the set.
+    pub fn touches(&self, column: u32, row: u32) -> bool {
+        self.is_within(1, column, row)
+    }
+
+    /// Returns whether a pixel of the set lies in the square around a pixel that reaches this far to each side.
+    pub fn is_within(&self, reach_px: u32, column: u32, row: u32) -> bool {
+        let near = |at: u32| at.saturating_sub(reach_px)..=at.saturating_add(reach_px);
+        near(row).any(|row| near(column).any(|column| self.has(column, row)))
     }
 
     /// Returns whether the set has no pixels.
@@ -100,6 +131,11 @@ impl Mask {
         (0..self.height as i32).flat_map(|row| self.row(row))
     }
 
+    /// Likewise, as (column, row).
+    pub fn points(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.pixels().map(|pixel| (pixel.u as u32, pixel.v as u32))
+    }
+
     fn row(&self, row: i32) -> impl Iterator<Item = PixelPoint> {
         let start = row as usize * self.width as usize;
         let pixels = &self.inside[start..start + self.width as usize];
@@ -121,8 +157,7 @@ pub fn depth_mask(depth: &DepthImage, below_m: f64) -> Mask {
 /// Draws a mask in white (255) on black.
 pub fn mask_picture(mask: &Mask) -> GrayImage {
     GrayImage::from_fn(mask.width(), mask.height(), |column, row| {
-        let inside = mask.contains(PixelPoint::new(column as i32, row as i32));
-        Luma([if inside { 255 } else { 0 }])
+        Luma([if mask.has(column, row) { 255 } else { 0 }])
     })
 }
 

@@ -2,88 +2,9 @@
 //!
 //! In: pictures. Out: colours and sets of pixels. Nothing here distinguishes cloth from arrow.
 
+use crate::Mask;
 use image::RgbImage;
 use std::collections::BTreeMap;
-
-/// A set of pixels of one picture.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Grid {
-    width: u32,
-    height: u32,
-    inside: Vec<bool>,
-}
-
-impl Grid {
-    /// Makes the empty set.
-    pub fn new(width: u32, height: u32) -> Grid {
-        Grid {
-            width,
-            height,
-            inside: vec![false; width as usize * height as usize],
-        }
-    }
-
-    /// Collects the pixels for which `is_inside(column, row)` holds.
-    pub fn from_fn(width: u32, height: u32, is_inside: impl Fn(u32, u32) -> bool) -> Grid {
-        let mut grid = Grid::new(width, height);
-        for row in 0..height {
-            for column in (0..width).filter(|&column| is_inside(column, row)) {
-                grid.insert(column, row);
-            }
-        }
-        grid
-    }
-
-    /// Returns the picture's width, pixels.
-    pub fn width(&self) -> u32 {
-        self.width
-    }
-
-    /// Returns the picture's height, pixels.
-    pub fn height(&self) -> u32 {
-        self.height
-    }
-
-    /// Returns the number of pixels in the set.
-    pub fn area_px(&self) -> usize {
-        self.inside.iter().filter(|&&inside| inside).count()
-    }
-
-    /// Returns whether a pixel belongs to the set; pixels outside the picture do not.
-    pub fn contains(&self, column: u32, row: u32) -> bool {
-        column < self.width && row < self.height && self.inside[self.index(column, row)]
-    }
-
-    /// Returns whether a pixel or one of its eight neighbours belongs to the set.
-    pub fn touches(&self, column: u32, row: u32) -> bool {
-        self.is_within(1, column, row)
-    }
-
-    /// Returns whether a pixel of the set lies in the square around a pixel that reaches this far to each side.
-    pub fn is_within(&self, reach_px: u32, column: u32, row: u32) -> bool {
-        let near = |at: u32| at.saturating_sub(reach_px)..=at.saturating_add(reach_px);
-        near(row).any(|row| near(column).any(|column| self.contains(column, row)))
-    }
-
-    /// Adds a pixel; one outside the picture is ignored.
-    pub fn insert(&mut self, column: u32, row: u32) {
-        if column < self.width && row < self.height {
-            let index = self.index(column, row);
-            self.inside[index] = true;
-        }
-    }
-
-    /// Returns the pixels of the set as (column, row), row by row.
-    pub fn points(&self) -> impl Iterator<Item = (u32, u32)> {
-        (0..self.height)
-            .flat_map(move |row| (0..self.width).map(move |column| (column, row)))
-            .filter(|&(column, row)| self.contains(column, row))
-    }
-
-    fn index(&self, column: u32, row: u32) -> usize {
-        row as usize * self.width as usize + column as usize
-    }
-}
 
 /// Connected pixels, as (column, row).
 pub type Patch = Vec<(u32, u32)>;
@@ -91,7 +12,7 @@ pub type Patch = Vec<(u32, u32)>;
 /// Splits a set into its connected patches; pixels that touch at a corner are connected.
 ///
 /// The patches are in the order of their topmost, then leftmost pixel.
-pub fn components(set: &Grid) -> Vec<Patch> {
+pub fn components(set: &Mask) -> Vec<Patch> {
     split(
         set,
         &[
@@ -120,12 +41,13 @@ pub fn holes(patch: &Patch) -> Vec<Patch> {
         return Vec::new();
     };
     // One pixel of margin all round connects everything outside.
-    let mut own = Grid::new(right - left + 3, bottom - top + 3);
-    for &(column, row) in patch {
-        own.insert(column - left + 1, row - top + 1);
-    }
-    let gaps = Grid::from_fn(own.width, own.height, |column, row| {
-        !own.contains(column, row)
+    let moved: Patch = patch
+        .iter()
+        .map(|&(column, row)| (column - left + 1, row - top + 1))
+        .collect();
+    let own = Mask::from_pixels(right - left + 3, bottom - top + 3, &moved);
+    let gaps = Mask::from_fn(own.width(), own.height(), |column, row| {
+        !own.has(column, row)
     });
     let mut holes = split(&gaps, &[(0, -1), (-1, 0), (1, 0), (0, 1)]);
     // The outside comes first, because it holds the top left pixel.
@@ -139,14 +61,14 @@ pub fn holes(patch: &Patch) -> Vec<Patch> {
 }
 
 /// Splits a set into patches whose pixels are connected by the given steps, (columns, rows).
-fn split(set: &Grid, steps: &[(i32, i32)]) -> Vec<Patch> {
-    let mut seen = Grid::new(set.width, set.height);
+fn split(set: &Mask, steps: &[(i32, i32)]) -> Vec<Patch> {
+    let index = |(column, row): (u32, u32)| row as usize * set.width() as usize + column as usize;
+    let mut seen = vec![false; set.width() as usize * set.height() as usize];
     let mut patches = Vec::new();
     for start in set.points() {
-        if seen.contains(start.0, start.1) {
+        if std::mem::replace(&mut seen[index(start)], true) {
             continue;
         }
-        seen.insert(start.0, start.1);
         let mut patch = vec![start];
         let mut next = 0;
         while let Some(&(column, row)) = patch.get(next) {
@@ -159,8 +81,8 @@ fn split(set: &Grid, steps: &[(i32, i32)]) -> Vec<Patch> {
                 let (Some(column), Some(row)) = near else {
                     continue;
                 };
-                if set.contains(column, row) && !seen.contains(column, row) {
-                    seen.insert(column, row);
+                if set.has(column, row) && !seen[index((column, row))] {
+                    seen[index((column, row))] = true;
                     patch.push((column, row));
                 }
             }

@@ -170,47 +170,45 @@ pub struct Bounds<T> {
 impl Estimate {
     /// Sums the estimates of several parts of a run.
     pub fn total(parts: impl IntoIterator<Item = Estimate>) -> Estimate {
-        let none = Bounds {
-            at_least: Some(0),
-            likely: Some(0),
-            at_most: Some(0),
-        };
-        let mut total = Estimate {
-            calls: none,
-            input_tokens: none,
-            output_tokens: none,
-            cost: Bounds {
-                at_least: Some(Usd::ZERO),
-                likely: Some(Usd::ZERO),
-                at_most: Some(Usd::ZERO),
-            },
-            unknown: Vec::new(),
-            stages: Vec::new(),
-        };
-        let mut unknown = BTreeSet::new();
+        let (mut stages, mut unknown) = (Vec::new(), BTreeSet::new());
         for part in parts {
-            total.calls = total.calls.plus(part.calls, u64::saturating_add);
-            total.input_tokens = total
-                .input_tokens
-                .plus(part.input_tokens, u64::saturating_add);
-            total.output_tokens = total
-                .output_tokens
-                .plus(part.output_tokens, u64::saturating_add);
-            total.cost = total.cost.plus(part.cost, |a, b| a + b);
+            stages.extend(part.stages);
             unknown.extend(part.unknown);
-            total.stages.extend(part.stages);
         }
-        total.unknown = unknown.into_iter().collect();
-        total
+        Estimate::of(stages, unknown)
     }
-}
 
-impl<T: Copy> Bounds<T> {
-    fn plus(self, other: Bounds<T>, add: impl Fn(T, T) -> T) -> Bounds<T> {
-        Bounds {
-            at_least: self.at_least.zip(other.at_least).map(|(a, b)| add(a, b)),
-            likely: self.likely.zip(other.likely).map(|(a, b)| add(a, b)),
-            at_most: self.at_most.zip(other.at_most).map(|(a, b)| add(a, b)),
+    fn of(stages: Vec<StageEstimate>, unknown: BTreeSet<String>) -> Estimate {
+        let sum = |part: fn(&StageEstimate) -> Bounds<u64>| {
+            let sum = |bound: fn(Bounds<u64>) -> Option<u64>| {
+                stages
+                    .iter()
+                    .map(|stage| bound(part(stage)))
+                    .try_fold(0, plus)
+            };
+            Bounds {
+                at_least: sum(|it| it.at_least),
+                likely: sum(|it| it.likely),
+                at_most: sum(|it| it.at_most),
+            }
+        };
+        let costs = |part: fn(&Bounds<Usd>) -> Option<Usd>| {
+            stages
+                .iter()
+                .map(|stage| part(&stage.cost))
+                .sum::<Option<Usd>>()
+        };
+        Estimate {
+            calls: sum(|stage| stage.calls),
+            input_tokens: sum(|stage| stage.input_tokens),
+            output_tokens: sum(|stage| stage.output_tokens),
+            cost: Bounds {
+                at_least: costs(|cost| cost.at_least),
+                likely: costs(|cost| cost.likely),
+                at_most: costs(|cost| cost.at_most),
+            },
+            unknown: unknown.into_iter().collect(),
+            stages,
         }
     }
 }
@@ -248,38 +246,7 @@ impl Plan<'_> {
             likely_told += question.typical.output_tokens;
             told = add(told, question.max_tokens.map(u64::from));
         }
-        let sum = |part: fn(&StageEstimate) -> Bounds<u64>| Bounds {
-            at_least: stages
-                .iter()
-                .map(|stage| part(stage).at_least)
-                .try_fold(0, plus),
-            likely: stages
-                .iter()
-                .map(|stage| part(stage).likely)
-                .try_fold(0, plus),
-            at_most: stages
-                .iter()
-                .map(|stage| part(stage).at_most)
-                .try_fold(0, plus),
-        };
-        let costs = |part: fn(&Bounds<Usd>) -> Option<Usd>| {
-            stages
-                .iter()
-                .map(|stage| part(&stage.cost))
-                .sum::<Option<Usd>>()
-        };
-        Estimate {
-            calls: sum(|stage| stage.calls),
-            input_tokens: sum(|stage| stage.input_tokens),
-            output_tokens: sum(|stage| stage.output_tokens),
-            cost: Bounds {
-                at_least: costs(|cost| cost.at_least),
-                likely: costs(|cost| cost.likely),
-                at_most: costs(|cost| cost.at_most),
-            },
-            unknown: unknown.into_iter().collect(),
-            stages,
-        }
+        Estimate::of(stages, unknown)
     }
 
     /// Estimates one stage; `told` is the most tokens of earlier answers that its question may quote, `likely_told`
@@ -432,19 +399,11 @@ fn largest_picture(
     messages: &[Message],
     formula: Option<&crate::catalogue::ImageTokens>,
 ) -> Option<u64> {
-    let pictures = messages
-        .iter()
-        .flat_map(|message| &message.parts)
-        .filter(|part| matches!(part, Part::Image(_)));
-    let mut largest = 0;
-    for picture in pictures {
-        let alone = Message {
-            speaker: fab_model::Speaker::User,
-            parts: vec![picture.clone()],
-        };
-        largest = largest.max(tokens::of_messages(&[alone], formula)?.at_most);
-    }
-    Some(largest)
+    let mut parts = messages.iter().flat_map(|message| &message.parts);
+    parts.try_fold(0, |largest, part| match part {
+        Part::Text(_) => Some(largest),
+        Part::Image(png) => Some(tokens::of_picture(png, formula)?.at_most.max(largest)),
+    })
 }
 
 fn add(one: Option<u64>, other: Option<u64>) -> Option<u64> {

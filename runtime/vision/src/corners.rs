@@ -184,10 +184,7 @@ pub fn corners_of_gray(
     check_search(search)?;
     let (rows, columns) = (gray.height() as i32, gray.width() as i32);
     let picture = Mat::new_rows_cols_with_data::<u8>(rows, columns, gray.as_raw())?;
-    let (is_harris, k) = match search.response {
-        Response::Harris { k } => (true, k),
-        Response::ShiTomasi => (false, 0.0),
-    };
+    let harris_k = harris_k(search);
     let mut found = Vector::<Point2f>::new();
     imgproc::good_features_to_track(
         &picture,
@@ -197,19 +194,24 @@ pub fn corners_of_gray(
         search.spacing_px,
         &no_array(),
         search.block_px as i32,
-        is_harris,
-        k,
+        harris_k.is_some(),
+        harris_k.unwrap_or(0.0),
     )?;
     Ok(found.iter().map(|point| [point.x, point.y]).collect())
+}
+
+/// Returns Harris's constant, if that is the response asked for.
+fn harris_k(search: &CornerSearch) -> Option<f64> {
+    match search.response {
+        Response::Harris { k } => Some(k),
+        Response::ShiTomasi => None,
+    }
 }
 
 /// Rejects settings that OpenCV would misread, such as 0 corners, which it takes as no limit.
 fn check_search(search: &CornerSearch) -> Result<(), VisionError> {
     let side = f64::from(search.image_px);
-    let harris_k = match search.response {
-        Response::Harris { k } => k,
-        Response::ShiTomasi => 0.0,
-    };
+    let harris_k = harris_k(search).unwrap_or(0.0);
     let limits = [
         (
             "image",

@@ -6,7 +6,7 @@
 use super::{VisionError, check_size};
 use fab_program::PixelPoint;
 use image::RgbImage;
-use opencv::core::{Mat, Point, Scalar, Vec3b};
+use opencv::core::{Mat, Point, Scalar, ToInputOutputArray, Vec3b};
 use opencv::imgproc;
 
 /// A colour as red, green, blue.
@@ -113,11 +113,6 @@ pub fn draw_label(
     Ok(())
 }
 
-/// Pixels that OpenCV draws on.
-pub(super) trait Canvas: opencv::core::ToInputOutputArray {}
-
-impl<T: opencv::core::ToInputOutputArray> Canvas for T {}
-
 /// Lends the picture's pixels to OpenCV. Its channels stay in the order red, green, blue.
 pub(super) fn canvas(
     picture: &mut RgbImage,
@@ -132,7 +127,7 @@ pub(super) fn canvas(
 }
 
 pub(super) fn ring(
-    canvas: &mut impl Canvas,
+    canvas: &mut impl ToInputOutputArray,
     center: Point,
     radius_px: i32,
     thickness_px: i32,
@@ -152,7 +147,7 @@ pub(super) fn ring(
 }
 
 pub(super) fn arrow(
-    canvas: &mut impl Canvas,
+    canvas: &mut impl ToInputOutputArray,
     tail: Point,
     tip: Point,
     thickness_px: i32,

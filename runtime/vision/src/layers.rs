@@ -7,10 +7,10 @@
 use super::VisionError;
 use super::boxes::sorted;
 use super::color::gray_level;
-use super::draw::{Canvas, arrow, bounded, canvas, ring, scalar};
+use super::draw::{arrow, bounded, canvas, ring, scalar};
 use fab_program::PixelPoint;
 use image::RgbImage;
-use opencv::core::{Point, Vector};
+use opencv::core::{Point, ToInputOutputArray, Vector};
 use opencv::imgproc;
 
 /// One layer: marks of one kind and colour.
@@ -113,7 +113,7 @@ pub fn draw_layers(rgb: &RgbImage, layers: &[DrawnLayer]) -> Result<RgbImage, Vi
 }
 
 fn draw(
-    canvas: &mut impl Canvas,
+    canvas: &mut impl ToInputOutputArray,
     size: [i32; 2],
     DrawnLayer { rgb, shape }: &DrawnLayer,
 ) -> Result<(), VisionError> {
@@ -184,7 +184,7 @@ fn line_width(width_px: u32) -> i32 {
 }
 
 fn line(
-    canvas: &mut impl Canvas,
+    canvas: &mut impl ToInputOutputArray,
     from: Point,
     to: Point,
     width_px: i32,
@@ -206,7 +206,7 @@ fn line(
 ///
 /// A dotted side ends before its last pixel, as in the paper's pictures; a solid box is closed.
 fn dotted_box(
-    canvas: &mut impl Canvas,
+    canvas: &mut impl ToInputOutputArray,
     corners: [PixelPoint; 2],
     spacing_px: u32,
     rgb: [u8; 3],
@@ -234,7 +234,7 @@ fn dotted_box(
 
 /// Writes a number right above a point, or on another side if the picture ends there.
 fn number(
-    canvas: &mut impl Canvas,
+    canvas: &mut impl ToInputOutputArray,
     [width, height]: [i32; 2],
     text: &str,
     point: PixelPoint,

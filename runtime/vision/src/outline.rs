@@ -3,10 +3,12 @@
 //! In: a mask. Out: the polygon's vertices in order; the last side leads back to the first vertex.
 
 use super::{VisionError, check_size};
+use fab_picture::regions::{self, Patch};
 use fab_picture::{Mask, SubpixelPoint};
 use fab_program::PixelPoint;
 use opencv::core::{Mat, Point, Vector};
 use opencv::imgproc;
+use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
 /// The most points that [`along`] returns.
@@ -38,8 +40,8 @@ pub fn contour(mask: &Mask, tolerance_px: f64) -> Result<Vec<PixelPoint>, Vision
     check_size(mask.width(), mask.height())?;
     let (columns, rows) = (mask.width() as usize, mask.height() as i32);
     let mut picture = vec![0_u8; columns * mask.height() as usize];
-    for pixel in largest_piece(mask) {
-        picture[pixel.v as usize * columns + pixel.u as usize] = 255;
+    for (column, row) in largest_piece(mask) {
+        picture[row as usize * columns + column as usize] = 255;
     }
     let view = Mat::new_rows_cols_with_data::<u8>(rows, columns as i32, &picture)?;
     let mut outlines = Vector::<Vector<Point>>::new();
@@ -60,42 +62,15 @@ pub fn contour(mask: &Mask, tolerance_px: f64) -> Result<Vec<PixelPoint>, Vision
 
 /// Returns the mask's largest piece alone; of equally large ones, the one that begins farther up, then farther left.
 pub fn largest(mask: &Mask) -> Mask {
-    let mut is_inside = vec![false; mask.width() as usize * mask.height() as usize];
-    for pixel in largest_piece(mask) {
-        is_inside[pixel.v as usize * mask.width() as usize + pixel.u as usize] = true;
-    }
-    Mask::from_fn(mask.width(), mask.height(), |column, row| {
-        is_inside[row as usize * mask.width() as usize + column as usize]
-    })
+    Mask::from_pixels(mask.width(), mask.height(), &largest_piece(mask))
 }
 
 /// Collects the pixels of the largest piece, in no particular order.
-fn largest_piece(mask: &Mask) -> Vec<PixelPoint> {
-    let index = |pixel: PixelPoint| pixel.v as usize * mask.width() as usize + pixel.u as usize;
-    let mut is_seen = vec![false; mask.width() as usize * mask.height() as usize];
-    let mut largest = Vec::new();
-    for start in mask.pixels() {
-        if is_seen[index(start)] {
-            continue;
-        }
-        is_seen[index(start)] = true;
-        let mut piece = vec![start];
-        let mut n_visited = 0;
-        while let Some(&pixel) = piece.get(n_visited) {
-            n_visited += 1;
-            for (du, dv) in (-1..=1).flat_map(|dv| (-1..=1).map(move |du| (du, dv))) {
-                let near = PixelPoint::new(pixel.u + du, pixel.v + dv);
-                if mask.contains(near) && !is_seen[index(near)] {
-                    is_seen[index(near)] = true;
-                    piece.push(near);
-                }
-            }
-        }
-        if piece.len() > largest.len() {
-            largest = piece;
-        }
-    }
-    largest
+fn largest_piece(mask: &Mask) -> Patch {
+    let pieces = regions::components(mask).into_iter();
+    // The first of equally large ones, which `max_by_key` would not return.
+    let largest = pieces.min_by_key(|piece| Reverse(piece.len()));
+    largest.unwrap_or_default()
 }
 
 /// Rotates a closed polygon's vertices to start at the upper left one and run clockwise.

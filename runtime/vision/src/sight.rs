@@ -5,7 +5,7 @@
 use super::color::{gray_level, misread};
 use fab_picture::has_reading;
 use fab_picture::{DepthImage, Mask};
-use fab_program::{PixelPoint, Sight};
+use fab_program::Sight;
 use image::imageops::{self, FilterType};
 use image::{GrayImage, Luma, RgbImage};
 
@@ -24,7 +24,7 @@ pub(super) fn detector_picture(
     side_px: u32,
 ) -> GrayImage {
     let size = depth.dimensions();
-    let is_inside = |column, row| mask.contains(PixelPoint::new(column as i32, row as i32));
+    let is_inside = |column, row| mask.has(column, row);
     let grey = |shown: fn([u8; 3]) -> [u8; 3]| {
         scaled(
             size,

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::largest;
+use fab_program::PixelPoint;
 use image::Rgb;
 use proptest::prelude::*;
 

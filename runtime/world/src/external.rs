@@ -231,9 +231,7 @@ impl ExternalWorld {
             start: start.name.clone(),
             why,
         };
-        if start.outline.is_some() {
-            return Err(refused(simulated::OUTLINED.to_owned()));
-        }
+        simulated::check_whole(start)?;
         let grid = start.grid;
         let count = grid.dimx as usize * grid.dimy as usize;
         if start.positions.len() != count {

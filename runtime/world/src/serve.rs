@@ -88,10 +88,6 @@ struct Served {
 
 impl Served {
     fn answer(&mut self, question: Question, interrupt: &Interrupt) -> Result<Value, Stopped> {
-        let world = |world: &mut Option<SimulatedWorld>| {
-            let world = world.take();
-            world.ok_or_else(|| Stopped::from(WorldError::NotReset))
-        };
         Ok(match question {
             Question::Hello { protocol, folder } => {
                 if protocol != protocol::PROTOCOL {
@@ -115,10 +111,8 @@ impl Served {
                 written(Nothing {})
             }
             Question::Observe => {
-                let mut world = world(&mut self.world)?;
-                let seen = world.observe();
-                self.world = Some(world);
-                let seen = seen?;
+                let world = self.world.as_mut().ok_or(WorldError::NotReset)?;
+                let seen = world.observe()?;
                 let [rgb, depth] = ["rgb.png", "depth.npy"].map(|name| self.folder.join(name));
                 files::write_whole(&rgb, &png::encode(&seen.rgb))?;
                 let (width, height) = seen.depth_m.dimensions();
@@ -138,12 +132,10 @@ impl Served {
                 place,
                 manner,
             } => {
-                let mut world = world(&mut self.world)?;
+                let world = self.world.as_mut().ok_or(WorldError::NotReset)?;
                 let [pick, place] = [pick, place].map(WorldPoint::from);
                 let motion = Motion::new(pick, place).with_manner(manner);
-                let done = world.act(&motion, interrupt);
-                self.world = Some(world);
-                let done = done?;
+                let done = world.act(&motion, interrupt)?;
                 written(Done {
                     pick: done.motion.pick.into(),
                     place: done.motion.place.into(),

@@ -13,12 +13,12 @@ use fab_picture::DepthImage;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
 use fab_program::{self as program, Program};
-use fab_sim::{Aim, Grid, Manner, Mask, PickAndPlace, SimError, Simulator, TopDownCamera};
+use fab_sim::{Aim, Frame, Grid, Manner, Mask, PickAndPlace, SimError, Simulator, TopDownCamera};
 pub use fab_sim::{Look, Params};
 use image::RgbImage;
 
 /// Why a cloth with missing particles is not laid for actions: its corners, which tasks name, may not exist.
-pub const OUTLINED: &str =
+const OUTLINED: &str =
     "it has an outline, and a rollout needs a whole cloth; `fabc sim render` and `export` take it";
 
 /// A simulated cloth under a simulated camera. A clone goes on by itself; both add to one film, if there is one.
@@ -111,26 +111,7 @@ impl SimulatedWorld {
 
     /// Lays a cloth as a start says.
     fn lay(&self, start: &Start) -> Result<Simulator, WorldError> {
-        let wrong = |why: String| WorldError::Start {
-            start: start.name.clone(),
-            why,
-        };
-        let grid = Grid::new(
-            start.grid.dimx as usize,
-            start.grid.dimy as usize,
-            start.grid.spacing_m as f32,
-        )
-        .map_err(|error| wrong(error.to_string()))?;
-        let mask = match &start.outline {
-            Some(outline) => Mask::parse(&outline.text(), grid.spacing_m)
-                .map_err(|error| wrong(error.to_string()))?,
-            None => Mask::full(grid),
-        };
-        if mask.grid() != grid {
-            return Err(wrong("its outline is of another grid".to_owned()));
-        }
-        let mut cloth = Simulator::from_positions(mask, &start.positions, &self.parameters)
-            .map_err(|error| wrong(error.to_string()))?;
+        let mut cloth = laid(start, &self.parameters)?;
         cloth.set_aim(Aim::Uppermost);
         Ok(cloth)
     }
@@ -162,12 +143,7 @@ impl World for SimulatedWorld {
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
-        if start.outline.is_some() {
-            return Err(WorldError::Start {
-                start: start.name.clone(),
-                why: OUTLINED.to_owned(),
-            });
-        }
+        check_whole(start)?;
         let cloth = self.lay(start)?;
         if let Some(recorder) = &self.recorder {
             recorder.begin(&cloth, &self.look);
@@ -181,11 +157,10 @@ impl World for SimulatedWorld {
         let frame = self
             .lens
             .render(cloth.grid(), &cloth.positions(), &self.look);
-        const INVARIANT: &str = "a frame holds width * height pixels";
+        let (rgb, depth_m) = pictures(frame);
         Ok(Observation {
-            rgb: RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT),
-            depth_m: DepthImage::from_raw(frame.width, frame.height, frame.depth_m)
-                .expect(INVARIANT),
+            rgb,
+            depth_m,
             camera: self.camera.clone(),
             time_s: cloth.time_s(),
         })
@@ -225,6 +200,51 @@ impl World for SimulatedWorld {
     fn refuses(&self, _: &Motion) -> Option<String> {
         None
     }
+}
+
+/// Lays a cloth as a start says.
+pub fn laid(start: &Start, parameters: &Params) -> Result<Simulator, WorldError> {
+    let wrong = |why: String| WorldError::Start {
+        start: start.name.clone(),
+        why,
+    };
+    let grid = Grid::new(
+        start.grid.dimx as usize,
+        start.grid.dimy as usize,
+        start.grid.spacing_m as f32,
+    )
+    .map_err(|error| wrong(error.to_string()))?;
+    let mask = match &start.outline {
+        Some(outline) => Mask::parse(&outline.text(), grid.spacing_m)
+            .map_err(|error| wrong(error.to_string()))?,
+        None => Mask::full(grid),
+    };
+    if mask.grid() != grid {
+        return Err(wrong("its outline is of another grid".to_owned()));
+    }
+    Simulator::from_positions(mask, &start.positions, parameters)
+        .map_err(|error| wrong(error.to_string()))
+}
+
+/// Refuses a cloth with missing particles: its corners, which tasks name, may not exist.
+pub fn check_whole(start: &Start) -> Result<(), WorldError> {
+    match start.outline {
+        None => Ok(()),
+        Some(_) => Err(WorldError::Start {
+            start: start.name.clone(),
+            why: OUTLINED.to_owned(),
+        }),
+    }
+}
+
+/// Returns the pictures of a frame: its colours, and its depths in metres.
+pub fn pictures(frame: Frame) -> (RgbImage, DepthImage) {
+    const INVARIANT: &str = "a frame holds width * height pixels";
+    let Frame { width, height, .. } = frame;
+    (
+        RgbImage::from_raw(width, height, frame.rgb).expect(INVARIANT),
+        DepthImage::from_raw(width, height, frame.depth_m).expect(INVARIANT),
+    )
 }
 
 /// Returns a motion as the simulator takes it: its manner, and where on the table it picks and places.

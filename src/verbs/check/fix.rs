@@ -5,6 +5,7 @@ use crate::io::Io;
 use crate::shipped;
 use crate::sources::{self, Disk};
 use fab_base::files;
+use fab_base::shown::counted;
 use fab_compiler::fix::{self, Fixed};
 use fab_compiler::{Compiled, LoadError, Loader, diag};
 use similar::TextDiff;
@@ -205,11 +206,6 @@ fn certain(compiled: &Compiled) -> BTreeMap<&str, usize> {
         *counts.entry(name).or_default() += 1;
     }
     counts
-}
-
-/// Formats a count with its noun.
-pub fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Returns whether nobody, or not this user, may write a file.

@@ -6,6 +6,7 @@
 use super::points::{fold_text, point_text};
 use fab_agent::draft;
 use fab_agent::draft::{ArrowOrigin, DraftStep, NamedPicture, StatedMeasures};
+use fab_base::shown::quoted;
 use fab_program::{ClothPoint, Fold, Sequence};
 use std::fmt::Write;
 
@@ -110,15 +111,12 @@ impl Page<'_> {
             ));
         }
         let steps = self.found.steps.iter().zip(self.pictures);
-        let bare: Vec<String> = steps
-            .filter(|(step, _)| step.origin == ArrowOrigin::Proposed)
-            .map(|(_, picture)| format!("`{}`", picture.name))
-            .collect();
+        let bare = steps.filter(|(step, _)| step.origin == ArrowOrigin::Proposed);
+        let bare = quoted(bare.map(|(_, picture)| &picture.name));
         if !bare.is_empty() {
             guesses.push(format!(
-                "no arrow found in {} (arrows must be black, with a ring at the tail and a head at the tip); \
-                 proposed one from the difference between the pictures",
-                bare.join(", ")
+                "no arrow found in {bare} (arrows must be black, with a ring at the tail and a head at the tip); \
+                 proposed one from the difference between the pictures"
             ));
         }
         let steps = self.found.steps.iter().enumerate();

@@ -8,6 +8,7 @@ use super::find::{Pending, ReviewItems};
 use super::groups::Group;
 use crate::exit::Failure;
 use crate::snapshots::{Operation, SnapshotError};
+use fab_base::shown::quoted;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
@@ -133,16 +134,10 @@ pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Selectio
             "nothing that is pending has the id `{id}`; `fabc review --json` lists them; nothing was done"
         ))),
         [one] => Ok(Selection::Snapshot(*one)),
-        several => {
-            let paths: Vec<String> = several
-                .iter()
-                .map(|at| format!("`{}`", pending[*at].path.display()))
-                .collect();
-            Err(Failure::usage(format!(
-                "`{id}` names several snapshots: {}; name one by its path; nothing was done",
-                paths.join(", ")
-            )))
-        }
+        several => Err(Failure::usage(format!(
+            "`{id}` names several snapshots: {}; name one by its path; nothing was done",
+            quoted(several.iter().map(|at| pending[*at].path.display()))
+        ))),
     }
 }
 

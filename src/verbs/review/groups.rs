@@ -7,9 +7,9 @@ use super::edits::{self, Cause, Edit};
 use super::find::Pending;
 use super::words;
 use crate::snapshots::Contents;
+use fab_base::digest;
 use fab_program::tokens;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The kind of change of a group.
@@ -169,7 +169,7 @@ fn key(one: &Pending, kind: Kind, edits: &[Edit]) -> String {
             one.info.task.clone(),
             one.proposed.metadata.source.clone().unwrap_or_default(),
         ],
-        (_, Some((before, after))) => vec![hash(before), hash(after)],
+        (_, Some((before, after))) => vec![digest::of(before), digest::of(after)],
         // A change between text and picture is a group of its own.
         (Kind::Picture, None) => vec![one.name.to_string()],
         _ => {
@@ -192,13 +192,6 @@ fn causes(one: &Pending, kind: Kind, edits: &[Edit]) -> Vec<Cause> {
     }
 }
 
-fn hash(bytes: &[u8]) -> String {
-    Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
-}
-
 fn id(key: &str) -> String {
-    hash(key.as_bytes()).chars().take(8).collect()
+    digest::of(key)[..8].to_owned()
 }

@@ -4,6 +4,7 @@
 //! pale grey copy of the new picture; pictures of different sizes are aligned at the top left. A file that is not a
 //! picture gets an empty panel.
 
+use crate::verbs::review::sheets::Compared;
 use fab_picture::png;
 use image::{Rgb, RgbImage, imageops};
 use std::path::Path;
@@ -15,18 +16,6 @@ const GAP: Rgb<u8> = Rgb([40, 40, 40]);
 const NOTHING: Rgb<u8> = Rgb([160, 160, 160]);
 /// Colour of pixels that differ; no task's cloth and no layer has it.
 const CHANGED: Rgb<u8> = Rgb([255, 0, 160]);
-
-/// The difference between two pictures.
-pub struct Compared {
-    /// The three panels; `None` if neither file is a picture.
-    pub sheet: Option<RgbImage>,
-    /// How many pixels differ; `None` unless both files are pictures.
-    pub n_changed: Option<u64>,
-    /// Leftmost column, top row, rightmost column and bottom row of those, pixels.
-    pub bounds: Option<[u32; 4]>,
-    /// The difference in words.
-    pub words: String,
-}
 
 /// Compares two PNG files, before and after; the message names them by their paths.
 pub fn compare(files: [&[u8]; 2], paths: [&Path; 2]) -> Compared {
@@ -43,7 +32,7 @@ pub fn compare(files: [&[u8]; 2], paths: [&Path; 2]) -> Compared {
             let shown = [before.ok(), after.ok(), None];
             let size = shown.iter().flatten().next().map(RgbImage::dimensions);
             Compared {
-                sheet: size.map(|size| side_by_side(&shown, size)),
+                png: size.map(|size| side_by_side(&shown, size)),
                 n_changed: None,
                 bounds: None,
                 words: words.join("\n"),
@@ -79,15 +68,15 @@ fn both(before: RgbImage, after: RgbImage) -> Compared {
     let words = in_words(n_changed, bounds, [before.dimensions(), after.dimensions()]);
     let shown = [Some(before), Some(after), Some(difference)];
     Compared {
-        sheet: Some(side_by_side(&shown, (width, height))),
+        png: Some(side_by_side(&shown, (width, height))),
         n_changed: Some(n_changed),
         bounds,
         words,
     }
 }
 
-/// Places pictures beside each other in panels of one size, pixels; a missing picture leaves its panel empty.
-fn side_by_side(shown: &[Option<RgbImage>; 3], (width, height): (u32, u32)) -> RgbImage {
+/// Makes a PNG file of pictures beside each other in panels of one size, pixels; a missing picture leaves its panel empty.
+fn side_by_side(shown: &[Option<RgbImage>; 3], (width, height): (u32, u32)) -> Vec<u8> {
     let mut sheet = RgbImage::from_pixel(3 * width + 2 * GAP_PX, height, GAP);
     for (panel, shown) in shown.iter().enumerate() {
         // Three panels of at most a few thousand pixels each.
@@ -98,7 +87,7 @@ fn side_by_side(shown: &[Option<RgbImage>; 3], (width, height): (u32, u32)) -> R
         }
         imageops::replace(&mut sheet, &whole, left, 0);
     }
-    sheet
+    png::encode(&sheet)
 }
 
 fn in_words(n_changed: u64, bounds: Option<[u32; 4]>, sizes: [(u32, u32); 2]) -> String {

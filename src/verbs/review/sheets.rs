@@ -5,7 +5,7 @@
 use super::find::Pending;
 use super::models;
 use crate::exit::Failure;
-use fab_base::files;
+use crate::io::write_file;
 use std::path::PathBuf;
 
 /// The place for such files.
@@ -30,12 +30,8 @@ pub struct Compared {
 pub struct Sheet {
     /// The file; `None` if this build cannot draw, or there is nothing to draw.
     pub path: Option<PathBuf>,
-    /// The difference in words.
-    pub words: String,
-    /// How many pixels differ, if known.
-    pub n_changed: Option<u64>,
-    /// Leftmost column, top row, rightmost column and bottom row of those, pixels.
-    pub bounds: Option<[u32; 4]>,
+    /// The difference.
+    pub compared: Compared,
 }
 
 impl Sheet {
@@ -44,10 +40,10 @@ impl Sheet {
         match &self.path {
             Some(path) => format!(
                 "{}\nbefore, after and difference: {}",
-                self.words,
+                self.compared.words,
                 path.display()
             ),
-            None => self.words.clone(),
+            None => self.compared.words.clone(),
         }
     }
 }
@@ -69,27 +65,17 @@ impl Sheets {
         let path = match &compared.png {
             Some(png) => {
                 let path = self.made()?.join(format!("{name}.png"));
-                files::write_whole(&path, png).map_err(|error| {
-                    Failure::environment(format!("cannot write `{}`: {error}", path.display()))
-                })?;
+                write_file(&path, png)?;
                 Some(path)
             }
             None => None,
         };
-        Ok(Sheet {
-            path,
-            words: compared.words,
-            n_changed: compared.n_changed,
-            bounds: compared.bounds,
-        })
+        Ok(Sheet { path, compared })
     }
 
     fn made(&mut self) -> Result<PathBuf, Failure> {
-        let unwritable = |path: &std::path::Path, error: std::io::Error| {
-            Failure::environment(format!("cannot write `{}`: {error}", path.display()))
-        };
         if let Some(folder) = &self.folder {
-            std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, error))?;
+            std::fs::create_dir_all(folder).map_err(|error| Failure::unwritable(folder, error))?;
             return Ok(folder.clone());
         }
         let mut number = 0;
@@ -103,7 +89,7 @@ impl Sheets {
                 }
                 // Somebody else's folder, or one of an earlier process with the same id.
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => number += 1,
-                Err(error) => return Err(unwritable(&folder, error)),
+                Err(error) => return Err(Failure::unwritable(&folder, error)),
             }
         }
     }

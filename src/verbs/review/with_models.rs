@@ -10,7 +10,6 @@ use crate::io::Io;
 use crate::verbs::runtime::setting::catalogue::{self, FactsArguments};
 use clap::Args;
 use fab_model::calls::Usage;
-use fab_picture::png;
 use std::path::PathBuf;
 
 /// What is shown of a change beside its text.
@@ -69,11 +68,5 @@ pub fn compare(pending: &Pending) -> Compared {
     };
     let file = pending.path.with_added_extension("png");
     let accepted = pending.path.with_extension("png");
-    let compared = pictures::compare([before, after], [&accepted, &file]);
-    Compared {
-        png: compared.sheet.as_ref().map(png::encode),
-        words: compared.words,
-        n_changed: compared.n_changed,
-        bounds: compared.bounds,
-    }
+    pictures::compare([before, after], [&accepted, &file])
 }

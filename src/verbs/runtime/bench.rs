@@ -25,7 +25,6 @@ use clap::Args;
 use clap::ValueHint;
 use fab_agent::outcome::Outcome;
 use fab_agent::rollout::FirstQuestion;
-use fab_base::cache::Cache;
 use fab_bench::on_arm::{Cloths, OnArm};
 use fab_bench::play;
 use fab_bench::play::{Phase, Results, StopReason};
@@ -164,7 +163,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         true => PathBuf::from("runs"),
         false => setting::out_folder(arguments.out.as_deref(), &format!("bench-{}", found.name))?,
     };
-    let cache = cache(&out, io);
+    let cache = setting::cache_or_beside(&out, io);
     let Some(entries) = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt, io)?
     else {
         return Err(Failure::interrupted());
@@ -385,14 +384,6 @@ impl SharedQuestions {
 
 fn failure(error: BenchError) -> Failure {
     Failure::environment(error)
-}
-
-/// Opens the user's cache, or one beside the runs: without a cache, every rollout would simulate its own experts.
-fn cache(out: &Path, io: &Io) -> Cache {
-    match setting::cache(io) {
-        cache if cache.is_kept() => cache,
-        _ => Cache::at(out.join("cache")),
-    }
 }
 
 fn show(phase: Phase, done: usize, of: usize, budget: &Budget, io: &Io) {

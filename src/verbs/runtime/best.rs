@@ -96,10 +96,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         arguments.out.as_deref(),
         &format!("best-{}", program.title().replace('/', "-")),
     )?;
-    let cache = match setting::cache(io) {
-        cache if cache.is_kept() => cache,
-        _ => Cache::at(out.join("cache")),
-    };
+    let cache = setting::cache_or_beside(&out, io);
     let shared = Shared {
         arguments,
         declared: &program,

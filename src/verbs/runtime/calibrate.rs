@@ -9,7 +9,7 @@ pub mod report;
 mod typing;
 
 use crate::exit::{Exit, Failure};
-use crate::io::Io;
+use crate::io::{Io, write_file};
 use crate::verbs::runtime::robot::connect;
 use crate::verbs::runtime::setting::catalogue;
 use clap::Args;
@@ -22,7 +22,6 @@ use fab_arm::directory::{PictureSelection, last_picture};
 use fab_arm::rgbd::Intrinsics;
 use fab_arm::settings::{CameraSource, Settings};
 use fab_arm::world;
-use fab_base::files;
 use fab_picture::{Tag, png};
 use image::RgbImage;
 use std::path::{Path, PathBuf};
@@ -148,7 +147,7 @@ fn run_with(
         Some(mut seen) => {
             draw_errors(&mut seen, &pairs, fit).map_err(Failure::environment)?;
             let drawn = path.with_extension("points.png");
-            write(&drawn, &png::encode(&seen))?;
+            write_file(&drawn, &png::encode(&seen))?;
             Some(drawn)
         }
         None => None,
@@ -289,11 +288,4 @@ fn size_px(settings: &Settings, seen: Option<&RgbImage>) -> Result<[u32; 2], Fai
 /// Resolves a path that a settings file names, relative to it.
 fn beside(robot: &Path, named: &Path) -> PathBuf {
     robot.parent().unwrap_or(Path::new("")).join(named)
-}
-
-/// Writes a whole file.
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    files::write_whole(path, bytes).map_err(|error| {
-        Failure::environment(format!("cannot write `{}`: {error}", path.display()))
-    })
 }

@@ -1,7 +1,7 @@
 //! `fabc demos`: makes in-context examples of a task with the scripted expert.
 
 use crate::exit::{Exit, Failure};
-use crate::io::Io;
+use crate::io::{Io, write_file};
 use crate::shipped;
 use crate::sources;
 use crate::sources::TaskArguments;
@@ -10,7 +10,6 @@ use clap::Args;
 use clap::ValueHint;
 use fab_agent::demos;
 use fab_agent::demos::{Demo, DemoRequest, Header, MakeError};
-use fab_base::files;
 use fab_world::WorldError;
 use serde::Serialize;
 use serde_json::json;
@@ -63,12 +62,11 @@ pub fn run(arguments: &DemosArguments, io: &Io) -> Result<Exit, Failure> {
         (None, Some(named)) => sources::folder_of(&arguments.task.file).join(&named.file.path),
         (None, None) => return Err(Failure::usage("the task names no file; give `--out`")),
     };
-    let unwritable =
-        |error| Failure::environment(format!("cannot write `{}`: {error}", path.display()));
     if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(unwritable)?;
+        // The message names the file, not its folder.
+        fs::create_dir_all(folder).map_err(|error| Failure::unwritable(&path, error))?;
     }
-    files::write_whole(&path, lines(&header, &made).as_bytes()).map_err(unwritable)?;
+    write_file(&path, lines(&header, &made).as_bytes())?;
     let actions: usize = made.iter().map(|demo| demo.steps.len()).sum();
     io.report(
         arguments.json,

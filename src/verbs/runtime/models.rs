@@ -119,20 +119,11 @@ fn as_json(
             "sources": profile.sources,
         })
     });
-    let families = families.iter().map(|family| {
-        json!({
-            "part": family.part,
-            "aliases": family.aliases,
-            "provider": family.provider,
-            "facts": family.facts,
-            "sources": family.sources,
-        })
-    });
     json!({
         "on": today,
         "providers": catalogue.providers(),
         "models": models.collect::<Vec<_>>(),
-        "families": families.collect::<Vec<_>>(),
+        "families": families,
         "gateways": catalogue
             .gateways()
             .map(|(prefixes, source)| json!({ "prefixes": prefixes, "source": source }))

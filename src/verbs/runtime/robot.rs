@@ -14,12 +14,7 @@ pub mod watchdog;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::verbs::runtime::robot::enable::EnableArguments;
-use crate::verbs::runtime::robot::recover::RecoverArguments;
-use crate::verbs::runtime::robot::watchdog::WatchdogArguments;
-use check::RobotCheckArguments;
 use clap::Args;
-use clap::Subcommand;
 
 /// What `recover` does not do.
 const BY_HAND: &str = "\
@@ -45,28 +40,23 @@ pub struct RobotArguments {
     pub verb: RobotVerb,
 }
 
-/// What to do.
-#[derive(Subcommand)]
-pub enum RobotVerb {
+crate::verbs::verbs! {
+    /// What to do.
+    RobotVerb:
     /// Checks an arm's settings and calibration, and says which part of the workspace it reaches.
-    Check(RobotCheckArguments),
+    Check(check::RobotCheckArguments),
     /// Says in what state a run left the arm, and records what a person did about it.
     #[command(after_help = BY_HAND)]
-    Recover(RecoverArguments),
+    Recover(recover::RecoverArguments),
     /// Lets a stopped arm move again, after a person has said why.
     #[command(after_help = LET_GO)]
-    Enable(EnableArguments),
+    Enable(enable::EnableArguments),
     /// Stops the arm when no more lines arrive on stdin; started by the command that moves the arm.
     #[command(hide = true)]
-    Watchdog(WatchdogArguments),
+    Watchdog(watchdog::WatchdogArguments),
 }
 
 /// Runs a subcommand of `robot`.
 pub fn run(arguments: &RobotArguments, io: &Io) -> Result<Exit, Failure> {
-    match &arguments.verb {
-        RobotVerb::Check(arguments) => check::run(arguments, io),
-        RobotVerb::Recover(arguments) => recover::run(arguments, io),
-        RobotVerb::Enable(arguments) => enable::run(arguments, io),
-        RobotVerb::Watchdog(arguments) => watchdog::run(arguments, io),
-    }
+    arguments.verb.run(io)
 }

@@ -223,6 +223,14 @@ pub fn cache(io: &Io) -> Cache {
     cache_of("experts", io)
 }
 
+/// Opens the same cache, or one beside the results: without a cache, every rollout would simulate its own experts.
+pub fn cache_or_beside(out: &Path, io: &Io) -> Cache {
+    match cache(io) {
+        cache if cache.is_kept() => cache,
+        _ => Cache::at(out.join("cache")),
+    }
+}
+
 /// Opens the user's cache of one kind of results.
 pub fn cache_of(kind: &str, io: &Io) -> Cache {
     match io.cache_folder() {

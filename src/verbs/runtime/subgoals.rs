@@ -4,15 +4,15 @@ pub mod offered;
 mod tried;
 
 use crate::exit::{Exit, Failure};
-use crate::io::Io;
+use crate::io::{Io, write_file};
 use crate::shipped;
 use crate::sources;
 use crate::sources::TaskArguments;
 use crate::verbs::runtime::setting;
+use crate::verbs::runtime::sim::files::ends_in;
 use clap::Args;
 use clap::ValueHint;
 use fab_agent::subgoals::{Demonstrated, Drawn, Origin, SubgoalError, SubgoalSet};
-use fab_base::files;
 use fab_compiler::diag;
 use fab_picture::png;
 use fab_program::{Arrow, SubgoalStep};
@@ -83,22 +83,14 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
         .as_ref()
         .filter(|_| !set.pictures.is_empty())
     {
-        if path
-            .extension()
-            .is_none_or(|ending| !ending.eq_ignore_ascii_case("png"))
-        {
+        if !ends_in(path, "png") {
             let shown = path.display();
             return Err(Failure::usage(format!(
                 "`--sheet {shown}` is no PNG file; name one that ends in `.png`"
             )));
         }
-        files::write_whole(
-            path,
-            &png::encode(&sheet(&set).map_err(Failure::environment)?),
-        )
-        .map_err(|error| {
-            Failure::environment(format!("cannot write `{}`: {error}", path.display()))
-        })?;
+        let sheet = sheet(&set).map_err(Failure::environment)?;
+        write_file(path, &png::encode(&sheet))?;
         files.push(path.clone());
     }
     report(&files, &diagnostics, arguments, io);

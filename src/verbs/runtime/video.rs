@@ -3,6 +3,7 @@
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::setting::worlds::WorldChoice;
+use crate::verbs::runtime::sim::files::ends_in;
 use clap::Args;
 use clap::ValueEnum;
 use clap::ValueHint;
@@ -97,10 +98,7 @@ impl VideoArguments {
 /// Refuses a file that is no GIF by its name, or whose folder is missing, before anything moves.
 pub fn check_file(option: &str, path: &Path) -> Result<(), Failure> {
     let shown = path.display();
-    if !path
-        .extension()
-        .is_some_and(|found| found.eq_ignore_ascii_case("gif"))
-    {
+    if !ends_in(path, "gif") {
         return Err(Failure::usage(format!(
             "`{option} {shown}` is no GIF file; name one that ends in `.gif`"
         )));

@@ -5,7 +5,7 @@ use super::camera::Camera;
 use super::origins;
 use super::pinned::{known_scenes, moment_of, pinned_alike, scene_name};
 use super::plan::{Intended, Plan, Readable};
-use super::scene::{Moment, PinnedScene, USUAL, short_hash};
+use super::scene::{Moment, PinnedScene, USUAL, hashes_of_pictures, short_hash};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::snapshots::{Contents, Info, Metadata, Name, Snapshot};
@@ -101,7 +101,7 @@ impl Task {
                 let info = self.info(&page, Some(&stage.name));
                 let name = page.name(Some(&stage.name), None)?;
                 let intended = match page.shown(stage, &camera)? {
-                    Some(shown) => Intended::Taken(Box::new(self.text(info, &shown))),
+                    Some(shown) => self.text(info, &shown),
                     None => Intended::Unchecked(info),
                 };
                 self.snapshots.push((name, intended));
@@ -143,15 +143,9 @@ impl Task {
             moment,
             scene: &scene,
         };
-        let metadata = Metadata {
-            source: Some(self.source.clone()),
-            description: Some(format!("the points seen in {}", page.title())),
-            info: Some(self.info(&page, None)),
-            ..Metadata::default()
-        };
+        let description = format!("the points seen in {}", page.title());
         let contents = Contents::Text(scene.text().trim_end().to_owned());
-        let snapshot = Snapshot { metadata, contents };
-        let taken = Intended::Taken(Box::new(snapshot));
+        let taken = self.taken(description, self.info(&page, None), contents);
         self.snapshots.push((name, taken));
         Ok(scene)
     }
@@ -166,7 +160,7 @@ impl Task {
         }
     }
 
-    fn text(&self, info: Info, shown: &ShownStage) -> Snapshot {
+    fn text(&self, info: Info, shown: &ShownStage) -> Intended {
         let texts = shown.texts().map(|said| tokens::of_text(&said.text));
         let stage = info.stage.clone().unwrap_or_default();
         let scene = info.scene.clone().unwrap_or_default();
@@ -179,17 +173,20 @@ impl Task {
             origin: origins::of(shown),
             ..info
         };
-        Snapshot {
-            metadata: Metadata {
-                source: Some(self.source.clone()),
-                description: Some(format!(
-                    "what a model is told in stage {stage} of {title}, scene {scene}"
-                )),
-                info: Some(info),
-                ..Metadata::default()
-            },
-            contents: Contents::Text(shown.text().trim_end().to_owned()),
-        }
+        let description =
+            format!("what a model is told in stage {stage} of {title}, scene {scene}");
+        let contents = Contents::Text(shown.text().trim_end().to_owned());
+        self.taken(description, info, contents)
+    }
+
+    fn taken(&self, description: String, info: Info, contents: Contents) -> Intended {
+        let metadata = Metadata {
+            source: Some(self.source.clone()),
+            description: Some(description),
+            info: Some(info),
+            ..Metadata::default()
+        };
+        Intended::Taken(Box::new(Snapshot { metadata, contents }))
     }
 
     /// Adds the pictures that the stages show.
@@ -277,14 +274,8 @@ impl Task {
             ..info
         };
         let shows = info.picture.clone().unwrap_or_default();
-        let metadata = Metadata {
-            source: Some(self.source.clone()),
-            description: Some(format!("{shows} of {}", page.title())),
-            info: Some(info),
-            ..Metadata::default()
-        };
-        let contents = Contents::Picture(png);
-        Ok(Intended::Taken(Box::new(Snapshot { metadata, contents })))
+        let description = format!("{shows} of {}", page.title());
+        Ok(self.taken(description, info, Contents::Picture(png)))
     }
 }
 
@@ -358,7 +349,7 @@ fn drawn_from(
             "camera": program.camera,
             "picker": program.picker,
             "subgoals": program.subgoals,
-            "files": camera.hashes_of_pictures()?,
+            "files": hashes_of_pictures(program, camera.folder)?,
         }),
         Picture::Scene { .. } => json!({
             "picture": picture,

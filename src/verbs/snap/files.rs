@@ -5,11 +5,9 @@ use super::plan::Plan;
 use super::{Declared, SnapArguments};
 use crate::exit::Failure;
 use crate::io::Io;
-use std::collections::BTreeMap;
+use fab_base::parallel::in_parallel;
 use std::num::NonZero;
-use std::panic::resume_unwind;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 /// Adds all snapshots of some files; stops at the first file, in their order, that fails.
@@ -20,27 +18,14 @@ pub fn add_expected(
     io: &Io,
 ) -> Result<(), Failure> {
     let threads = thread::available_parallelism().map_or(1, NonZero::get);
-    let next = AtomicUsize::new(0);
     let known: &Plan = plan;
-    let look = || {
-        let mut found = Vec::new();
-        while let Some(one) = declared.get(next.fetch_add(1, Ordering::Relaxed)) {
-            found.push((&one.file, of_file(one, arguments, known, io)));
-        }
-        found
-    };
-    let mut found: BTreeMap<&String, Result<Vec<ExpectedSnapshot>, Failure>> =
-        thread::scope(|scope| {
-            let workers: Vec<_> = (0..threads.min(declared.len()))
-                .map(|_| scope.spawn(look))
-                .collect();
-            let joined = workers.into_iter().map(|worker| worker.join());
-            let joined = joined.map(|found| found.unwrap_or_else(|panic| resume_unwind(panic)));
-            joined.flatten().collect()
-        });
-    for Declared { file, .. } in declared {
-        plan.looked_at(&source_of(file));
-        for (name, intended) in found.remove(file).transpose()?.unwrap_or_default() {
+    // A failure is a result here, since another file's may come first in their order.
+    let look = |index: usize| Ok(Some(of_file(&declared[index], arguments, known, io)));
+    let found = in_parallel(declared.len(), threads, look, |_| {});
+    let found = found.map_err(|error: std::io::Error| Failure::environment(error))?;
+    for (one, found) in declared.iter().zip(found.into_iter().flatten()) {
+        plan.looked_at(&source_of(&one.file));
+        for (name, intended) in found? {
             plan.add_expected(name, intended)?;
         }
     }

@@ -5,13 +5,13 @@
 
 use crate::exit::Failure;
 use crate::sources;
+use fab_base::digest;
 use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
 use fab_program::scene::SceneView;
-use fab_program::{PixelPoint, Program, Subgoals, Value};
+use fab_program::{PixelPoint, Program, Subgoals, Value, pins_folder};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -186,12 +186,10 @@ pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Result<Vec<String
             .map(|image| hash(Path::new(&image.file.path)))
             .collect(),
         Some(Subgoals::Demonstrate { folds }) => {
-            let named =
-                |title: &str| PathBuf::from(format!("{}.subgoals", title.replace('/', ".")));
-            let own = named(&program.title());
+            let own = PathBuf::from(pins_folder(&program.title()));
             let pinned = match folder.join(&own).exists() {
                 true => own,
-                false => named(&program.task),
+                false => PathBuf::from(pins_folder(&program.task)),
             };
             let pictures = (0..=folds.len()).map(|number| pinned.join(format!("{number}.png")));
             // The simulator draws missing pictures; another hash covers that.
@@ -202,11 +200,7 @@ pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Result<Vec<String
 
 /// Returns the first 16 hex digits of the SHA-256 of bytes.
 pub fn short_hash(bytes: impl AsRef<[u8]>) -> String {
-    let digest = Sha256::digest(bytes);
-    digest[..8]
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    digest::of(bytes)[..16].to_owned()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //!
 //! Simulation is lazy: if scenes and pictures are pinned, no cloth is laid.
 
-use super::scene::{self, Moment, PinnedAction, PinnedScene};
+use super::scene::{Moment, PinnedAction, PinnedScene};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::sources;
@@ -65,7 +65,8 @@ const AS_DECLARED: StartArguments = StartArguments {
 /// A camera over the cloth of one program.
 pub struct Camera<'p> {
     program: &'p Program,
-    folder: &'p Path,
+    /// Holds the program's file.
+    pub folder: &'p Path,
     /// The stream for talk.
     pub io: &'p Io,
     world: Option<Box<dyn World>>,
@@ -165,11 +166,6 @@ impl<'p> Camera<'p> {
             }
         };
         Ok(drawn.map(|drawn| png::encode(&drawn)))
-    }
-
-    /// Returns hashes of the subgoal pictures beside the task.
-    pub fn hashes_of_pictures(&self) -> Result<Vec<String>, Failure> {
-        scene::hashes_of_pictures(self.program, self.folder)
     }
 
     fn seen(&mut self, moment: &Moment) -> Result<&StepScene, Failure> {

@@ -1,6 +1,6 @@
 //! What a build without simulator and vision can add: texts, for scenes that are already pinned.
 
-use super::scene::{self, Moment, PinnedScene};
+use super::scene::{Moment, PinnedScene};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::render::page::DisplayMessage;
@@ -17,7 +17,8 @@ pub fn fitted(_file: &str, programs: Vec<Program>, _io: &Io) -> Result<Vec<Progr
 /// Takes the place of a camera.
 pub struct Camera<'p> {
     program: &'p Program,
-    folder: &'p Path,
+    /// Holds the program's file.
+    pub folder: &'p Path,
     /// The stream for talk.
     pub io: &'p Io,
 }
@@ -74,10 +75,5 @@ impl<'p> Camera<'p> {
             self.program.title()
         ));
         Ok(None)
-    }
-
-    /// Returns hashes of the subgoal pictures beside the task.
-    pub fn hashes_of_pictures(&self) -> Result<Vec<String>, Failure> {
-        scene::hashes_of_pictures(self.program, self.folder)
     }
 }

@@ -19,6 +19,74 @@ pub(super) struct Helper {
     pub python: &'static str,
 }
 
+/// A helper for a coordinate, the side of the picture from which it counts, and its index.
+macro_rules! coordinate_squared {
+    ($axis:literal, $side:literal, $index:literal) => {
+        Helper {
+            name: concat!($axis, "_squared"),
+            calls: &["signed_square"],
+            rust: concat!(
+                "/// The square of a point's distance from the ",
+                $side,
+                " of the picture; negative beyond it.\n",
+                "fn ",
+                $axis,
+                "_squared(point: [f64; 2]) -> f64 {\n",
+                "    signed_square(point[",
+                $index,
+                "])\n",
+                "}\n",
+            ),
+            python: concat!(
+                "def _",
+                $axis,
+                "_squared(point):\n",
+                "    \"\"\"The square of a point's distance from the ",
+                $side,
+                " of the picture; negative beyond it.\"\"\"\n",
+                "    return _signed_square(point[",
+                $index,
+                "])\n",
+            ),
+        }
+    };
+}
+
+/// A helper that compares an angle with a limit, and the sign by which their cosines compare.
+macro_rules! angle {
+    ($name:literal, $words:literal, $sign:literal) => {
+        Helper {
+            name: concat!("angle_", $name),
+            calls: &["angle_sides"],
+            rust: concat!(
+                "/// Whether an angle is ",
+                $words,
+                " the one with this cosine.\n",
+                "fn angle_",
+                $name,
+                "(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> bool {\n",
+                "    let (along, limit) = angle_sides(a, b, limit_cos);\n",
+                "    along ",
+                $sign,
+                " limit\n",
+                "}\n",
+            ),
+            python: concat!(
+                "def _angle_",
+                $name,
+                "(a, b, limit_cos):\n",
+                "    \"\"\"Whether an angle is ",
+                $words,
+                " the one with this cosine.\"\"\"\n",
+                "    along, limit = _angle_sides(a, b, limit_cos)\n",
+                "    return along ",
+                $sign,
+                " limit\n",
+            ),
+        }
+    };
+}
+
 /// Every helper, in the order in which they are written.
 pub(super) const HELPERS: &[Helper] = &[
     Helper {
@@ -295,36 +363,8 @@ def _chebyshev_squared(a, b):
     return du if du > dv else dv
 ",
     },
-    Helper {
-        name: "x_squared",
-        calls: &["signed_square"],
-        rust: "\
-/// The square of a point's distance from the left of the picture; negative beyond it.
-fn x_squared(point: [f64; 2]) -> f64 {
-    signed_square(point[0])
-}
-",
-        python: "\
-def _x_squared(point):
-    \"\"\"The square of a point's distance from the left of the picture; negative beyond it.\"\"\"
-    return _signed_square(point[0])
-",
-    },
-    Helper {
-        name: "y_squared",
-        calls: &["signed_square"],
-        rust: "\
-/// The square of a point's distance from the top of the picture; negative beyond it.
-fn y_squared(point: [f64; 2]) -> f64 {
-    signed_square(point[1])
-}
-",
-        python: "\
-def _y_squared(point):
-    \"\"\"The square of a point's distance from the top of the picture; negative beyond it.\"\"\"
-    return _signed_square(point[1])
-",
-    },
+    coordinate_squared!("x", "left", "0"),
+    coordinate_squared!("y", "top", "1"),
     Helper {
         name: "signed_square",
         calls: &[],
@@ -355,74 +395,10 @@ def _from_to(start, end):
     return (end[0] - start[0], end[1] - start[1])
 ",
     },
-    Helper {
-        name: "angle_less",
-        calls: &["angle_sides"],
-        rust: "\
-/// Whether an angle is less than the one with this cosine.
-fn angle_less(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> bool {
-    let (along, limit) = angle_sides(a, b, limit_cos);
-    along > limit
-}
-",
-        python: "\
-def _angle_less(a, b, limit_cos):
-    \"\"\"Whether an angle is less than the one with this cosine.\"\"\"
-    along, limit = _angle_sides(a, b, limit_cos)
-    return along > limit
-",
-    },
-    Helper {
-        name: "angle_at_most",
-        calls: &["angle_sides"],
-        rust: "\
-/// Whether an angle is at most the one with this cosine.
-fn angle_at_most(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> bool {
-    let (along, limit) = angle_sides(a, b, limit_cos);
-    along >= limit
-}
-",
-        python: "\
-def _angle_at_most(a, b, limit_cos):
-    \"\"\"Whether an angle is at most the one with this cosine.\"\"\"
-    along, limit = _angle_sides(a, b, limit_cos)
-    return along >= limit
-",
-    },
-    Helper {
-        name: "angle_greater",
-        calls: &["angle_sides"],
-        rust: "\
-/// Whether an angle is greater than the one with this cosine.
-fn angle_greater(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> bool {
-    let (along, limit) = angle_sides(a, b, limit_cos);
-    along < limit
-}
-",
-        python: "\
-def _angle_greater(a, b, limit_cos):
-    \"\"\"Whether an angle is greater than the one with this cosine.\"\"\"
-    along, limit = _angle_sides(a, b, limit_cos)
-    return along < limit
-",
-    },
-    Helper {
-        name: "angle_at_least",
-        calls: &["angle_sides"],
-        rust: "\
-/// Whether an angle is at least the one with this cosine.
-fn angle_at_least(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> bool {
-    let (along, limit) = angle_sides(a, b, limit_cos);
-    along <= limit
-}
-",
-        python: "\
-def _angle_at_least(a, b, limit_cos):
-    \"\"\"Whether an angle is at least the one with this cosine.\"\"\"
-    along, limit = _angle_sides(a, b, limit_cos)
-    return along <= limit
-",
-    },
+    angle!("less", "less than", ">"),
+    angle!("at_most", "at most", ">="),
+    angle!("greater", "greater than", "<"),
+    angle!("at_least", "at least", "<="),
     Helper {
         name: "angle_sides",
         calls: &["signed_square"],

@@ -2,7 +2,7 @@
 
 use crate::data::camera::PixelPoint;
 use crate::data::shape::KeypointShape;
-use crate::vocabulary::{Arg, Args, Call, Default, Kind, Range, Signature};
+use crate::vocabulary::{Arg, Args, Call, Default, Kind, Range};
 use crate::words::words;
 use serde::{Deserialize, Serialize};
 
@@ -652,9 +652,6 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
 pub const AT: Arg =
     Arg::named("at", Kind::Word(Moment::WORDS), "when it is looked for").or(Default::Word("now"));
 
-/// The most pixels that `points(…)` lists.
-pub const MAX_FIXED_POINTS: usize = 1000;
-
 const MASK: Arg = Arg::positional("mask", Kind::Keypoint(&[KeypointShape::Mask]), "a mask");
 const OUTLINE: Arg = Arg::positional(
     "outline",
@@ -724,14 +721,8 @@ const fn row(
     doc: &'static str,
     make: fn(&Args) -> Extractor,
 ) -> ExtractorRow {
-    let signature = Signature {
-        name,
-        gives: gives.words(),
-        args,
-        doc,
-    };
     ExtractorRow {
-        call: Call { signature, make },
+        call: Call::new(name, gives.words(), args, doc, make),
         gives,
     }
 }

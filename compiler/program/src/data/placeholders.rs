@@ -114,8 +114,8 @@ impl Depends for Placeholder {
                 b.add_uses(uses);
             }
             Placeholder::Number { number, .. } => number.add_uses(uses),
-            Placeholder::Field { .. } => uses.action = true,
-            Placeholder::LastField { .. } => uses.last = true,
+            Placeholder::Field { field } => uses.add_field(field),
+            Placeholder::LastField { field } => uses.add_last_field(field),
             Placeholder::Unreachable => uses.reach = true,
             Placeholder::Nearest { to, .. } => to.add_uses(uses),
         }

@@ -87,7 +87,7 @@ pub enum Heading {
 impl Depends for Point {
     fn add_uses(&self, uses: &mut Uses) {
         match self {
-            Point::Action { .. } => uses.action = true,
+            Point::Action { field } => uses.add_field(field),
             Point::Keypoint { name } => {
                 uses.keypoints.insert(name.clone());
             }
@@ -99,9 +99,15 @@ impl Depends for Point {
                 of.add_uses(uses);
                 about.add_uses(uses);
             }
-            Point::Carried { from, .. } => {
+            Point::Carried {
+                from,
+                direction,
+                distance,
+                ..
+            } => {
                 from.add_uses(uses);
-                uses.action = true;
+                uses.add_field(direction);
+                uses.add_field(distance);
             }
         }
     }
@@ -110,8 +116,8 @@ impl Depends for Point {
 impl Depends for Heading {
     fn add_uses(&self, uses: &mut Uses) {
         match self {
-            Heading::Field { .. } => uses.action = true,
-            Heading::Last { .. } => uses.last = true,
+            Heading::Field { field } => uses.add_field(field),
+            Heading::Last { field } => uses.add_last_field(field),
             Heading::FromTo { from, to } => {
                 from.add_uses(uses);
                 to.add_uses(uses);

@@ -63,13 +63,3 @@ words!(RehearsalMeasure {
     "overlap" => Overlap, "the overlap of the twin's silhouette with that of the next subgoal, from 0 to 1";
     "coverage" => Coverage, "the area that the twin covers, divided by what it covers where it lies flat";
 });
-
-impl RehearsalMeasure {
-    /// Returns its name in a task and in records.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            RehearsalMeasure::Overlap => "overlap",
-            RehearsalMeasure::Coverage => "coverage",
-        }
-    }
-}

@@ -131,18 +131,6 @@ words!(ReasoningLevel {
     "high" => High, "much";
 });
 
-impl ReasoningLevel {
-    /// Returns the word that a task writes.
-    pub fn word(self) -> &'static str {
-        match self {
-            ReasoningLevel::None => "none",
-            ReasoningLevel::Low => "low",
-            ReasoningLevel::Medium => "medium",
-            ReasoningLevel::High => "high",
-        }
-    }
-}
-
 impl Reasoning {
     /// The largest number of tokens that can be stated.
     pub const MOST_TOKENS: u32 = 100_000;

@@ -7,6 +7,8 @@ use std::collections::BTreeSet;
 pub struct Uses {
     /// Whether it needs the proposed action.
     pub action: bool,
+    /// The fields of either action that it reads, by name.
+    pub fields: BTreeSet<String>,
     /// Whether it needs the previous action.
     pub last: bool,
     /// Whether it needs the pixel at which the previous action picked.
@@ -17,6 +19,20 @@ pub struct Uses {
     pub history: bool,
     /// Whether it asks which points are unreachable.
     pub reach: bool,
+}
+
+impl Uses {
+    /// Adds a field of the proposed action.
+    pub(crate) fn add_field(&mut self, name: &str) {
+        self.action = true;
+        self.fields.insert(name.to_owned());
+    }
+
+    /// Adds a field of the previous action.
+    pub(crate) fn add_last_field(&mut self, name: &str) {
+        self.last = true;
+        self.fields.insert(name.to_owned());
+    }
 }
 
 /// Something that depends on the scene, on the proposed action or on the previous one.

@@ -97,7 +97,7 @@ impl Depends for Condition {
                 b.add_uses(uses);
             }
             Condition::Number { left, .. } => left.add_uses(uses),
-            Condition::Word { .. } => uses.action = true,
+            Condition::Word { field, .. } => uses.add_field(field),
             Condition::Within { point, region, .. } => {
                 point.add_uses(uses);
                 uses.keypoints.insert(region.clone());

@@ -5,7 +5,6 @@ use crate::data::actions::Choices;
 use crate::data::camera::Camera;
 use crate::data::program::Program;
 use crate::data::stage::{Read, Stage};
-use std::fmt;
 
 /// How points are given to a model, and how it states them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,9 +97,13 @@ impl Pointing {
 }
 
 /// Why a task cannot be used with a model's way of giving points.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PointingError {
     /// A field may be any point of a mask, but points are to be numbered.
+    #[error(
+        "the field `{field}` may be any point of `{mask}`, and those cannot be numbered; offer keypoints \
+         (`{field}: one of …`), or choose a model that answers in coordinates"
+    )]
     UncountedPoints {
         /// The field.
         field: String,
@@ -108,6 +111,10 @@ pub enum PointingError {
         mask: String,
     },
     /// A stage's own examples state points in pixels, as the author wrote them.
+    #[error(
+        "the examples of stage `{stage}` state points in pixels, as the task has them, and this model writes a point \
+         {wanted}; use `demos`, which are written in every frame, or a model that answers in pixels"
+    )]
     LiteralExamples {
         /// The stage.
         stage: String,
@@ -115,22 +122,3 @@ pub enum PointingError {
         wanted: String,
     },
 }
-
-impl fmt::Display for PointingError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            PointingError::UncountedPoints { field, mask } => write!(
-                f,
-                "the field `{field}` may be any point of `{mask}`, and those cannot be numbered; offer keypoints \
-                 (`{field}: one of …`), or choose a model that answers in coordinates"
-            ),
-            PointingError::LiteralExamples { stage, wanted } => write!(
-                f,
-                "the examples of stage `{stage}` state points in pixels, as the task has them, and this model writes \
-                 a point {wanted}; use `demos`, which are written in every frame, or a model that answers in pixels"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for PointingError {}

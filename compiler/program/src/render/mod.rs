@@ -26,7 +26,6 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Value;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior};
 use std::collections::BTreeMap;
-use std::fmt;
 
 /// The most steps that minijinja may take for one template.
 const FUEL: u64 = 1_000_000;
@@ -354,19 +353,22 @@ fn environment() -> Environment<'static> {
 }
 
 /// Why a template cannot be rendered.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RenderError {
     /// The program has no such template.
+    #[error("the program has no template `{template}`")]
     UnknownTemplate {
         /// Its name.
         template: String,
     },
     /// A keypoint, a field or a text is missing.
+    #[error("`{name}` is not known here")]
     MissingFact {
         /// Its name.
         name: String,
     },
     /// The template cannot be rendered; the compiler never emits such a template.
+    #[error("the template `{template}` cannot be rendered: {why}")]
     BadTemplate {
         /// The template.
         template: String,
@@ -374,30 +376,8 @@ pub enum RenderError {
         why: String,
     },
     /// The stage cannot be asked of a model with this pointing.
-    Pointing(PointingError),
-}
-
-impl fmt::Display for RenderError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            RenderError::UnknownTemplate { template } => {
-                write!(f, "the program has no template `{template}`")
-            }
-            RenderError::MissingFact { name } => write!(f, "`{name}` is not known here"),
-            RenderError::BadTemplate { template, why } => {
-                write!(f, "the template `{template}` cannot be rendered: {why}")
-            }
-            RenderError::Pointing(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for RenderError {}
-
-impl From<PointingError> for RenderError {
-    fn from(error: PointingError) -> Self {
-        RenderError::Pointing(error)
-    }
+    #[error(transparent)]
+    Pointing(#[from] PointingError),
 }
 
 impl From<Missing> for RenderError {

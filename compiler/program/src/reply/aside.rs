@@ -2,7 +2,7 @@
 //!
 //! In: an answer. Out: the same text with blanks there, each byte in its place, and what was set aside.
 
-use super::wordlist::words;
+use super::wordlist::{self, words};
 use std::ops::Range;
 
 /// Why a part of an answer states nothing.
@@ -25,31 +25,17 @@ pub enum Aside {
 }
 
 /// Tags around what states nothing.
-const TAGS: [(&str, Aside); 24] = [
-    ("think", Aside::Thought),
-    ("thinking", Aside::Thought),
-    ("thought", Aside::Thought),
-    ("thoughts", Aside::Thought),
-    ("reasoning", Aside::Thought),
-    ("reason", Aside::Thought),
-    ("rationale", Aside::Thought),
-    ("scratchpad", Aside::Thought),
-    ("reflection", Aside::Thought),
-    ("analysis", Aside::Thought),
-    ("observation", Aside::Thought),
-    ("plan", Aside::Thought),
-    ("explanation", Aside::Thought),
-    ("internal", Aside::Thought),
-    ("quote", Aside::Quotation),
-    ("blockquote", Aside::Quotation),
-    ("example", Aside::Example),
-    ("examples", Aside::Example),
-    ("rejected", Aside::Example),
-    ("format", Aside::Example),
-    ("del", Aside::StruckOut),
-    ("s", Aside::StruckOut),
-    ("strike", Aside::StruckOut),
-    ("summary", Aside::Thought),
+const TAGS: &[(&[&str], Aside)] = &[
+    (
+        words!(
+            "think thinking thought thoughts reasoning reason rationale scratchpad reflection analysis observation
+            plan explanation internal summary"
+        ),
+        Aside::Thought,
+    ),
+    (words!("quote blockquote"), Aside::Quotation),
+    (words!("example examples rejected format"), Aside::Example),
+    (words!("del s strike"), Aside::StruckOut),
 ];
 
 /// The longest tag, bytes.
@@ -153,10 +139,10 @@ fn tagged(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) -> bool {
             at = end;
             continue;
         }
-        let kind = TAGS
-            .iter()
-            .find(|(tag, _)| name.eq_ignore_ascii_case(tag))
-            .copied();
+        let kind = TAGS.iter().find_map(|(tags, kind)| {
+            let tag = tags.iter().find(|tag| name.eq_ignore_ascii_case(tag))?;
+            Some((*tag, *kind))
+        });
         match (open, kind) {
             (None, Some((tag, kind))) if !is_closing => open = Some((at, tag, kind, 1)),
             // The server had begun the thought already.
@@ -351,7 +337,7 @@ fn last_sentence(line: &str) -> &str {
 
 fn says(line: &str, words: &[&str]) -> bool {
     line.split(|letter: char| !(letter.is_alphanumeric() || letter == '.'))
-        .any(|found| words.iter().any(|word| found.eq_ignore_ascii_case(word)))
+        .any(|found| wordlist::is_any(found, words))
 }
 
 fn struck(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {

@@ -4,6 +4,7 @@
 //! choice is returned as stated, and [`crate::verify`] rejects it. A number that can mean two choices is an error.
 
 use super::quantity::{AnswerUnit, Quantity};
+use super::words;
 use crate::data::actions::{ActionField, Choices, Direction, LengthChoice, Value};
 use crate::exact::{normalised_deg, written};
 use crate::space::{self, DECIMALS};
@@ -151,10 +152,7 @@ fn nearest_deg(
     text: &str,
 ) -> Result<Option<f64>, String> {
     let deg = normalised_deg(deg);
-    let apart = |choice: &Direction| {
-        let apart = (choice.deg - deg).abs();
-        apart.min((360.0 - apart).abs())
-    };
+    let apart = |choice: &Direction| words::apart_deg(choice.deg, deg);
     // `359.99999` is written `360`, which means 0.
     let reads = |choice: &Direction| {
         let same = |value: f64| written(normalised_deg(value), DECIMALS);

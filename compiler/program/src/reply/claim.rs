@@ -20,6 +20,16 @@ pub(super) struct Claim {
     pub claimed: Claimed,
 }
 
+impl Claim {
+    pub fn new(field: usize, span: Range<usize>, claimed: Claimed) -> Claim {
+        Claim {
+            field,
+            span,
+            claimed,
+        }
+    }
+}
+
 /// What a claim says.
 #[derive(Debug)]
 pub(super) enum Claimed {

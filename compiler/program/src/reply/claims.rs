@@ -9,6 +9,7 @@ use super::data;
 use super::doubt::{self, Place};
 use super::lexer::{self, Kind, Token};
 use super::names;
+use super::object;
 use super::remarks;
 use super::sentences::Reader;
 use std::ops::Range;
@@ -78,8 +79,9 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let points = data::tagged_points(reader, &text, &mut claims);
     text = aside::blanked(&text, &points);
     let is_field = |key: &str| names::labelled(reader.fields, &lexer::tokens(key)).is_some();
-    let beside = data::beside(&text, &is_field);
-    let objects = data::objects(reader, &text, &mut claims);
+    let objects = object::objects(&text);
+    let beside = data::beside(&text, &objects, &is_field);
+    let objects = data::objects(reader, objects, &mut claims);
     text = aside::blanked(&text, &objects);
     let prose = doubt::prose(&lexer::tokens(&text), doubt::MIN_EXPLANATION);
     let tables = data::tables(reader, &text, &mut claims);
@@ -154,11 +156,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     for (about, why) in remarks {
         for (field, declared) in reader.fields.iter().enumerate() {
             if about.concerns(declared) {
-                claims.push(Claim {
-                    field,
-                    span: at..at,
-                    claimed: Claimed::Bad(why.clone()),
-                });
+                claims.push(Claim::new(field, at..at, Claimed::Bad(why.clone())));
             }
         }
     }

@@ -75,18 +75,13 @@ pub(super) fn of_sentence(
     let within = &tokens[..sentence.end];
     let mut claims = Vec::new();
     let mut add = |field: usize, begin: usize, corner: Corner| {
-        let claim = |end: usize, claimed| Claim {
-            field,
-            span: tokens[begin].at..tokens[end - 1].end(),
-            claimed,
+        let claim = |end: usize, claimed| {
+            Claim::new(field, tokens[begin].at..tokens[end - 1].end(), claimed)
         };
         if let (Some(deg), Some(_)) = (corner.deg, place) {
             claims.push(claim(corner.end, Claimed::Side(deg)));
         }
-        let mut cursor = Cursor {
-            tokens: within,
-            at: corner.end,
-        };
+        let mut cursor = Cursor::at(within, corner.end);
         cursor.eat_sign(',');
         let leads = cursor.eat_word("at") || corner.deg.is_some();
         if let PointFound::Pixel(pixel, note) = point::read(&mut cursor, notation, Brackets::Needed)
@@ -104,19 +99,9 @@ pub(super) fn of_sentence(
                 || tokens[at - 1].is_any(ACTING));
         let begins = tokens[at].is_any(&["starts", "begins"]) && is_drawn(tokens, at);
         let taken = match is_act || begins {
-            true => taken(Cursor {
-                tokens: within,
-                at: at + 1,
-            }),
-            false => corner(within, at).filter(|corner| {
-                is_taken(
-                    Cursor {
-                        tokens: within,
-                        at: corner.end,
-                    },
-                    notation,
-                )
-            }),
+            true => taken(Cursor::at(within, at + 1)),
+            false => corner(within, at)
+                .filter(|corner| is_taken(Cursor::at(within, corner.end), notation)),
         };
         // The tail of an arrow is seen roughly, so only a corner's name counts.
         let Some(taken) = taken.filter(|it| !begins || it.deg.is_some()) else {
@@ -124,10 +109,7 @@ pub(super) fn of_sentence(
         };
         add(pick, at, taken);
         let put = (taken.end..sentence.end).find_map(|to| {
-            let mut cursor = Cursor {
-                tokens: within,
-                at: to + 1,
-            };
+            let mut cursor = Cursor::at(within, to + 1);
             cursor.eat_any(&["the", "its"]);
             let is_lead = tokens[to].is_any(LEADING) && !tokens[to - 1].is_any(COMPARING)
                 || tokens[to].is("at") && tokens[to - 1].is_any(RELEASING);
@@ -215,7 +197,7 @@ fn corner(tokens: &[Token<'_>], at: usize) -> Option<Corner> {
 
 /// The same, also without its noun if it is known what stands there.
 fn side(tokens: &[Token<'_>], at: usize, is_known: bool) -> Option<Corner> {
-    let mut cursor = Cursor { tokens, at };
+    let mut cursor = Cursor::at(tokens, at);
     if cursor.peek()?.kind != Kind::Word {
         return None;
     }

@@ -11,7 +11,11 @@ pub(super) struct Cursor<'a, 't> {
 
 impl<'a, 't> Cursor<'a, 't> {
     pub fn new(tokens: &'a [Token<'t>]) -> Cursor<'a, 't> {
-        Cursor { tokens, at: 0 }
+        Cursor::at(tokens, 0)
+    }
+
+    pub fn at(tokens: &'a [Token<'t>], at: usize) -> Cursor<'a, 't> {
+        Cursor { tokens, at }
     }
 
     pub fn rest(&self) -> &'a [Token<'t>] {

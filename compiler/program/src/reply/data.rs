@@ -11,7 +11,7 @@ use super::point;
 use super::quantity::{self, AnswerUnit};
 use super::sentences::Reader;
 use super::value::Clarity;
-use super::wordlist::words;
+use super::wordlist::{is_any, words};
 use crate::units::UNITS;
 use std::ops::Range;
 
@@ -74,11 +74,11 @@ const MAX_STRINGS: usize = 3;
 /// Reads the objects of a text; returns where those are that state a field.
 pub(super) fn objects(
     reader: &Reader<'_>,
-    text: &str,
+    objects: Vec<Node>,
     claims: &mut Vec<Claim>,
 ) -> Vec<Range<usize>> {
     let mut spans = Vec::new();
-    for node in object::objects(text) {
+    for node in objects {
         let n_claims = claims.len();
         members(reader, &node, node.span.clone(), 0, claims);
         if claims.len() > n_claims {
@@ -99,18 +99,18 @@ pub(super) struct Beside {
     pub reasons: String,
 }
 
-/// Returns what objects say beside the fields.
+/// Returns what the objects of a text say beside the fields.
 ///
 /// - `is_field`: whether a key names a field, so that its member is no remark.
-pub(super) fn beside(text: &str, is_field: &dyn Fn(&str) -> bool) -> Beside {
+pub(super) fn beside(text: &str, objects: &[Node], is_field: &dyn Fn(&str) -> bool) -> Beside {
     let mut beside = Beside::default();
-    for node in object::objects(text) {
+    for node in objects {
         for line in text[node.span.clone()].lines() {
             if let Some((_, comment)) = line.split_once("//") {
                 beside.said.push_str(&format!("// {comment}\n\n"));
             }
         }
-        aside_members(is_field, &node, 0, &mut beside);
+        aside_members(is_field, node, 0, &mut beside);
     }
     beside
 }
@@ -124,8 +124,8 @@ fn aside_members(is_field: &dyn Fn(&str) -> bool, node: &Node, depth: usize, bes
         if is_field(key) {
             continue;
         }
-        let is_reason = NO_REMARKS.iter().any(|name| key.eq_ignore_ascii_case(name));
-        let explains = REASONS.iter().any(|name| key.eq_ignore_ascii_case(name));
+        let is_reason = is_any(key, &NO_REMARKS);
+        let explains = is_any(key, &REASONS);
         if explains {
             let listed = match &value.shape {
                 Shape::List(items) => &items[..],
@@ -201,22 +201,13 @@ fn members(
         Shape::Object(found) => {
             // `{"point_2d": [54, 171], "label": "pick point"}`
             let holds_action = found.iter().any(|member| {
-                matches!(member.value.shape, Shape::Object(_))
-                    && CONTAINERS
-                        .iter()
-                        .any(|name| member.key.eq_ignore_ascii_case(name))
+                matches!(member.value.shape, Shape::Object(_)) && is_any(&member.key, CONTAINERS)
             });
             let labels = found.iter().filter(|_| !holds_action);
             let label = labels
                 .into_iter()
                 .find_map(|member| match &member.value.shape {
-                    Shape::Text(text)
-                        if LABELS
-                            .iter()
-                            .any(|name| member.key.eq_ignore_ascii_case(name)) =>
-                    {
-                        Some(text)
-                    }
+                    Shape::Text(text) if is_any(&member.key, &LABELS) => Some(text),
                     _ => None,
                 });
             if let Some(field) = label.and_then(|label| named(reader, label)) {
@@ -232,11 +223,7 @@ fn members(
                     Some((text, hint)) => reader.whole(field, &text, hint, Clarity::Assigned),
                     None => Claimed::Nothing,
                 };
-                claims.push(Claim {
-                    field,
-                    span: spanned(node),
-                    claimed,
-                });
+                claims.push(Claim::new(field, spanned(node), claimed));
                 return;
             }
             let moved = moved(reader, found);
@@ -247,7 +234,7 @@ fn members(
                     let span = spanned(value);
                     let begin = if depth == 0 { *at } else { span.start };
                     claims.extend(member(reader, field, rest, value, begin..span.end));
-                } else if CONTAINERS.iter().any(|name| key.eq_ignore_ascii_case(name)) {
+                } else if is_any(key, CONTAINERS) {
                     match &value.shape {
                         Shape::Text(text) if depth < MAX_STRINGS => {
                             if let Some(inner) = object::whole(text) {
@@ -344,11 +331,7 @@ pub(super) fn tagged_points(
             if let Some(rest) = text[end..].find("</point>").filter(|rest| *rest < MAX_TAG) {
                 end += rest + "</point>".len();
             }
-            claims.push(Claim {
-                field,
-                span: start..end,
-                claimed,
-            });
+            claims.push(Claim::new(field, start..end, claimed));
             spans.push(start..end);
         }
     }
@@ -378,21 +361,13 @@ fn member(
                 super::reading::quoted(&text)
             )),
         };
-        return Some(Claim {
-            field,
-            span,
-            claimed,
-        });
+        return Some(Claim::new(field, span, claimed));
     }
     let hint = quantity::unit(&mut rest);
     let is_pixels = rest.eat_any(&["px", "pixels", "xy"]);
     if is_pixels && !reader.fields[field].is_point() {
         let claimed = Claimed::Bad("it is given in pixels".to_owned());
-        return Some(Claim {
-            field,
-            span,
-            claimed,
-        });
+        return Some(Claim::new(field, span, claimed));
     }
     // `"direction_in_words": "to the left"`
     let is_worded = rest.eat_any(&["words", "word", "text", "label", "name", "description"]);
@@ -406,11 +381,7 @@ fn member(
     match claimed {
         Claimed::Nothing => None,
         Claimed::Bad(_) if is_worded => None,
-        claimed => Some(Claim {
-            field,
-            span,
-            claimed,
-        }),
+        claimed => Some(Claim::new(field, span, claimed)),
     }
 }
 
@@ -447,12 +418,9 @@ fn written(node: &Node) -> Option<(String, Option<AnswerUnit>)> {
                     .iter()
                     .find(|unit| unit.words().any(|word| key.eq_ignore_ascii_case(word)))
             };
-            let mut values = found.iter().filter(|member| {
-                VALUES
-                    .iter()
-                    .any(|name| member.key.eq_ignore_ascii_case(name))
-                    || unit_named(&member.key).is_some()
-            });
+            let mut values = found
+                .iter()
+                .filter(|member| is_any(&member.key, VALUES) || unit_named(&member.key).is_some());
             let object::Member { key, value, .. } = values.next()?;
             if values.next().is_some() {
                 return None;
@@ -463,18 +431,14 @@ fn written(node: &Node) -> Option<(String, Option<AnswerUnit>)> {
                 .find_map(|key| get(key))
                 .and_then(written);
             let text = match unit {
-                Some((unit, _)) if !unit_of_pixels(&unit) => format!("{text} {unit}"),
+                Some((unit, _)) if !is_any(&unit, &["px", "pixel", "pixels"]) => {
+                    format!("{text} {unit}")
+                }
                 _ => text,
             };
             Some((text, unit_named(key).map(AnswerUnit::Of).or(inner)))
         }
     }
-}
-
-fn unit_of_pixels(unit: &str) -> bool {
-    ["px", "pixel", "pixels"]
-        .iter()
-        .any(|name| unit.eq_ignore_ascii_case(name))
 }
 
 /// Reads the tables of a text, whose rows or columns are named like fields; returns where they are.
@@ -678,11 +642,7 @@ fn table(reader: &Reader<'_>, text: &str, rows: &[Vec<Range<usize>>], claims: &m
                 text[y.clone()].trim()
             );
             let claimed = reader.whole(field, &pair, None, Clarity::Assigned);
-            claims.push(Claim {
-                field,
-                span: x.start..y.end,
-                claimed,
-            });
+            claims.push(Claim::new(field, x.start..y.end, claimed));
             continue;
         }
         let first = value_column.filter(|at| *at > index).unwrap_or(index + 1);
@@ -722,10 +682,6 @@ fn of_cell(
     };
     match claimed {
         Claimed::Nothing => None,
-        claimed => Some(Claim {
-            field,
-            span,
-            claimed,
-        }),
+        claimed => Some(Claim::new(field, span, claimed)),
     }
 }

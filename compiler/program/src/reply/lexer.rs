@@ -3,6 +3,8 @@
 //! Markdown, LaTeX, quotation marks and full-width forms disappear here, so that nothing after it has to know them.
 //! Bytes keep their places: a token says where it stands in the answer.
 
+use super::wordlist::{self, words};
+
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
@@ -52,10 +54,7 @@ impl Token<'_> {
 
     /// Returns whether it is one of these words.
     pub fn is_any(&self, words: &[&str]) -> bool {
-        self.kind == Kind::Word
-            && words
-                .iter()
-                .any(|word| self.text.eq_ignore_ascii_case(word))
+        self.kind == Kind::Word && wordlist::is_any(self.text, words)
     }
 
     /// Returns whether it is this sign.
@@ -363,42 +362,19 @@ impl<'t> Lexer<'t> {
     }
 }
 
-/// Tags that only format text, and whether they begin a line.
-const FORMATTING: [(&str, Gap); 34] = [
-    ("dl", Gap::Block),
-    ("dt", Gap::Line),
-    ("dd", Gap::Space),
-    ("table", Gap::Block),
-    ("tbody", Gap::Line),
-    ("tr", Gap::Line),
-    ("th", Gap::Space),
-    ("td", Gap::Space),
-    ("b", Gap::None),
-    ("strong", Gap::None),
-    ("i", Gap::None),
-    ("em", Gap::None),
-    ("u", Gap::None),
-    ("code", Gap::None),
-    ("kbd", Gap::None),
-    ("mark", Gap::None),
-    ("span", Gap::None),
-    ("font", Gap::None),
-    ("sub", Gap::None),
-    ("p", Gap::Line),
-    ("br", Gap::Line),
-    ("div", Gap::Line),
-    ("li", Gap::Item),
-    ("ul", Gap::Line),
-    ("ol", Gap::Line),
-    ("pre", Gap::Block),
-    ("hr", Gap::Block),
-    ("h1", Gap::Block),
-    ("h2", Gap::Block),
-    ("h3", Gap::Block),
-    ("h4", Gap::Block),
-    ("details", Gap::Block),
-    ("body", Gap::Block),
-    ("center", Gap::Line),
+/// Tags that only format text, and what they put before the next token.
+const FORMATTING: &[(&[&str], Gap)] = &[
+    (
+        words!("dl table pre hr h1 h2 h3 h4 details body"),
+        Gap::Block,
+    ),
+    (words!("dt tbody tr p br div ul ol center"), Gap::Line),
+    (words!("dd th td"), Gap::Space),
+    (
+        words!("b strong i em u code kbd mark span font sub"),
+        Gap::None,
+    ),
+    (words!("li"), Gap::Item),
 ];
 
 /// Returns the length of a tag that only formats text.
@@ -408,7 +384,7 @@ fn formatting(text: &str) -> Option<(usize, Gap)> {
     let name = inside.find(|letter: char| !letter.is_ascii_alphanumeric())?;
     let (_, gap) = FORMATTING
         .iter()
-        .find(|(tag, _)| inside[..name].eq_ignore_ascii_case(tag))?;
+        .find(|(tags, _)| wordlist::is_any(&inside[..name], tags))?;
     let end = inside.bytes().take(80).position(|byte| byte == b'>')?;
     Some((opened + end + 1, *gap))
 }

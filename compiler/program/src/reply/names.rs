@@ -167,7 +167,7 @@ pub(super) fn mentions(fields: &[ActionField], tokens: &[Token<'_>]) -> Vec<Ment
         let mut longest: Option<Mention> = None;
         let mut equal: Vec<Mention> = Vec::new();
         for (field, name) in names.iter().enumerate() {
-            let mut cursor = Cursor { tokens, at };
+            let mut cursor = Cursor::at(tokens, at);
             if !words::eat(&mut cursor, name)
                 || is_part(tokens, at, cursor.at)
                 || is_qualifier(tokens, cursor.at)
@@ -227,16 +227,13 @@ pub(super) fn mentions(fields: &[ActionField], tokens: &[Token<'_>]) -> Vec<Ment
 }
 
 fn name_length(name: &[Token<'_>], tokens: &[Token<'_>], at: usize) -> usize {
-    let mut cursor = Cursor { tokens, at };
+    let mut cursor = Cursor::at(tokens, at);
     words::eat(&mut cursor, name);
     cursor.at - at
 }
 
 fn claimed_end(fields: &[ActionField], tokens: &[Token<'_>], mention: &Mention) -> usize {
-    let mut cursor = Cursor {
-        tokens,
-        at: mention.end,
-    };
+    let mut cursor = Cursor::at(tokens, mention.end);
     if fields[mention.field].is_point() {
         cursor.eat_word("point");
     }
@@ -280,7 +277,7 @@ fn other_label(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Optio
     if tokens[at].gap < Gap::Line {
         return None;
     }
-    let mut cursor = Cursor { tokens, at };
+    let mut cursor = Cursor::at(tokens, at);
     let field = eat_label(fields, &mut cursor)?;
     let end = cursor.at;
     skip_nouns(&mut cursor, &fields[field]);
@@ -315,7 +312,7 @@ fn misspelt(
                 }
             }
         }
-        let mut cursor = Cursor { tokens, at: end };
+        let mut cursor = Cursor::at(tokens, end);
         skip_nouns(&mut cursor, &fields[field]);
         let is_signed = cursor.eat_signs(&[':', '=']).is_some();
         (n_slips == 1 && is_signed).then_some(Mention {
@@ -332,17 +329,7 @@ const MIN_SLIP: usize = 5;
 
 /// Returns whether one letter of a word is missing, added, changed, or exchanged with the next one.
 fn is_slip(word: &str, meant: &str) -> bool {
-    let (word, meant): (Vec<char>, Vec<char>) = (word.chars().collect(), meant.chars().collect());
-    let same = word
-        .iter()
-        .zip(&meant)
-        .take_while(|(one, other)| one == other)
-        .count();
-    let (left, right) = (&word[same..], &meant[same..]);
-    let goes_on = |n: usize, m: usize| left.get(n..).is_some_and(|it| right.get(m..) == Some(it));
-    let is_swapped = matches!((left, right), ([a, b, ..], [c, d, ..]) if a == d && b == c);
-    meant.len() >= MIN_SLIP
-        && (goes_on(1, 1) || goes_on(0, 1) || goes_on(1, 0) || is_swapped && goes_on(2, 2))
+    meant.chars().count() >= MIN_SLIP && strsim::osa_distance(word, meant) == 1
 }
 
 /// Moves past one of [`LABELS`], and returns its field.

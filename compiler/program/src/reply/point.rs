@@ -251,7 +251,8 @@ fn tag_ends(cursor: &mut Cursor<'_, '_>) -> bool {
     true
 }
 
-fn closing(open: char) -> char {
+/// Returns the bracket that closes what this one opens.
+pub(super) fn closing(open: char) -> char {
     match open {
         '(' => ')',
         '[' => ']',

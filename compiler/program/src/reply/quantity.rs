@@ -5,6 +5,7 @@
 
 use super::cursor::Cursor;
 use super::lexer::{Kind, Token, digit};
+use super::wordlist::words;
 use crate::units::{DEG, Dimension, EDGE, PER_SECOND, UNITS, Unit};
 
 /// The largest number that an answer can mean.
@@ -67,26 +68,13 @@ pub(super) enum Parsed {
 }
 
 /// Units in other languages, and their names here.
-const FOREIGN: [(&str, &str); 19] = [
-    ("度", "deg"),
-    ("도", "deg"),
-    ("graus", "deg"),
-    ("grados", "deg"),
-    ("degrés", "deg"),
-    ("degré", "deg"),
-    ("gradi", "deg"),
-    ("grad", "deg"),
-    ("graden", "deg"),
-    ("grader", "deg"),
-    ("stopni", "deg"),
-    ("derece", "deg"),
-    ("градусов", "deg"),
-    ("边长", "edge"),
-    ("邊長", "edge"),
-    ("kante", "edge"),
-    ("毫米", "mm"),
-    ("millimètres", "mm"),
-    ("milímetros", "mm"),
+const FOREIGN: &[(&[&str], &str)] = &[
+    (
+        words!("度 도 graus grados degrés degré gradi grad graden grader stopni derece градусов"),
+        "deg",
+    ),
+    (words!("边长 邊長 kante"), "edge"),
+    (words!("毫米 millimètres milímetros"), "mm"),
 ];
 
 /// Number words; those from twenty on may be followed by a smaller one.
@@ -594,7 +582,7 @@ pub(super) fn unit(cursor: &mut Cursor<'_, '_>) -> Option<AnswerUnit> {
     let foreign = |token: &Token<'_>| {
         FOREIGN
             .iter()
-            .find(|(word, _)| token.is(word) || token.text == *word)
+            .find(|(words, _)| token.is_any(words) || words.contains(&token.text))
             .map(|(_, name)| *name)
     };
     let found = token.and_then(|token| {

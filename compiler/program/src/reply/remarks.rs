@@ -3,11 +3,13 @@
 //! In: the sentences of an answer, and where its last claim stands. Out: for each kind of field, why its values are not
 //! those that the answer means. Each remark is a row of a table.
 
+use super::cursor::Cursor;
 use super::data::Beside;
 use super::doubt::{self, Place, Prose};
 use super::lexer::{self, Gap, Kind, Token};
 use super::point;
 use super::value;
+use super::wordlist::says;
 use crate::data::actions::{ActionField, Choices};
 use crate::pointing::{Notation, Order};
 
@@ -410,22 +412,10 @@ fn spoken(sentence: &[Token<'_>]) -> String {
     words
 }
 
-fn says(words: &str, group: &str) -> bool {
-    group.split('|').any(|phrase| {
-        !phrase.is_empty()
-            && words.match_indices(phrase).any(|(at, _)| {
-                words[..at].ends_with(' ') && words[at + phrase.len()..].starts_with(' ')
-            })
-    })
-}
-
 /// Returns whether a sentence repeats the format with its coordinates exchanged: `[y, x]`.
 fn another_order(sentence: &[Token<'_>], notation: &Notation) -> bool {
     (0..sentence.len()).any(|at| {
-        let mut cursor = super::cursor::Cursor {
-            tokens: sentence,
-            at,
-        };
+        let mut cursor = Cursor::at(sentence, at);
         point::echo(&mut cursor) == Some(Order::Yx) && notation.order() == Order::Xy
     })
 }

@@ -203,6 +203,12 @@ impl<'a> Sentences<'a> {
         &self.reader.fields[mention.field]
     }
 
+    /// Returns a claim that stands in these tokens.
+    fn said(&self, field: usize, tokens: Range<usize>, claimed: Claimed) -> Claim {
+        let span = self.tokens[tokens.start].at..self.tokens[tokens.end - 1].end();
+        Claim::new(field, span, claimed)
+    }
+
     /// Reads what is stated about the field of a mention.
     fn claim(&self, index: usize) -> Option<Claim> {
         let mention = self.mentions[index];
@@ -212,10 +218,7 @@ impl<'a> Sentences<'a> {
             return Some(claim);
         }
         let limit = self.limit(index);
-        let mut cursor = Cursor {
-            tokens: &self.tokens[..limit],
-            at: mention.end,
-        };
+        let mut cursor = Cursor::at(&self.tokens[..limit], mention.end);
         if cursor.peek().is_some_and(|token| token.gap >= Gap::Item)
             && !self.is_alone(index, mention.end)
         {
@@ -232,11 +235,11 @@ impl<'a> Sentences<'a> {
             if let Some(order) = point::echo(&mut cursor)
                 && order != self.reader.notation.order()
             {
-                return Some(Claim {
-                    field: mention.field,
-                    span: self.tokens[mention.at].at..self.tokens[cursor.at - 1].end(),
-                    claimed: Claimed::Bad("its coordinates are in another order".to_owned()),
-                });
+                return Some(self.said(
+                    mention.field,
+                    mention.at..cursor.at,
+                    Claimed::Bad("its coordinates are in another order".to_owned()),
+                ));
             }
         } else {
             hint = self.hint(&mut cursor);
@@ -385,11 +388,11 @@ impl<'a> Sentences<'a> {
         }
         let last = cursor.at.max(start + 1).min(limit) - 1;
         let end = self.tokens[last.max(mention.at)].end();
-        Some(Claim {
-            field: mention.field,
-            span: self.tokens[mention.at].at..end,
+        Some(Claim::new(
+            mention.field,
+            self.tokens[mention.at].at..end,
             claimed,
-        })
+        ))
     }
 
     /// Returns whether a tag's attribute names the field: `<parameter name="pick">`, `<parameter=pick>`.
@@ -397,10 +400,7 @@ impl<'a> Sentences<'a> {
         let [.., first, open, key, equals] = &self.tokens[..mention.at] else {
             return false;
         };
-        let mut behind = Cursor {
-            tokens: self.tokens,
-            at: mention.end,
-        };
+        let mut behind = Cursor::at(self.tokens, mention.end);
         names::skip_nouns(&mut behind, self.field(mention));
         behind.eat_signs(&['"', '\'']);
         let closes = behind.eat_sign('>');
@@ -454,10 +454,7 @@ impl<'a> Sentences<'a> {
             (None, Some(_)) => (mention, false),
             _ => return None,
         };
-        let mut cursor = Cursor {
-            tokens: self.tokens,
-            at: second.end,
-        };
+        let mut cursor = Cursor::at(self.tokens, second.end);
         cursor.eat_any(&["point", "points", "positions"]);
         let is_denied = self.is_denied(
             if is_first {
@@ -493,13 +490,8 @@ impl<'a> Sentences<'a> {
         let is_last = cursor.peek().is_none_or(|next| {
             next.gap >= Gap::Line || value::ends_sentence(self.tokens, cursor.at)
         });
-        let span = self.tokens[start].at..self.tokens[end - 1].end();
         let claimed = Claimed::Value(Value::Point(if is_first { first } else { other }), None);
-        is_last.then_some(Claim {
-            field: mention.field,
-            span,
-            claimed,
-        })
+        is_last.then_some(self.said(mention.field, start..end, claimed))
     }
 
     /// Skips the name in another language: `Pick point / Greifpunkt =`.
@@ -586,10 +578,7 @@ impl<'a> Sentences<'a> {
 
     /// Reads `<x>145</x><y>88</y>` after `<pick>`.
     fn tagged_axes(&self, mention: Mention, cursor: Cursor<'_, '_>) -> Option<Claim> {
-        let mut cursor = Cursor {
-            tokens: self.tokens,
-            at: cursor.at,
-        };
+        let mut cursor = Cursor::at(self.tokens, cursor.at);
         cursor.eat_sign('>').then_some(())?;
         let mut one = |name: &str| {
             let opens = cursor.eat_sign('<') && cursor.eat_word(name) && cursor.eat_sign('>');
@@ -602,12 +591,11 @@ impl<'a> Sentences<'a> {
         let PointFound::Pixel(pixel, note) = point::at(x, y, self.reader.notation) else {
             return None;
         };
-        let span = self.tokens[mention.at].at..self.tokens[end - 1].end();
-        Some(Claim {
-            field: mention.field,
-            span,
-            claimed: Claimed::Value(Value::Point(pixel), note),
-        })
+        Some(self.said(
+            mention.field,
+            mention.at..end,
+            Claimed::Value(Value::Point(pixel), note),
+        ))
     }
 
     /// Returns where the text that may state a mentioned field ends: where another field is named, or its tag ends.
@@ -859,10 +847,7 @@ impl<'a> Sentences<'a> {
             if !is_one_clause || self.is_denied(verb.at, Clarity::Spoken, false) {
                 return None;
             }
-            let mut cursor = Cursor {
-                tokens: self.tokens,
-                at: begin + 1,
-            };
+            let mut cursor = Cursor::at(self.tokens, begin + 1);
             let mut point = || {
                 let start = cursor.at;
                 match point::read(&mut cursor, self.reader.notation, Brackets::Needed) {
@@ -878,10 +863,8 @@ impl<'a> Sentences<'a> {
             let ends = cursor.peek().is_none_or(|next| {
                 next.gap >= Gap::Line || value::ends_sentence(self.tokens, cursor.at)
             });
-            let claim = |field, span, point| Claim {
-                field,
-                span,
-                claimed: Claimed::Value(Value::Point(point), None),
+            let claim = |field, span, point| {
+                Claim::new(field, span, Claimed::Value(Value::Point(point), None))
             };
             let is_stated = ends && !self.asks(begin, Clarity::Spoken);
             is_stated.then(|| [claim(pick, from, picked), claim(place, to, placed)])
@@ -917,10 +900,7 @@ impl<'a> Sentences<'a> {
             let inside = &self.tokens[..end.unwrap_or(self.tokens.len().min(at + MAX_MOTION))];
             let context = self.reader.context(field, self.text, None, Clarity::Spoken);
             let found = (at + 1..inside.len()).find_map(|begin| {
-                let mut cursor = Cursor {
-                    tokens: inside,
-                    at: begin,
-                };
+                let mut cursor = Cursor::at(inside, begin);
                 let joined = inside[begin - 1]
                     .is_any(&["by", "it", "cloth", "corner", "for", "over"])
                     || inside[begin - 1].is("of")
@@ -957,12 +937,7 @@ impl<'a> Sentences<'a> {
             {
                 continue;
             }
-            let span = self.tokens[at].at..self.tokens[end - 1].end();
-            claims.push(Claim {
-                field,
-                span,
-                claimed: Claimed::Value(value, note),
-            });
+            claims.push(self.said(field, at..end, Claimed::Value(value, note)));
         }
         claims
     }
@@ -983,10 +958,7 @@ impl<'a> Sentences<'a> {
                 return None;
             }
             let sentence = self.sentence(at);
-            let mut cursor = Cursor {
-                tokens: &self.tokens[..sentence.end],
-                at: at + 1,
-            };
+            let mut cursor = Cursor::at(&self.tokens[..sentence.end], at + 1);
             cursor.skip(&["the", "a", "an", "about"], &[]);
             let is_unreal = self.tokens[sentence].iter().any(|it| it.is_any(UNREAL));
             if !quantity::begins(cursor) || is_unreal || self.is_denied(at, Clarity::Spoken, false)
@@ -1006,11 +978,7 @@ impl<'a> Sentences<'a> {
                 let Found::Value(value, note) = value::read(&mut behind, &context) else {
                     return None;
                 };
-                Some(Claim {
-                    field,
-                    span: self.tokens[at].at..self.tokens[behind.at - 1].end(),
-                    claimed: Claimed::Value(value, note),
-                })
+                Some(self.said(field, at..behind.at, Claimed::Value(value, note)))
             })
         });
         claims.collect()
@@ -1040,10 +1008,10 @@ impl<'a> Sentences<'a> {
                 .iter()
                 .take_while(|mention| mention.at < begin)
                 .any(|mention| mention.form == Form::Name);
-            let mut cursor = Cursor {
-                tokens: &self.tokens[..self.tokens.len().min(begin + MAX_CLAUSE)],
-                at: begin,
-            };
+            let mut cursor = Cursor::at(
+                &self.tokens[..self.tokens.len().min(begin + MAX_CLAUSE)],
+                begin,
+            );
             let is_denied = self.is_denied(at, Clarity::Spoken, false)
                 || self.is_denied(begin, Clarity::Spoken, false);
             if names_field || is_denied || self.asks(begin, Clarity::Spoken) {
@@ -1054,11 +1022,7 @@ impl<'a> Sentences<'a> {
                 Found::Value(value, note) => Claimed::Value(value, note),
                 _ => return None,
             };
-            Some(Claim {
-                field,
-                span: self.tokens[at].at..self.tokens[cursor.at - 1].end(),
-                claimed,
-            })
+            Some(self.said(field, at..cursor.at, claimed))
         });
         found.collect()
     }
@@ -1113,10 +1077,7 @@ impl<'a> Sentences<'a> {
                     "straight",
                     "directly",
                 ]);
-                let mut cursor = Cursor {
-                    tokens: &self.tokens[..sentence.end],
-                    at: begin,
-                };
+                let mut cursor = Cursor::at(&self.tokens[..sentence.end], begin);
                 let deg = words::side(&mut cursor).filter(|_| leads)?;
                 // `pull it up to the left corner`
                 let mut behind = cursor;
@@ -1128,11 +1089,7 @@ impl<'a> Sentences<'a> {
                 (!is_object).then_some((deg, cursor.at))
             });
             if let Some((deg, end)) = course {
-                claims.push(Claim {
-                    field,
-                    span: self.tokens[at].at..self.tokens[end - 1].end(),
-                    claimed: Claimed::Course(deg),
-                });
+                claims.push(self.said(field, at..end, Claimed::Course(deg)));
             }
         }
         claims
@@ -1178,7 +1135,7 @@ impl<'a> Sentences<'a> {
         let context = self.reader.context(field, self.text, None, Clarity::Spoken);
         let words = &self.tokens[..part.end];
         let found = part.filter_map(|at| {
-            let mut cursor = Cursor { tokens: words, at };
+            let mut cursor = Cursor::at(words, at);
             let is_part = words[at].is_any(&["a", "one", "half", "three", "the", "full"]);
             if !is_part && !quantity::begins(cursor) {
                 return None;
@@ -1210,11 +1167,8 @@ impl<'a> Sentences<'a> {
                 }
                 _ => false,
             };
-            (is_offered && (goes || is_said && is_alone)).then(|| Claim {
-                field,
-                span: words[at].at..words[end - 1].end(),
-                claimed: Claimed::OneOf(vec![value]),
-            })
+            (is_offered && (goes || is_said && is_alone))
+                .then(|| self.said(field, at..end, Claimed::OneOf(vec![value])))
         });
         found.collect()
     }
@@ -1305,10 +1259,7 @@ impl<'a> Sentences<'a> {
             return true;
         };
         (angle.saturating_sub(6)..angle).all(|at| {
-            let mut cursor = Cursor {
-                tokens: &self.tokens[..angle],
-                at,
-            };
+            let mut cursor = Cursor::at(&self.tokens[..angle], at);
             let Some(side) = words::side(&mut cursor) else {
                 return true;
             };
@@ -1332,10 +1283,7 @@ impl<'a> Sentences<'a> {
     /// Returns the values that are called unfit: `so 0.75 edge is too far`.
     fn judgements(&self) -> Vec<Claim> {
         let is_unfit = |at: usize| {
-            let mut cursor = Cursor {
-                tokens: self.tokens,
-                at,
-            };
+            let mut cursor = Cursor::at(self.tokens, at);
             if cursor.eat_any(&["exceeds", "overshoots", "violates"]) {
                 return true;
             }
@@ -1390,7 +1338,7 @@ impl<'a> Sentences<'a> {
             for field in 0..self.reader.fields.len() {
                 let context = self.reader.context(field, self.text, None, Clarity::Spoken);
                 let found = (end.saturating_sub(12)..end).find_map(|begin| {
-                    let mut cursor = Cursor { tokens, at: begin };
+                    let mut cursor = Cursor::at(tokens, begin);
                     let (value, _) = value::bare(&mut cursor, &context)?;
                     (cursor.at == end).then_some((begin, value))
                 });
@@ -1398,11 +1346,7 @@ impl<'a> Sentences<'a> {
                     continue;
                 };
                 if !self.is_denied(begin, Clarity::Spoken, false) {
-                    claims.push(Claim {
-                        field,
-                        span: tokens[begin].at..tokens[end - 1].end(),
-                        claimed: Claimed::Unfit(value),
-                    });
+                    claims.push(self.said(field, begin..end, Claimed::Unfit(value)));
                 }
             }
         }
@@ -1442,12 +1386,7 @@ impl<'a> Sentences<'a> {
             }
             None => return None,
         };
-        let span = self.tokens[mention.at].at..self.tokens[cursor.at - 1].end();
-        Some(Claim {
-            field: mention.field,
-            span,
-            claimed,
-        })
+        Some(self.said(mention.field, mention.at..cursor.at, claimed))
     }
 
     /// Reads a value that stands before the name: `(10, 20) is the pick point`, `a soft grip`.
@@ -1486,10 +1425,7 @@ impl<'a> Sentences<'a> {
         }
         let begin = (end.saturating_sub(12)..end).find(|begin| {
             let inside = &self.tokens[..end];
-            let mut cursor = Cursor {
-                tokens: inside,
-                at: *begin,
-            };
+            let mut cursor = Cursor::at(inside, *begin);
             let is_start = *begin == 0
                 || self.tokens[*begin].gap > Gap::None
                 || !self.tokens[*begin - 1].is_sign('-');
@@ -1562,10 +1498,7 @@ impl<'a> Sentences<'a> {
         let context = self
             .reader
             .context(mention.field, self.text, None, Clarity::Spoken);
-        let mut cursor = Cursor {
-            tokens: &self.tokens[..end],
-            at: begin,
-        };
+        let mut cursor = Cursor::at(&self.tokens[..end], begin);
         let (value, note) = value::bare(&mut cursor, &context)?;
         // `having left the direction open`
         let is_worded = matches!(field.choices, Choices::Directions { .. })
@@ -1575,12 +1508,11 @@ impl<'a> Sentences<'a> {
         if is_worded && !joined {
             return None;
         }
-        let span = self.tokens[begin].at..self.tokens[mention.end - 1].end();
-        Some(Claim {
-            field: mention.field,
-            span,
-            claimed: Claimed::Value(value, note),
-        })
+        Some(self.said(
+            mention.field,
+            begin..mention.end,
+            Claimed::Value(value, note),
+        ))
     }
 }
 

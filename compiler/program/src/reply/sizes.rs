@@ -206,11 +206,11 @@ pub(super) fn of_part(
         let values = values(&field.choices, scale, end, is_extreme)?;
         let behind = &words[at..words.len().min(at + 3)];
         let noun = behind.iter().rfind(|it| it.is_any(scale.nouns));
-        Some(Claim {
-            field: index,
-            span: words[at].at..noun.unwrap_or(&words[at]).end(),
-            claimed: Claimed::OneOf(values),
-        })
+        Some(Claim::new(
+            index,
+            words[at].at..noun.unwrap_or(&words[at]).end(),
+            Claimed::OneOf(values),
+        ))
     });
     claims.collect()
 }

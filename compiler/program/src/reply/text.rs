@@ -146,10 +146,8 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
 fn doubt(text: &str, label: &str, after: &str, found: &[Found]) -> Option<&'static str> {
     let first = found.iter().map(|it| it.span.start).min()?;
     let last = found.iter().map(|it| it.span.end).max()?;
-    let spans: Vec<Range<usize>> = object::objects(text)
-        .into_iter()
-        .map(|it| it.span)
-        .collect();
+    let objects = object::objects(text);
+    let spans: Vec<Range<usize>> = objects.iter().map(|it| it.span.clone()).collect();
     let plain = aside::blanked(text, &spans);
     let around = |part: Option<&str>, place| {
         let part = part.unwrap_or_default();
@@ -166,7 +164,7 @@ fn doubt(text: &str, label: &str, after: &str, found: &[Found]) -> Option<&'stat
     let is_field = |key: &str| is_label(key, label) || ANSWERS.contains(&&*letters(key));
     around(plain.get(..first), Place::Before)
         .or_else(|| around(plain.get(last..), Place::After))
-        .or_else(|| remarks::doubt_beside(&data::beside(text, &is_field)))
+        .or_else(|| remarks::doubt_beside(&data::beside(text, &objects, &is_field)))
 }
 
 /// Returns whether a key of an object is the words before a text.

@@ -163,10 +163,7 @@ pub(super) fn read<'t>(cursor: &mut Cursor<'_, 't>, context: &Context<'_>) -> Fo
         }
     };
     let end = ahead;
-    let clause = Cursor {
-        tokens: clause_of(&ahead),
-        at: ahead.at,
-    };
+    let clause = Cursor::at(clause_of(&ahead), ahead.at);
     let is_whole = clause.tokens.len() == ahead.tokens.len();
     let calls_wrong = clause.rest().iter().any(|token| token.is_any(&REJECTING));
     // `the pick point (180, 45) I gave was an estimate`
@@ -243,10 +240,7 @@ fn result(
     context: &Context<'_>,
     start: Cursor<'_, '_>,
 ) -> Option<Found> {
-    let clause = clause_of(&Cursor {
-        at: start.at + 1,
-        ..start
-    });
+    let clause = clause_of(&Cursor::at(start.tokens, start.at + 1));
     let last = (start.at + 1..clause.len())
         .rfind(|at| matches!(clause[*at].kind, Kind::Sign('=' | '≈')))?;
     let is_point = context.expected.field.is_point();
@@ -266,10 +260,7 @@ fn result(
     if !(is_echo && is_point || is_calculation && operates) {
         return None;
     }
-    let mut ahead = Cursor {
-        tokens: clause,
-        at: last + 1,
-    };
+    let mut ahead = Cursor::at(clause, last + 1);
     let found = match is_point {
         true => at_point(&mut ahead, context),
         false => at_value(&mut ahead, context),
@@ -429,7 +420,8 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
         *cursor = chosen;
         return at_value(cursor, context);
     }
-    if is_echo(start, context) || (is_placeholder(start) && !begins_word(&start)) {
+    let mut echo = start;
+    if eat_echo(&mut echo, context) || (is_placeholder(start) && !begins_word(&start)) {
         return Found::Nothing;
     }
     // `grip=Grip.SOFT`
@@ -478,13 +470,7 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
         Found::Value(value, note) => {
             if let Some(open) = open {
                 let unit = quantity::unit(cursor);
-                let close = match open {
-                    '(' => ')',
-                    '[' => ']',
-                    '{' => '}',
-                    _ => '>',
-                };
-                if unit.is_some() || !cursor.eat_sign(close) {
+                if unit.is_some() || !cursor.eat_sign(point::closing(open)) {
                     return Found::Bad(
                         "more than one value stands between its brackets".to_owned(),
                     );
@@ -500,7 +486,7 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
         Choices::Words { choices } => {
             let n_words = rest.iter().filter(|token| token.kind == Kind::Word).count();
             let has_offered = (0..rest.len()).any(|at| {
-                let mut ahead = Cursor { tokens: rest, at };
+                let mut ahead = Cursor::at(rest, at);
                 !matches!(
                     words::offered(&mut ahead, choices, context.whole),
                     Offered::Nothing
@@ -511,9 +497,9 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
         Choices::Directions { .. } => (0..rest.len()).any(|at| {
             let one = [rest[at]];
             words::side(&mut Cursor::new(&one)).is_some()
-                || quantity::unit(&mut Cursor { tokens: rest, at }).is_some()
+                || quantity::unit(&mut Cursor::at(rest, at)).is_some()
         }),
-        _ => (0..rest.len()).any(|at| quantity::unit(&mut Cursor { tokens: rest, at }).is_some()),
+        _ => (0..rest.len()).any(|at| quantity::unit(&mut Cursor::at(rest, at)).is_some()),
     };
     let has_number = rest.iter().any(|token| token.kind == Kind::Number);
     if is_assigned && (states_words || has_number) {
@@ -537,10 +523,7 @@ pub(super) fn named(cursor: Cursor<'_, '_>, context: &Context<'_>) -> Option<Vec
         ..*context
     };
     let mut found = Vec::new();
-    let mut ahead = Cursor {
-        tokens: clause,
-        at: cursor.at,
-    };
+    let mut ahead = Cursor::at(clause, cursor.at);
     while let Some(token) = ahead.peek() {
         match bare(&mut ahead, &spoken) {
             Some((value, _)) => {
@@ -582,16 +565,8 @@ fn is_own_name(token: &Token<'_>, context: &Context<'_>) -> bool {
 /// Returns the line at the cursor, shortened.
 fn line(cursor: Cursor<'_, '_>, context: &Context<'_>) -> String {
     let clause = clause_of(&cursor);
-    let end = Cursor {
-        tokens: clause,
-        at: clause.len(),
-    };
+    let end = Cursor::at(clause, clause.len());
     quoted(end.text_in(cursor.at, context.whole))
-}
-
-/// Returns whether the text repeats all choices as the format lists them.
-fn is_echo(mut cursor: Cursor<'_, '_>, context: &Context<'_>) -> bool {
-    eat_echo(&mut cursor, context)
 }
 
 /// Moves past all choices as the format lists them.
@@ -874,7 +849,7 @@ fn dismissed(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) 
     let is_plain = || {
         let changes = |token: &Token<'_>| token.is_any(ALTERING) || token.is_any(PREFERRING);
         !rest.iter().any(changes)
-            && (0..rest.len()).all(|at| bare(&mut Cursor { tokens: rest, at }, context).is_none())
+            && (0..rest.len()).all(|at| bare(&mut Cursor::at(rest, at), context).is_none())
     };
     if !(is_other && is_conditional && is_plain()) {
         *cursor = start;
@@ -1216,10 +1191,7 @@ fn bracket(
     if open > 0 || depth > 2 {
         return Err(goes_on(before, context));
     }
-    let inside = Cursor {
-        tokens: &cursor.tokens[..end],
-        at: cursor.at + 1,
-    };
+    let inside = Cursor::at(&cursor.tokens[..end], cursor.at + 1);
     cursor.at = end + 1;
     // `(10, 20) (30, 40)`
     if point_begins(before, context) && context.expected.field.is_point() {
@@ -1411,11 +1383,8 @@ fn explanation(
             .is_some_and(|token| token.is_any(&["left", "right", "up", "down", "top", "bottom"]))
     };
     let moves = !is_apart && first.is("to") && (names_side(1) || names_side(2));
-    let as_field = first.is_any(&["from", "to", "at", "of"])
-        && quantity::begins(Cursor {
-            tokens: rest,
-            at: 1,
-        });
+    let as_field =
+        first.is_any(&["from", "to", "at", "of"]) && quantity::begins(Cursor::at(rest, 1));
     if !starts || moves || as_field {
         return failed();
     }

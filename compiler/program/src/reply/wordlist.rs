@@ -10,6 +10,23 @@ macro_rules! words {
 }
 pub(super) use words;
 
+/// Returns whether a word is one of these, in any case.
+pub(super) fn is_any(word: &str, words: &[&str]) -> bool {
+    words.iter().any(|it| word.eq_ignore_ascii_case(it))
+}
+
+/// Returns whether a text with blanks around each word has one of these phrases: `values below|answer below`.
+pub(super) fn says(text: &str, phrases: &str) -> bool {
+    phrases.split('|').any(|phrase| {
+        !phrase.is_empty()
+            && text.match_indices(' ').any(|(blank, _)| {
+                text[blank + 1..]
+                    .strip_prefix(phrase)
+                    .is_some_and(|rest| rest.starts_with(' '))
+            })
+    })
+}
+
 /// Returns the number of words of a text.
 pub(super) const fn count(text: &str) -> usize {
     let bytes = text.as_bytes();

@@ -5,49 +5,21 @@ use super::lexer::{self, Kind, Token};
 use super::wordlist::words;
 
 /// Parts of directions and their angle, degrees.
-const SIDES: [(&str, f64); 42] = [
-    ("right", 0.0),
-    ("rightward", 0.0),
-    ("rightwards", 0.0),
-    ("east", 0.0),
-    ("eastward", 0.0),
-    ("up", 90.0),
-    ("upward", 90.0),
-    ("upwards", 90.0),
-    ("upper", 90.0),
-    ("top", 90.0),
-    ("north", 90.0),
-    ("northward", 90.0),
-    ("left", 180.0),
-    ("leftward", 180.0),
-    ("leftwards", 180.0),
-    ("west", 180.0),
-    ("westward", 180.0),
-    ("down", 270.0),
-    ("downward", 270.0),
-    ("downwards", 270.0),
-    ("lower", 270.0),
-    ("bottom", 270.0),
-    ("south", 270.0),
-    ("southward", 270.0),
-    ("northeast", 45.0),
-    ("northwest", 135.0),
-    ("southwest", 225.0),
-    ("southeast", 315.0),
-    ("ne", 45.0),
-    ("nw", 135.0),
-    ("sw", 225.0),
-    ("se", 315.0),
-    ("topright", 45.0),
-    ("topleft", 135.0),
-    ("bottomleft", 225.0),
-    ("bottomright", 315.0),
-    ("upleft", 135.0),
-    ("upright", 45.0),
-    ("downleft", 225.0),
-    ("downright", 315.0),
-    ("n", 90.0),
-    ("w", 180.0),
+const SIDES: &[(&[&str], f64)] = &[
+    (words!("right rightward rightwards east eastward"), 0.0),
+    (
+        words!("up upward upwards upper top north northward n"),
+        90.0,
+    ),
+    (words!("left leftward leftwards west westward w"), 180.0),
+    (
+        words!("down downward downwards lower bottom south southward"),
+        270.0,
+    ),
+    (words!("northeast ne topright upright"), 45.0),
+    (words!("northwest nw topleft upleft"), 135.0),
+    (words!("southwest sw bottomleft downleft"), 225.0),
+    (words!("southeast se bottomright downright"), 315.0),
 ];
 
 /// Arrows that are directions.
@@ -131,7 +103,7 @@ pub(super) fn side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {
 
 /// Returns the angle between two directions, 0 to 180 degrees.
 pub(super) fn apart_deg(one: f64, other: f64) -> f64 {
-    let apart = (one - other).rem_euclid(360.0);
+    let apart = (one - other).abs() % 360.0;
     apart.min(360.0 - apart)
 }
 
@@ -140,7 +112,7 @@ fn one_side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {
     let deg = match token.kind {
         Kind::Word => SIDES
             .iter()
-            .find(|(side, _)| token.is(side))
+            .find(|(sides, _)| token.is_any(sides))
             .map(|(_, deg)| *deg),
         Kind::Sign(sign) => ARROWS
             .iter()

@@ -11,7 +11,6 @@ use fab_picture::arrow;
 use fab_picture::camera::center_of;
 use fab_picture::hull;
 use fab_picture::regions;
-use fab_picture::regions::Grid;
 use fab_program::PixelPoint;
 use std::collections::BTreeMap;
 
@@ -59,11 +58,11 @@ impl PictureParts {
         let (width, height) = picture.dimensions();
         let scale = (f64::from(width) / 224.0).max(1.0);
         let found = arrow::find(&arrow::near_black(picture), scale).ok();
-        let stroke = match &found {
-            Some(arrow) => arrow.stroke.clone(),
-            None => Grid::new(width, height),
-        };
-        let hidden = Mask::from_fn(width, height, |column, row| stroke.touches(column, row));
+        let hidden = Mask::from_fn(width, height, |column, row| {
+            found
+                .as_ref()
+                .is_some_and(|arrow| arrow.stroke.touches(column, row))
+        });
         let patch = silhouette(picture);
         let table = regions::border_colours(&[picture]);
         let is_border = |at: u32| at < BORDER_PX || at + BORDER_PX >= width;
@@ -81,9 +80,8 @@ impl PictureParts {
             regions::is_table(colour, &table)
         });
         let covered = share(&|at| patch.contains(*at));
-        let at = |column: u32, row: u32| PixelPoint::new(column as i32, row as i32);
         let cloth = Mask::from_fn(width, height, |column, row| {
-            patch.contains(at(column, row)) && !hidden.contains(at(column, row))
+            patch.has(column, row) && !hidden.has(column, row)
         });
         let all_px = width as usize * height as usize;
         if (cloth.area_px() as f64) < LEAST_CLOTH * all_px as f64 {
@@ -288,9 +286,8 @@ impl Outline {
     /// Returns the pixels that are cloth here but not in `other`.
     pub fn without(&self, other: &Outline) -> Mask {
         Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
-            let at = PixelPoint::new(column as i32, row as i32);
-            let here = self.cloth.contains(at) || self.hidden.contains(at);
-            here && !other.cloth.contains(at) && !other.hidden.contains(at)
+            let here = self.cloth.has(column, row) || self.hidden.has(column, row);
+            here && !other.cloth.has(column, row) && !other.hidden.has(column, row)
         })
     }
 

@@ -2,7 +2,6 @@
 
 use fab_picture::Mask;
 use fab_picture::regions;
-use fab_picture::regions::Grid;
 use image::RgbImage;
 
 /// Finds the cloth of a subgoal picture: the largest patch without any of the border's colours.
@@ -11,18 +10,10 @@ use image::RgbImage;
 pub fn silhouette(picture: &RgbImage) -> Mask {
     let table = regions::border_colours(&[picture]);
     let (width, height) = picture.dimensions();
-    let other = Grid::from_fn(width, height, |column, row| {
+    let other = Mask::from_fn(width, height, |column, row| {
         !regions::is_table(picture.get_pixel(column, row).0, &table)
     });
-    let mut cloth = Grid::new(width, height);
-    let patches = regions::components(&other);
-    for &(column, row) in patches
-        .iter()
-        .max_by_key(|patch| patch.len())
-        .into_iter()
-        .flatten()
-    {
-        cloth.insert(column, row);
-    }
-    Mask::from_fn(width, height, |column, row| cloth.contains(column, row))
+    let patches = regions::components(&other).into_iter();
+    let cloth = patches.max_by_key(Vec::len).unwrap_or_default();
+    Mask::from_pixels(width, height, &cloth)
 }

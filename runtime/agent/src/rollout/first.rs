@@ -6,7 +6,7 @@
 use super::{Job, RunError};
 use crate::pictures::Pictures;
 use crate::policy;
-use crate::scene::{Scene, SceneError};
+use crate::scene::Scene;
 use fab_model::{Models, Request};
 use fab_program::Read;
 use fab_program::facts::Facts;
@@ -63,10 +63,4 @@ pub fn first_questions(job: &Job<'_>, models: Models<'_>) -> Result<Vec<FirstQue
         })
     };
     program.stages.iter().map(question).collect()
-}
-
-impl From<SceneError> for RunError {
-    fn from(error: SceneError) -> Self {
-        RunError::Scene(error)
-    }
 }

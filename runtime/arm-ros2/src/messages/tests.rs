@@ -126,7 +126,7 @@ fn samples() -> Vec<Sample> {
                 encoding: "rgb8".to_owned(),
                 is_bigendian: 1,
                 step: 6,
-                data: Bytes(vec![1, 2, 3, 4, 5, 6]),
+                data: ByteBuf::from(vec![1, 2, 3, 4, 5, 6]),
             },
         ),
         sample(

@@ -13,6 +13,7 @@ use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::Value;
+use toml::value::Datetime;
 
 /// Version of the file format.
 const FORMAT: i64 = 2;
@@ -257,17 +258,6 @@ fn hash_of(picture: &GrayImage) -> String {
 
 /// Returns whether a text is a date such as `2026-11-22`.
 fn is_day(text: &str) -> bool {
-    let parts: Vec<&str> = text.split('-').collect();
-    let number = |part: &str, length: usize| {
-        let is_plain = part.len() == length && part.bytes().all(|byte| byte.is_ascii_digit());
-        is_plain.then(|| part.parse::<u32>().ok()).flatten()
-    };
-    match parts[..] {
-        [year, month, day] => {
-            number(year, 4).is_some()
-                && number(month, 2).is_some_and(|month| (1..=12).contains(&month))
-                && number(day, 2).is_some_and(|day| (1..=31).contains(&day))
-        }
-        _ => false,
-    }
+    let read = text.parse::<Datetime>().ok();
+    read.is_some_and(|read| read.date.is_some() && read.time.is_none())
 }

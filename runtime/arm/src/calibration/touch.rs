@@ -3,6 +3,7 @@
 //! In: the arm's readings over a moment. Out: the tool's position, or why it cannot be used: there is no new reading,
 //! the arm still moves, or the hand is tilted. The arm is not moved.
 
+use crate::kinematics::inverse::is_pose;
 use crate::port::{Port, Reading};
 use nalgebra::{Isometry3, Vector3};
 
@@ -63,13 +64,7 @@ fn tool_reading(port: &mut dyn Port, stale_s: f64) -> Result<Reading<Isometry3<f
     if now_s - tool.at_s > stale_s {
         return Err(silent(now_s - tool.at_s));
     }
-    let pose = &tool.value;
-    let mut numbers = pose
-        .translation
-        .vector
-        .iter()
-        .chain(pose.rotation.coords.iter());
-    match numbers.all(|number| number.is_finite()) {
+    match is_pose(&tool.value) {
         true => Ok(tool),
         false => Err("the arm reports a tool position that is not finite".to_owned()),
     }

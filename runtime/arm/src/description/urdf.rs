@@ -3,7 +3,8 @@
 //! In: the text of a URDF file, whose xacro is already expanded. Out: joints, and the collision shapes of links; else why
 //! it cannot be read. Inertia, colours and visual shapes are left out. Nothing is run, and no other file is opened.
 
-use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
+use crate::kinematics;
+use nalgebra::{Isometry3, Unit, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
 
@@ -243,12 +244,9 @@ fn origin(node: &Node) -> Result<Isometry3<f64>, String> {
             )),
         }
     };
-    let [x, y, z] = vector("xyz", MAX_M, "m")?;
-    let [roll, pitch, yaw] = vector("rpy", MAX_RAD, "rad")?;
-    Ok(Isometry3::from_parts(
-        Translation3::new(x, y, z),
-        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-    ))
+    let xyz_m = vector("xyz", MAX_M, "m")?;
+    let rpy_rad = vector("rpy", MAX_RAD, "rad")?;
+    Ok(kinematics::frame(xyz_m, rpy_rad))
 }
 
 fn child<'a, 'i>(node: &Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {

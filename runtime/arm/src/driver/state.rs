@@ -4,6 +4,7 @@
 //! arm is at rest when two readings agree; what a server reports is not trusted.
 
 use super::{ArmError, ArmState, Deviation, Halt, Watch};
+use crate::kinematics::inverse::is_pose;
 use crate::port::{Port, Reading};
 use crate::settings::Tolerance;
 
@@ -35,19 +36,7 @@ pub(super) fn state<P: Port>(port: &mut P, tolerance: &Tolerance) -> Result<ArmS
     let tool = fresh(readings.tool, "tool is", now_s, tolerance.stale_s)?;
     let fingers = fresh(readings.fingers, "fingers are", now_s, tolerance.stale_s)?;
     let joints = fresh(readings.joints_rad, "joints are", now_s, tolerance.stale_s);
-    let is_pose = tool
-        .value
-        .translation
-        .vector
-        .iter()
-        .all(|value| value.is_finite())
-        && tool
-            .value
-            .rotation
-            .coords
-            .iter()
-            .all(|value| value.is_finite());
-    if !is_pose {
+    if !is_pose(&tool.value) {
         return Err(ArmError::OutOfLimits(
             "the arm reports a tool position that is not finite".to_owned(),
         ));

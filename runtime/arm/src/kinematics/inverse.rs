@@ -305,7 +305,7 @@ impl Chain {
 }
 
 /// Returns whether a pose consists of finite numbers.
-pub(super) fn is_pose(pose: &Isometry3<f64>) -> bool {
+pub(crate) fn is_pose(pose: &Isometry3<f64>) -> bool {
     let numbers = pose
         .translation
         .vector

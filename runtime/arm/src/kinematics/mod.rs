@@ -13,5 +13,15 @@ mod starts;
 pub mod straight;
 pub mod tool_down;
 
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+
+/// Returns the frame at a place, metres, rotated about the fixed x, y and z, radians, in this order.
+pub(crate) fn frame(xyz_m: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Isometry3<f64> {
+    Isometry3::from_parts(
+        Translation3::from(xyz_m),
+        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+    )
+}
+
 #[cfg(test)]
 mod tests;

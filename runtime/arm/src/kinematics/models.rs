@@ -5,7 +5,7 @@
 
 use super::chain::{Chain, Joint};
 use super::shape::Capsule;
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
+use nalgebra::{Isometry3, Point3};
 use serde::Deserialize;
 
 const MODELS: &str = include_str!("models.toml");
@@ -106,10 +106,6 @@ fn shape(figures: ShapeFigures) -> Capsule {
     }
 }
 
-fn isometry([x, y, z]: [f64; 3], rpy_deg: [f64; 3]) -> Isometry3<f64> {
-    let [roll, pitch, yaw] = rpy_deg.map(f64::to_radians);
-    Isometry3::from_parts(
-        Translation3::new(x, y, z),
-        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-    )
+fn isometry(xyz_m: [f64; 3], rpy_deg: [f64; 3]) -> Isometry3<f64> {
+    super::frame(xyz_m, rpy_deg.map(f64::to_radians))
 }

@@ -55,17 +55,4 @@ impl Chain {
         };
         Ok(self.shapes.iter().map(placed).collect())
     }
-
-    /// Returns how far the hand's shapes reach past the tool's origin along its z axis, metres.
-    ///
-    /// Settings state the table by the tool's position at which the fingertips touch it. So its surface lies this much
-    /// below that position.
-    pub fn fingertips_beyond_tool_m(&self) -> f64 {
-        let hand = self
-            .shapes
-            .iter()
-            .filter(|shape| shape.link == self.joints().len());
-        let reach = hand.map(|shape| shape.from.z.max(shape.to.z) + shape.radius_m);
-        reach.fold(0.0, f64::max)
-    }
 }

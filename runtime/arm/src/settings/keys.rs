@@ -13,8 +13,6 @@ pub(super) struct Key {
     pub name: &'static str,
     /// The values accepted.
     pub accepts: Accepts,
-    /// The unit of its numbers; empty for none.
-    pub unit: &'static str,
     /// What applies if it is absent.
     pub absent: Absent,
     /// What it is, and why these values.
@@ -83,17 +81,10 @@ const fn above(least: f64, most: f64) -> Range {
     }
 }
 
-const fn key(
-    name: &'static str,
-    accepts: Accepts,
-    unit: &'static str,
-    absent: Absent,
-    why: &'static str,
-) -> Key {
+const fn key(name: &'static str, accepts: Accepts, absent: Absent, why: &'static str) -> Key {
     Key {
         name,
         accepts,
-        unit,
         absent,
         why,
     }
@@ -110,20 +101,35 @@ const MAX_FAULTS: usize = 20;
 const MAX_KEY: usize = 40;
 const MAX_SIDE_PX: i64 = 16_384;
 
+/// How the name of a key ends, and the unit of its numbers; the first one that fits.
+const UNITS: &[(&str, &str)] = &[
+    ("_deg_s3", "deg/s³"),
+    ("_deg_s2", "deg/s²"),
+    ("_deg_s", "deg/s"),
+    ("_m_s", "m/s"),
+    ("_deg", "deg"),
+    ("_px", "px"),
+    ("_s", "s"),
+    ("_m", "m"),
+    ("fingers.open", "the node's"),
+    ("fingers.closed", "the node's"),
+    ("fingers.cloth", "the node's"),
+    ("fingers.tolerance", "the node's"),
+    ("ros2.gripper_effort", "the gripper's"),
+];
+
 /// The keys, section by section.
 pub(super) const KEYS: &[Key] = &[
-    key("name", Text(""), "", Refused, "a name for reports"),
+    key("name", Text(""), Refused, "a name for reports"),
     key(
         "model",
         Text(""),
-        "",
         Nothing,
         "the arm's model, if it is a built-in one: `j2n6s200`, `j2n6s300` or `j2s6s200`. Another arm has a section `[arm]`",
     ),
     key(
         "driver",
         OneOf(&["kinova", "trajectory", "ros2", "simulated"]),
-        "",
         Refused,
         "`kinova`: the vendor's node, tool poses. `trajectory`: a `FollowJointTrajectory` \
          controller beside the vendor's node. `ros2`: such a controller of ROS 2, and a gripper. `simulated`: an arm that `fabc` simulates",
@@ -131,21 +137,18 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "calibration",
         Text(""),
-        "",
         Refused,
         "the file that `fabc calibrate` writes, relative to the settings",
     ),
     key(
         "arm",
         Section,
-        "",
         Nothing,
         "an arm with six or seven joints that a URDF file describes, with the keys below; in place of `model`",
     ),
     key(
         "arm.urdf",
         Text(""),
-        "",
         Refused,
         "the URDF file, relative to the settings, with xacro expanded. Meshes are `.stl` or `.obj`; a package is a \
          folder of its name above the file",
@@ -153,35 +156,30 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "arm.base_link",
         Text(""),
-        "",
         Refused,
         "the link whose frame is the base frame; its z points up",
     ),
     key(
         "arm.tip_link",
         Text(""),
-        "",
         Refused,
         "the link that carries the hand; between the two turn six or seven joints, and no other moves",
     ),
     key(
         "arm.tool_xyz_m",
         Numbers(3, from(-1.0, 1.0)),
-        "m",
         Is("[0.0, 0.0, 0.0]"),
         "the tool's place in the frame of `tip_link`: between the fingertips",
     ),
     key(
         "arm.tool_rpy_deg",
         Numbers(3, ANGLE),
-        "deg",
         Is("[0.0, 0.0, 0.0]"),
         "its rotation there about fixed x, y, z; the tool's z points out of the hand",
     ),
     key(
         "arm.home_deg",
         AnyNumbers(from(-720.0, 720.0)),
-        "deg",
         Refused,
         "the joints' angles in a posture over the table with the hand down; of several postures the one nearest to it is \
          taken",
@@ -189,42 +187,36 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "arm.joint",
         Sections,
-        "",
         Is("[]"),
         "limits of joints that the URDF lacks, or tighter ones; looser ones are refused",
     ),
     key(
         "arm.joint.name",
         Text(""),
-        "",
         Refused,
         "the joint's name in the URDF",
     ),
     key(
         "arm.joint.min_deg",
         Number(from(-720.0, 720.0)),
-        "deg",
         Nothing,
         "the least angle",
     ),
     key(
         "arm.joint.max_deg",
         Number(from(-720.0, 720.0)),
-        "deg",
         Nothing,
         "the largest",
     ),
     key(
         "arm.joint.max_speed_deg_s",
         Number(above(0.0, 720.0)),
-        "deg/s",
         Nothing,
         "the highest speed",
     ),
     key(
         "arm.shape",
         Sections,
-        "",
         Is("[]"),
         "capsules that contain a link, in place of its collision shapes in the URDF; a link without any shape is refused, \
          because nothing would keep it off the table",
@@ -232,35 +224,30 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "arm.shape.link",
         Text(""),
-        "",
         Refused,
         "the link's name in the URDF",
     ),
     key(
         "arm.shape.from_m",
         Numbers(3, from(-2.0, 2.0)),
-        "m",
         Refused,
         "one end of the capsule's line, in the link's frame",
     ),
     key(
         "arm.shape.to_m",
         Numbers(3, from(-2.0, 2.0)),
-        "m",
         Refused,
         "the other",
     ),
     key(
         "arm.shape.radius_m",
         Number(from(0.005, 0.5)),
-        "m",
         Refused,
         "its radius",
     ),
     key(
         "arm.hand",
         Sections,
-        "",
         Is("[]"),
         "capsules that contain hand and fingers in every opening, in place of the shapes that the URDF has behind the \
          last joint; needed if it has none there, or if fingers turn",
@@ -268,28 +255,24 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "arm.hand.from_m",
         Numbers(3, from(-1.0, 1.0)),
-        "m",
         Refused,
         "one end of the capsule's line, in the tool frame",
     ),
     key(
         "arm.hand.to_m",
         Numbers(3, from(-1.0, 1.0)),
-        "m",
         Refused,
         "the other",
     ),
     key(
         "arm.hand.radius_m",
         Number(from(0.005, 0.5)),
-        "m",
         Refused,
         "its radius",
     ),
     key(
         "table.center_m",
         PLACE,
-        "m",
         Refused,
         "the tool's position when the closed fingertips touch the table's middle, base frame; \
          inside of the workspace's x and y",
@@ -297,14 +280,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "table.turn_deg",
         Number(ANGLE),
-        "deg",
         Is("0.0"),
         "rotation of the table's axes about the vertical, against the base",
     ),
     key(
         "workspace.min_m",
         PLACE,
-        "m",
         Refused,
         "the least x, y and z of the tool, base frame. z is that at the table's middle, the \
          floor follows a tilted table, and it lies `tolerance.position_m` to 10 mm below \
@@ -314,14 +295,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "workspace.max_m",
         PLACE,
-        "m",
         Refused,
         "the largest; z leaves room for `motion.travel_m`",
     ),
     key(
         "workspace.rest_m",
         PLACE,
-        "m",
         Refused,
         "where the hand waits while pictures are taken, out of the camera's view, base frame; \
          inside of the workspace and outside of every keep-out zone by \
@@ -331,7 +310,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "workspace.max_speed_m_s",
         Number(above(0.0, 0.5)),
-        "m/s",
         Is("0.2"),
         "the highest speed of the tool; the arm is stopped at 1.5 times of it. In a quarter of a \
          second a tool at 0.5 m/s moves 125 mm",
@@ -339,14 +317,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "workspace.max_step_m",
         Number(above(0.0, 2.0)),
-        "m",
         Is("0.9"),
         "the longest motion at once; a longer one is a mistake in a place",
     ),
     key(
         "workspace.keep_out",
         Sections,
-        "",
         Is("[]"),
         "boxes that no part of hand and arm may enter, each with the keys below; one that \
          does not reach into the workspace is refused, because it would keep the tool from \
@@ -355,28 +331,19 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "workspace.keep_out.name",
         Text(""),
-        "",
         Refused,
         "the obstacle's name, for messages",
     ),
     key(
         "workspace.keep_out.min_m",
         PLACE,
-        "m",
         Refused,
         "its least corner, base frame",
     ),
-    key(
-        "workspace.keep_out.max_m",
-        PLACE,
-        "m",
-        Refused,
-        "its largest",
-    ),
+    key("workspace.keep_out.max_m", PLACE, Refused, "its largest"),
     key(
         "motion.pre_pick_m",
         HEIGHT,
-        "m",
         Is("0.005"),
         "height over the pick point at which the hand arrives (the paper's 5 mm); above \
          `grasp_m` by more than `tolerance.position_m`, or a motion down that never happened \
@@ -385,14 +352,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "motion.grasp_m",
         HEIGHT,
-        "m",
         Is("0.0"),
         "height over the pick point at which the fingers close",
     ),
     key(
         "motion.lift_m",
         HEIGHT,
-        "m",
         Is("0.005"),
         "height to which the cloth is lifted (the paper's 5 mm); above `grasp_m` by more than \
          `tolerance.position_m`, and not below `release_m`",
@@ -400,14 +365,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "motion.release_m",
         HEIGHT,
-        "m",
         Is("0.0"),
         "height over the place point at which the fingers open",
     ),
     key(
         "motion.retreat_m",
         HEIGHT,
-        "m",
         Is("0.05"),
         "height to which the hand rises after that; above `release_m` by more than \
          `tolerance.position_m`",
@@ -415,7 +378,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "motion.travel_m",
         HEIGHT,
-        "m",
         Is("0.10"),
         "height over the table at which the empty hand travels; no less than the other \
          heights",
@@ -423,7 +385,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "motion.speed_m_s",
         Number(from(0.005, 0.5)),
-        "m/s",
         Is("0.10"),
         "speed of the tool, at most `workspace.max_speed_m_s`; where a joint would exceed its own \
          speed, the tool is slower. A tool slower than 5 mm/s looks like one at rest. The vendor's \
@@ -432,7 +393,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "motion.acceleration_deg_s2",
         Number(from(10.0, 1000.0)),
-        "deg/s²",
         Is("60.0"),
         "the largest acceleration of a joint. The vendor of the Jaco states none; where none is \
          stated, planners commonly take 1 rad/s². The vendor's node uses its own",
@@ -440,7 +400,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "motion.jerk_deg_s3",
         Number(from(100.0, 100_000.0)),
-        "deg/s³",
         Is("600.0"),
         "the largest jerk of a joint: with the default, full acceleration builds up in a tenth of \
          a second, so that arm and cloth do not swing",
@@ -448,21 +407,18 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "motion.hand_turn_deg",
         Number(ANGLE),
-        "deg",
         Is("0.0"),
         "rotation of the hand about the vertical, base frame",
     ),
     key(
         "fingers.count",
         Whole(2, 3),
-        "",
         Refused,
         "how many fingers the hand has",
     ),
     key(
         "fingers.open",
         Number(from(-1e5, 1e5)),
-        "the node's",
         Refused,
         "their position when they are open; the vendor's documents disagree about the units, \
          so it is measured",
@@ -470,14 +426,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "fingers.closed",
         Number(from(-1e5, 1e5)),
-        "the node's",
         Refused,
         "their position when they are closed with nothing between them",
     ),
     key(
         "fingers.cloth",
         Number(above(0.0, 1e5)),
-        "the node's",
         Nothing,
         "the least distance from `closed` at which they stop with cloth between them; more \
          than `tolerance`, less than half of the way from open to closed. Without it nothing \
@@ -486,7 +440,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "fingers.tolerance",
         Number(above(0.0, 1e5)),
-        "the node's",
         Refused,
         "how close to a position counts as there; at most a tenth of the way from open to \
          closed, or fingers that did not move would count as moved",
@@ -494,7 +447,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "tolerance.position_m",
         Number(above(0.0, 0.01)),
-        "m",
         Is("0.003"),
         "how far from its target the tool may come to rest; 10 mm is what the arm's own node \
          accepts. Less than the differences between `motion`'s heights, or a miss would count \
@@ -503,14 +455,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "tolerance.angle_deg",
         Number(above(0.0, 10.0)),
-        "deg",
         Is("3.0"),
         "how far the hand may be rotated from its target; the arm's own node accepts 2",
     ),
     key(
         "tolerance.corrections",
         Whole(0, 10),
-        "",
         Is("2"),
         "how often a target is sent again when the node says that it was reached and it was \
          not",
@@ -518,7 +468,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "tolerance.settle_s",
         Number(above(0.0, 30.0)),
-        "s",
         Is("5.0"),
         "how long a motion may take beyond its time; an arm that stalls is noticed only after \
          that",
@@ -526,7 +475,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "tolerance.stale_s",
         Number(from(0.2, 2.0)),
-        "s",
         Is("1.0"),
         "the largest age of a reading. Readings come ten times a second; at 0.5 m/s an arm \
          that reports nothing moves a metre in 2 s",
@@ -534,7 +482,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "tolerance.watchdog_s",
         Number(from(0.5, 5.0)),
-        "s",
         Is("1.0"),
         "how long the watchdog waits for a heartbeat, which comes every quarter of a second, \
          before it stops the arm",
@@ -542,7 +489,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "camera.source",
         OneOf(&["ros", "ros2", "directory", "simulated"]),
-        "",
         Refused,
         "`ros`, `ros2`: topics. `directory`: a folder into which another program writes pictures. \
          `simulated`: with the driver `simulated` alone",
@@ -550,21 +496,18 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "camera.folder",
         Text(""),
-        "",
         Nothing,
         "for `directory`: the folder, relative to the settings",
     ),
     key(
         "camera.window_px",
         Wholes(3, 0, MAX_SIDE_PX),
-        "px",
         Refused,
         "the square that tasks see: its left, top and side in the camera's own picture",
     ),
     key(
         "camera.intrinsics",
         Section,
-        "",
         Nothing,
         "the camera's projection, if it does not report it itself, with the keys below, as in \
          `sensor_msgs/CameraInfo`",
@@ -572,21 +515,18 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "camera.intrinsics.size_px",
         Wholes(2, 1, MAX_SIDE_PX),
-        "px",
         Refused,
         "width and height of its picture; the window lies inside",
     ),
     key(
         "camera.intrinsics.focal_px",
         Numbers(2, above(0.0, 1e6)),
-        "px",
         Refused,
         "focal lengths along columns and rows",
     ),
     key(
         "camera.intrinsics.middle_px",
         Numbers(2, from(0.0, MAX_SIDE_PX as f64)),
-        "px",
         Refused,
         "where the optical axis meets the picture; the middle of the pixel in column 3 is at \
          3.5",
@@ -594,14 +534,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "camera.intrinsics.distortion",
         AnyNumbers(from(-1e6, 1e6)),
-        "",
         Is("[]"),
         "coefficients of the model `plumb_bob`: k1, k2, t1, t2, k3",
     ),
     key(
         "camera.flat",
         Text(""),
-        "",
         Nothing,
         "a picture of the flat cloth, whole and alone on the table, relative to the settings; \
          coverage is measured against it",
@@ -609,7 +547,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "camera.height_m",
         Number(from(0.1, 10.0)),
-        "m",
         Nothing,
         "height of the lens above the table, by a tape measure; a calibration of a real camera is refused without it, \
          or if it implies a height that is 5 % off",
@@ -617,7 +554,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "camera.up_deg",
         Number(from(-360.0, 360.0)),
-        "deg",
         Nothing,
         "direction on the table of the picture's top, about z from the base's x axis; a calibration of a real camera is \
          refused without it, or if it is 5 degrees off",
@@ -625,14 +561,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "camera.timeout_s",
         Number(above(0.0, 60.0)),
-        "s",
         Is("5.0"),
         "how long a picture is waited for, with the arm at rest",
     ),
     key(
         "ros",
         Section,
-        "",
         Nothing,
         "the connection over ROS 1, with the keys below; needed for the drivers `kinova` and \
          `trajectory`, and for the camera `ros`",
@@ -640,14 +574,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros.master",
         Text("http://"),
-        "",
         Refused,
         "the master's address, e.g. `http://localhost:11311`",
     ),
     key(
         "ros.host",
         Text(""),
-        "",
         Nothing,
         "this machine's name for the other nodes, as `ROS_IP` or `ROS_HOSTNAME`; without it \
          they are read",
@@ -655,21 +587,18 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros.arm",
         Text("/"),
-        "",
         Refused,
         "the namespace of the vendor's node, e.g. `/j2n6s200_driver`",
     ),
     key(
         "ros.trajectory",
         Text("/"),
-        "",
         Nothing,
         "for `trajectory`: the controller's action",
     ),
     key(
         "ros.joints",
         Texts,
-        "",
         Is("[]"),
         "for `trajectory`: the joints' names, from the base to the hand; without them the \
          vendor's",
@@ -677,14 +606,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros.color",
         Text("/"),
-        "",
         Nothing,
         "for the camera `ros`: the topic of the colour picture",
     ),
     key(
         "ros.depth",
         Text("/"),
-        "",
         Nothing,
         "the topic of the depth picture, aligned with it, in whole millimetres, 0 for no \
          reading",
@@ -692,14 +619,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros.info",
         Text("/"),
-        "",
         Nothing,
         "the topic of the camera's `CameraInfo`",
     ),
     key(
         "ros2",
         Section,
-        "",
         Nothing,
         "the connection over ROS 2, with the keys below; needed for the driver and the camera \
          `ros2`",
@@ -707,14 +632,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros2.domain",
         Whole(0, 232),
-        "",
         Is("0"),
         "the DDS domain of the other nodes, their `ROS_DOMAIN_ID`; a higher one has no port",
     ),
     key(
         "ros2.rmw",
         OneOf(&["fastrtps", "cyclonedds"]),
-        "",
         Is("\"fastrtps\""),
         "the middleware of the other nodes, their `RMW_IMPLEMENTATION`: each has its own way to \
          ask services. `fastrtps` is the default of Humble, Jazzy and Kilted",
@@ -722,7 +645,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros2.interface",
         Text(""),
-        "",
         Nothing,
         "the IPv4 address of this machine's one network interface to use, e.g. `127.0.0.1` for \
          nodes on this machine; without it all",
@@ -730,14 +652,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros2.joint_states",
         Text("/"),
-        "",
         Is("\"/joint_states\""),
         "the topic of the joints' states",
     ),
     key(
         "ros2.joints",
         Texts,
-        "",
         Is("[]"),
         "the joints' names in states and trajectories, from the base to the hand; needed for \
          the driver `ros2`, except with `[arm]`, whose URDF names them",
@@ -745,7 +665,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros2.trajectory",
         Text("/"),
-        "",
         Nothing,
         "the controller's action, e.g. `/joint_trajectory_controller/follow_joint_trajectory`; \
          needed for the driver `ros2`",
@@ -753,7 +672,6 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros2.gripper",
         Text("/"),
-        "",
         Nothing,
         "the gripper's action, e.g. `/gripper_controller/gripper_cmd`; needed for the driver \
          `ros2`",
@@ -761,14 +679,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros2.gripper_action",
         OneOf(&["gripper_command", "parallel_gripper_command"]),
-        "",
         Is("\"gripper_command\""),
         "its type of `control_msgs`",
     ),
     key(
         "ros2.gripper_joints",
         Texts,
-        "",
         Is("[]"),
         "the joints whose positions tell where the fingers are: one for each finger, or one \
          that all follow; needed for the driver `ros2`. With `parallel_gripper_command` these \
@@ -777,14 +693,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros2.gripper_effort",
         Number(from(0.0, 1e4)),
-        "the gripper's",
         Is("0.0"),
         "the largest effort of a gripper's goal; 0 leaves it to the controller",
     ),
     key(
         "ros2.stop",
         Text("/"),
-        "",
         Nothing,
         "a service of the type `std_srvs/Trigger` that stops the arm, called before all goals \
          are cancelled; without it they are only cancelled",
@@ -792,14 +706,12 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros2.color",
         Text("/"),
-        "",
         Nothing,
         "for the camera `ros2`: the topic of the colour picture",
     ),
     key(
         "ros2.depth",
         Text("/"),
-        "",
         Nothing,
         "the topic of the depth picture, aligned with it, in whole millimetres (`16UC1`) or in \
          metres (`32FC1`)",
@@ -807,56 +719,48 @@ pub(super) const KEYS: &[Key] = &[
     key(
         "ros2.info",
         Text("/"),
-        "",
         Nothing,
         "the topic of the camera's `CameraInfo`",
     ),
     key(
         "simulated.camera_height_m",
         Number(from(0.1, 3.0)),
-        "m",
         Is("1.0"),
         "height of the simulated camera above the table",
     ),
     key(
         "simulated.camera_offset_m",
         Numbers(2, from(-3.0, 3.0)),
-        "m",
         Is("[0.0, 0.0]"),
         "its offset from the table's middle, along the table's x and y",
     ),
     key(
         "simulated.camera_turn_deg",
         Number(ANGLE),
-        "deg",
         Is("0.0"),
         "its rotation about the vertical",
     ),
     key(
         "simulated.camera_fov_deg",
         Number(from(1.0, 170.0)),
-        "deg",
         Is("45.0"),
         "its field of view across the shorter side",
     ),
     key(
         "simulated.camera_px",
         Whole(16, 4096),
-        "px",
         Is("720"),
         "the side of its square picture",
     ),
     key(
         "simulated.repeatability_m",
         Number(from(0.0, 0.1)),
-        "m",
         Is("0.001"),
         "how far from its target the simulated tool comes to rest at most",
     ),
     key(
         "simulated.seed",
         Whole(0, i64::MAX),
-        "",
         Is("0"),
         "seeds everything random about the simulated arm",
     ),
@@ -1033,9 +937,16 @@ impl Accepts {
 }
 
 impl Key {
+    /// Returns the unit of its numbers; empty for none.
+    fn unit(&self) -> &'static str {
+        let mut units = UNITS.iter();
+        let unit = units.find(|(end, _)| self.name.ends_with(end));
+        unit.map_or("", |(_, unit)| unit)
+    }
+
     /// Words the values that it accepts.
     fn expected(&self) -> String {
-        let unit = match self.unit {
+        let unit = match self.unit() {
             "" => String::new(),
             unit if unit.starts_with("the ") => format!(" in {unit} units"),
             unit => format!(" {unit}"),

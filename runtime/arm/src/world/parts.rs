@@ -7,6 +7,7 @@ use crate::settings::{DriverKind, Settings};
 use crate::sight::Sight;
 use crate::supervisor::{Supervisor, Watchdog};
 use crate::table::ClothTable;
+use fab_base::digest;
 use fab_program::Material;
 use fab_world::About;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -67,15 +68,11 @@ pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
         // The URDF and its meshes are part of the settings.
         hash.update(format!("{:?}", settings.chain()));
     }
-    let hash: Vec<String> = hash
-        .finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
+    let hash = digest::hex(&hash.finalize());
     let beside = path.parent().unwrap_or(Path::new("."));
     let calibration = Calibration::load(&beside.join(&settings.calibration));
     let calibration = calibration.map_err(|error| error.to_string())?;
-    Ok((settings, hash.concat(), calibration))
+    Ok((settings, hash, calibration))
 }
 
 /// Returns the identity of the world of a settings file; the error says which file is wrong.
@@ -116,10 +113,5 @@ pub(super) fn parameters(
     if let Some(flat) = flat {
         hash.update(flat.bytes());
     }
-    let hex: Vec<String> = hash
-        .finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
-    hex.concat()[..16].to_owned()
+    digest::hex(&hash.finalize())[..16].to_owned()
 }

@@ -5,7 +5,7 @@
 //! not fit, it waits until calls under way have ended, because most of them cost less than was reserved. Once a model
 //! cost more than was reserved, its reservations grow by the worst ratio seen.
 
-use super::{Billing, CallEnd, CallRefused, CapReached, Usage, Usd};
+use super::{Billing, CallEnd, CallRefused, CapReached, Failed, Usage, Usd};
 use fab_base::interrupt::Interrupt;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -53,8 +53,8 @@ impl Spent {
         let (cost, usage) = end.reported();
         self.usage = self.usage + usage.unwrap_or_default();
         let is_unknown = match end {
-            CallEnd::Failed { billing, .. } => {
-                let is_possible = cost.is_none() && *billing == Billing::Possibly;
+            CallEnd::Failed(failed) => {
+                let is_possible = cost.is_none() && failed.billing == Billing::Possibly;
                 self.possibly_billed += u64::from(is_possible);
                 is_possible
             }
@@ -362,7 +362,7 @@ impl Drop for Reservation<'_> {
     fn drop(&mut self) {
         // Threads that wait for this call must not wait for a panicked one.
         if !self.is_settled {
-            self.close(Some(&CallEnd::UNRESOLVED));
+            self.close(Some(&CallEnd::Failed(&Failed::UNRESOLVED)));
         }
     }
 }

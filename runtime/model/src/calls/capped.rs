@@ -40,7 +40,7 @@ impl Calls for Capped<'_> {
         }
         self.last_failure = match end {
             CallEnd::Answered(_) => None,
-            CallEnd::Failed { why, .. } => Some((*why).to_owned()),
+            CallEnd::Failed(failed) => Some(failed.why.clone()),
         };
         Ok(())
     }

@@ -5,7 +5,7 @@
 //! sends nothing leaves no such file.
 
 use super::budget::{Budget, Overruns, Reservation, Spent};
-use super::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usage, Usd};
+use super::{Call, CallEnd, CallRefused, Calls, Failed, Fault, Usd};
 use crate::Reply;
 use fab_base::jsonl::{Appender, Reader};
 use serde::{Deserialize, Serialize};
@@ -40,12 +40,8 @@ enum Line {
     /// The call failed.
     Failed {
         call: u64,
-        fault: Fault,
-        why: String,
-        billing: Billing,
-        cost: Option<Usd>,
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        usage: Option<Usage>,
+        #[serde(flatten)]
+        failed: Failed,
     },
     /// A question was answered without a call, from a cache or a recording.
     Kept { key: String, reply: Reply },
@@ -88,7 +84,9 @@ pub fn read(folder: &Path) -> Result<Noted, LedgerError> {
     }
     noted.whole_bytes = lines.whole_bytes();
     for begun in open.into_values() {
-        noted.spent.count(begun.at_most, &CallEnd::UNRESOLVED);
+        noted
+            .spent
+            .count(begun.at_most, &CallEnd::Failed(&Failed::UNRESOLVED));
     }
     Ok(noted)
 }
@@ -128,26 +126,12 @@ impl Noted {
                 self.count(&begun, &CallEnd::Answered(&reply));
                 self.answered.insert(begun.key, reply);
             }
-            Line::Failed {
-                call,
-                fault,
-                why,
-                billing,
-                cost,
-                usage,
-            } => {
+            Line::Failed { call, failed } => {
                 let Some(begun) = open.remove(&call) else {
                     return;
                 };
-                let end = CallEnd::Failed {
-                    fault,
-                    why: &why,
-                    billing,
-                    cost,
-                    usage,
-                };
-                self.count(&begun, &end);
-                *self.faults.entry(fault).or_default() += 1;
+                self.count(&begun, &CallEnd::Failed(&failed));
+                *self.faults.entry(failed.fault).or_default() += 1;
             }
             Line::Kept { key, reply } => {
                 self.answered.insert(key, reply);
@@ -279,21 +263,11 @@ impl Calls for Ledger<'_> {
                     reply: reply.clone(),
                 }
             }
-            CallEnd::Failed {
-                fault,
-                why,
-                billing,
-                cost,
-                usage,
-            } => {
-                *self.noted.faults.entry(fault).or_default() += 1;
+            CallEnd::Failed(failed) => {
+                *self.noted.faults.entry(failed.fault).or_default() += 1;
                 Line::Failed {
                     call,
-                    fault,
-                    why: why.to_owned(),
-                    billing,
-                    cost,
-                    usage,
+                    failed: failed.clone(),
                 }
             }
         };

@@ -17,6 +17,7 @@ pub use ledger::{Ledger, LedgerError};
 pub use usage::{Usage, Usd};
 
 use crate::Reply;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Is told of every call before it is sent, and of its end.
@@ -53,25 +54,30 @@ pub enum CallEnd<'a> {
     /// An answer, with its usage and cost.
     Answered(&'a Reply),
     /// No answer.
-    Failed {
-        /// What went wrong.
-        fault: Fault,
-        /// The failure in words, without any API key.
-        why: &'a str,
-        /// Whether it may have been billed.
-        billing: Billing,
-        /// What it cost, if the provider said so.
-        cost: Option<Usd>,
-        /// The usage reported by the provider.
-        usage: Option<Usage>,
-    },
+    Failed(&'a Failed),
 }
 
-impl CallEnd<'static> {
+/// Why a call gave no answer, and what it cost.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Failed {
+    /// What went wrong.
+    pub fault: Fault,
+    /// The failure in words, without any API key.
+    pub why: String,
+    /// Whether it may have been billed.
+    pub billing: Billing,
+    /// What it cost, if the provider said so.
+    pub cost: Option<Usd>,
+    /// The usage reported by the provider.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub usage: Option<Usage>,
+}
+
+impl Failed {
     /// A call of which nothing more is known.
-    pub(crate) const UNRESOLVED: CallEnd<'static> = CallEnd::Failed {
+    pub(crate) const UNRESOLVED: Failed = Failed {
         fault: Fault::ConnectionCut,
-        why: "",
+        why: String::new(),
         billing: Billing::Possibly,
         cost: None,
         usage: None,
@@ -83,7 +89,7 @@ impl CallEnd<'_> {
     fn reported(&self) -> (Option<Usd>, Option<Usage>) {
         match self {
             CallEnd::Answered(reply) => (reply.cost, reply.usage),
-            CallEnd::Failed { cost, usage, .. } => (*cost, *usage),
+            CallEnd::Failed(failed) => (failed.cost, failed.usage),
         }
     }
 }
@@ -142,11 +148,5 @@ impl fmt::Display for CapReached {
             Some(option) => write!(f, "{}; a higher `{option}` continues from here", self.why),
             None => f.write_str(&self.why),
         }
-    }
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }

@@ -7,20 +7,26 @@ use serde_json::Value;
 /// The longest text quoted, characters.
 const MAX_QUOTED: usize = 80;
 
+/// The fields of a request beside its place, its schema and its messages, in the order in which differences are told.
+const SETTINGS: [&str; 7] = [
+    "start",
+    "repetition",
+    "candidate",
+    "temperature",
+    "top_p",
+    "max_tokens",
+    "reasoning",
+];
+
 /// Names the recorded exchange most similar to a request, and what differs.
 ///
 /// - `exchanges`: at least one.
 pub(super) fn nearest(exchanges: &[Exchange], request: &Request) -> String {
     let asked = serde_json::to_value(request).expect("a request holds strings and finite numbers");
-    let likeness = |exchange: &&Exchange| likeness(&exchange.request, &asked);
-    let mut best: Option<(&Exchange, Likeness)> = None;
-    for exchange in exchanges {
-        let alike = likeness(&exchange);
-        if best.as_ref().is_none_or(|(_, most)| alike > *most) {
-            best = Some((exchange, alike));
-        }
-    }
-    let Some((exchange, _)) = best else {
+    // The last of equal ones wins, and reversed that is the first.
+    let in_reverse = exchanges.iter().rev();
+    let best = in_reverse.max_by_key(|exchange| likeness(&exchange.request, &asked));
+    let Some(exchange) = best else {
         return "it is empty".to_owned();
     };
     let step = &exchange.request["step"];
@@ -43,20 +49,10 @@ type Likeness = (bool, bool, usize, usize);
 
 fn likeness(recorded: &Value, asked: &Value) -> Likeness {
     let is_same = |name: &str| recorded[name] == asked[name];
-    let messages = |request: &Value| request["messages"].as_array().cloned().unwrap_or_default();
-    let (there, here) = (messages(recorded), messages(asked));
-    let alike = there.iter().zip(&here).take_while(|(a, b)| a == b).count();
-    let rest = [
-        "temperature",
-        "top_p",
-        "max_tokens",
-        "reasoning",
-        "repetition",
-        "start",
-        "candidate",
-        "schema",
-    ];
-    let settings = rest.iter().filter(|name| is_same(name)).count();
+    let (there, here) = (list(&recorded["messages"]), list(&asked["messages"]));
+    let alike = there.iter().zip(here).take_while(|(a, b)| a == b).count();
+    let settings = SETTINGS.iter().chain(&["schema"]);
+    let settings = settings.filter(|name| is_same(name)).count();
     (
         is_same("role"),
         is_same("step"),
@@ -68,17 +64,7 @@ fn likeness(recorded: &Value, asked: &Value) -> Likeness {
 /// Lists the differences by their path in the request; both are JSON of a [`Request`].
 pub(super) fn differences(recorded: &Value, asked: &Value) -> Vec<String> {
     let mut found = Vec::new();
-    for name in [
-        "role",
-        "step",
-        "start",
-        "repetition",
-        "candidate",
-        "temperature",
-        "top_p",
-        "max_tokens",
-        "reasoning",
-    ] {
+    for name in ["role", "step"].iter().chain(&SETTINGS) {
         if recorded[name] != asked[name] {
             found.push(format!(
                 "`{name}` (recorded {}, now {})",
@@ -89,11 +75,7 @@ pub(super) fn differences(recorded: &Value, asked: &Value) -> Vec<String> {
     if recorded["schema"] != asked["schema"] {
         found.push(schema(&recorded["schema"], &asked["schema"]));
     }
-    let none = Vec::new();
-    let messages = |request: &'_ Value| -> Vec<Value> {
-        request["messages"].as_array().unwrap_or(&none).clone()
-    };
-    let (there, here) = (messages(recorded), messages(asked));
+    let (there, here) = (list(&recorded["messages"]), list(&asked["messages"]));
     if there.len() != here.len() {
         found.push(format!(
             "the number of messages (recorded {}, now {})",
@@ -101,7 +83,7 @@ pub(super) fn differences(recorded: &Value, asked: &Value) -> Vec<String> {
             here.len()
         ));
     }
-    for (number, (then, now)) in there.iter().zip(&here).enumerate() {
+    for (number, (then, now)) in there.iter().zip(here).enumerate() {
         found.extend(message(number + 1, then, now));
     }
     found
@@ -133,9 +115,7 @@ fn message(number: usize, then: &Value, now: &Value) -> Option<String> {
     if then["speaker"] != now["speaker"] {
         return Some(format!("who speaks in {place}"));
     }
-    let none = Vec::new();
-    let there = then["parts"].as_array().unwrap_or(&none);
-    let here = now["parts"].as_array().unwrap_or(&none);
+    let (there, here) = (list(&then["parts"]), list(&now["parts"]));
     let first = there.iter().zip(here).position(|(then, now)| then != now);
     let Some(index) = first else {
         return Some(format!(
@@ -155,6 +135,11 @@ fn message(number: usize, then: &Value, now: &Value) -> Option<String> {
         ),
         _ => format!("{part}, which is a text in one and a picture in the other"),
     })
+}
+
+/// Returns the items of a list; none of anything else.
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
 }
 
 /// Names the first line in which two texts differ.

@@ -6,13 +6,22 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
+use std::time::{Duration, UNIX_EPOCH};
+
+/// The length of `2026-11-20`, bytes.
+const DAY_LENGTH: usize = 10;
+
+/// The length of `2026-11`, bytes.
+const MONTH_LENGTH: usize = 7;
+
+const DAY_SECS: u64 = 24 * 60 * 60;
 
 /// A day, or a month without a known day, which counts from its first day.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Date {
-    year: u16,
-    month: u8,
-    day: Option<u8>,
+    /// Since 1970-01-01; of a month without a known day, its first.
+    days: u64,
+    has_day: bool,
 }
 
 /// A text that is not a date.
@@ -25,55 +34,15 @@ impl Date {
     ///
     /// Days after the year 9999 are clamped to its last day.
     pub fn from_unix_days(days: u64) -> Date {
-        let mut left = days.min(2_932_896);
-        let mut year = 1970;
-        while left >= days_of_year(year) {
-            left -= days_of_year(year);
-            year += 1;
-        }
-        let mut month = 1;
-        while left >= u64::from(days_of_month(year, month)) {
-            left -= u64::from(days_of_month(year, month));
-            month += 1;
-        }
         Date {
-            year,
-            month,
-            day: u8::try_from(left + 1).ok(),
+            days: days.min(2_932_896),
+            has_day: true,
         }
     }
 
     /// Returns how many days later `other` is; negative if it is earlier.
     pub fn days_until(self, other: Date) -> i64 {
-        other.days() - self.days()
-    }
-
-    /// Returns the days since the year 0, by the Gregorian calendar.
-    fn days(self) -> i64 {
-        let years = i64::from(self.year);
-        let before = years - 1;
-        let leap_days = before.div_euclid(4) - before.div_euclid(100) + before.div_euclid(400);
-        let months: i64 = (1..self.month)
-            .map(|month| i64::from(days_of_month(self.year, month)))
-            .sum();
-        years * 365 + leap_days + months + i64::from(self.day.unwrap_or(1))
-    }
-}
-
-fn is_leap(year: u16) -> bool {
-    year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400))
-}
-
-fn days_of_year(year: u16) -> u64 {
-    if is_leap(year) { 366 } else { 365 }
-}
-
-fn days_of_month(year: u16, month: u8) -> u8 {
-    match month {
-        4 | 6 | 9 | 11 => 30,
-        2 if is_leap(year) => 29,
-        2 => 28,
-        _ => 31,
+        other.days as i64 - self.days as i64
     }
 }
 
@@ -81,25 +50,18 @@ impl FromStr for Date {
     type Err = NoDate;
 
     fn from_str(text: &str) -> Result<Date, NoDate> {
-        let number = |part: &str, length: usize| {
-            let is_plain = part.len() == length && part.bytes().all(|byte| byte.is_ascii_digit());
-            is_plain.then(|| part.parse::<u16>().ok()).flatten()
-        };
-        let mut parts = text.split('-');
+        let has_day = text.len() == DAY_LENGTH;
         let read = || {
-            let year = number(parts.next()?, 4)?;
-            let month = u8::try_from(number(parts.next()?, 2)?).ok()?;
-            let day = match parts.next() {
-                Some(part) => Some(u8::try_from(number(part, 2)?).ok()?),
-                None => None,
+            let start = match text.len() {
+                DAY_LENGTH => format!("{text}T00:00:00Z"),
+                MONTH_LENGTH => format!("{text}-01T00:00:00Z"),
+                _ => return None,
             };
-            let is_real = (1970..=9999).contains(&year)
-                && (1..=12).contains(&month)
-                && day.is_none_or(|day| (1..=days_of_month(year, month)).contains(&day))
-                && parts.next().is_none();
-            is_real.then_some(Date { year, month, day })
+            let start = humantime::parse_rfc3339(&start).ok()?;
+            let since = start.duration_since(UNIX_EPOCH).ok()?;
+            let days = since.as_secs() / DAY_SECS;
+            Some(Date { days, has_day })
         };
-        let mut read = read;
         // A long text is not repeated in full.
         read().ok_or_else(|| NoDate(text.chars().take(40).collect()))
     }
@@ -107,8 +69,14 @@ impl FromStr for Date {
 
 impl fmt::Display for Date {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:04}-{:02}", self.year, self.month)?;
-        self.day.map_or(Ok(()), |day| write!(f, "-{day:02}"))
+        let start = UNIX_EPOCH + Duration::from_secs(self.days * DAY_SECS);
+        let start = humantime::format_rfc3339_seconds(start).to_string();
+        let length = if self.has_day {
+            DAY_LENGTH
+        } else {
+            MONTH_LENGTH
+        };
+        f.write_str(&start[..length])
     }
 }
 

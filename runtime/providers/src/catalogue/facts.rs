@@ -10,6 +10,7 @@ use fab_model::lowering::{Lowering, Resize};
 use fab_program::pointing::{CoordinateUnit, Order};
 use fab_program::{Reasoning, ReasoningLevel};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::num::NonZeroU32;
 
 /// The known facts about a model; `None` is unknown, never a default.
@@ -87,8 +88,8 @@ impl Accepted {
     }
 }
 
-impl std::fmt::Display for Accepted {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl fmt::Display for Accepted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Accepted::Only(values) => {
                 let values: Vec<String> = values.iter().map(f64::to_string).collect();
@@ -154,16 +155,12 @@ impl ReasoningKind {
             Reasoning::Tokens(_) => ReasoningKind::Tokens,
         }
     }
+}
 
-    /// Returns the word that a file of facts uses.
-    pub fn word(self) -> &'static str {
-        match self {
-            ReasoningKind::None => "none",
-            ReasoningKind::Low => "low",
-            ReasoningKind::Medium => "medium",
-            ReasoningKind::High => "high",
-            ReasoningKind::Tokens => Reasoning::UNIT,
-        }
+impl fmt::Display for ReasoningKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // The word that a file of facts uses.
+        self.serialize(f)
     }
 }
 

@@ -58,7 +58,7 @@ pub struct Profile {
 }
 
 /// What models have in common whose ids hold the same words.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Family<'c> {
     /// The words.
     pub part: &'c str,

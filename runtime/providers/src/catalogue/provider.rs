@@ -5,6 +5,7 @@
 use super::date::Date;
 use super::facts::ReasoningFacts;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// A provider of models.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -56,15 +57,12 @@ impl Wire {
         Wire::Anthropic,
         Wire::Gemini,
     ];
+}
 
-    /// Returns the name that data files use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Wire::OpenaiResponses => "openai_responses",
-            Wire::OpenaiChat => "openai_chat",
-            Wire::Anthropic => "anthropic",
-            Wire::Gemini => "gemini",
-        }
+impl fmt::Display for Wire {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // The name that data files use.
+        self.serialize(f)
     }
 }
 

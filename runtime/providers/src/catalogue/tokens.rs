@@ -3,7 +3,7 @@
 //! In: texts, and sizes of pictures. Out: estimates, always labelled as such: the provider's own count is what is
 //! billed. Only the picture formulas come from vendors; the one for text is a rule of thumb.
 
-use fab_model::{Message, Part};
+use fab_model::{Message, Part, Png};
 use fab_picture::png;
 pub use fab_program::tokens::of_text;
 use serde::{Deserialize, Serialize};
@@ -148,16 +148,19 @@ impl ImageTokens {
     }
 }
 
+/// Estimates the tokens of a picture; `None` if they are unknown.
+pub fn of_picture(png: &Png, formula: Option<&ImageTokens>) -> Option<Tokens> {
+    let [width, height] = png::size(png.bytes())?;
+    Some(formula?.of(width, height))
+}
+
 /// Estimates the tokens of a conversation; `None` if it has pictures with unknown tokens.
 pub fn of_messages(messages: &[Message], formula: Option<&ImageTokens>) -> Option<Tokens> {
     let parts = messages.iter().flat_map(|message| &message.parts);
     parts
         .map(|part| match part {
             Part::Text(text) => Some(Tokens::exactly(of_text(text))),
-            Part::Image(png) => {
-                let [width, height] = png::size(png.bytes())?;
-                Some(formula?.of(width, height))
-            }
+            Part::Image(png) => of_picture(png, formula),
         })
         .try_fold(Tokens::default(), |sum, tokens| Some(sum + tokens?))
 }
@@ -194,8 +197,7 @@ pub fn likely_of_messages(messages: &[Message], formula: Option<&ImageTokens>) -
         .map(|part| match part {
             Part::Text(text) => Some(likely_of_text(text) as f64),
             Part::Image(png) => {
-                let [width, height] = png::size(png.bytes())?;
-                let tokens = formula?.of(width, height);
+                let tokens = of_picture(png, formula)?;
                 Some((tokens.at_least as f64 + tokens.at_most as f64) / 2.0)
             }
         })
@@ -205,7 +207,7 @@ pub fn likely_of_messages(messages: &[Message], formula: Option<&ImageTokens>) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fab_model::{Png, Speaker};
+    use fab_model::Speaker;
 
     const GPT_6: ImageTokens = ImageTokens::Patches(Patches {
         side_px: 32,

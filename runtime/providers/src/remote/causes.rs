@@ -4,7 +4,7 @@
 //! and two sentences with fields such as `{host}`. The first row that applies is the likely cause, so rows go from the
 //! specific to the general.
 
-use super::exchange::{Body, Exchange};
+use super::exchange::{Body, Exchange, Sent};
 use super::transport::{CONNECT_TIMEOUT, MAX_REPLY_BYTES, Obstacle};
 use crate::catalogue::Wire;
 use fab_base::shown::shown;
@@ -43,19 +43,23 @@ pub(super) fn asks_for_list(exchange: &Exchange<'_>) -> bool {
 const CAUSES: &[Cause] = &[
     // No connection.
     Cause {
-        applies: |e| e.sent.proxy.is_some() && !e.sent.base_url.is_loopback() && cannot_connect(e),
+        applies: |e| {
+            e.sent.proxy.is_some() && !e.sent.settings.base_url.is_loopback() && cannot_connect(e)
+        },
         cause: "`{proxy}` is set, so the call goes through that proxy, and the proxy cannot be reached or does not pass it on",
         help: "check the value of `{proxy}`, or add `{host}` to the variable `NO_PROXY`",
     },
     Cause {
         applies: |e| {
-            is(e, Obstacle::Refused) && e.sent.base_url.is_loopback() && e.sent.start.is_some()
+            is(e, Obstacle::Refused)
+                && e.sent.settings.base_url.is_loopback()
+                && e.sent.settings.start.is_some()
         },
         cause: "no server listens at `{authority}`",
         help: "start it with `{start}`, or give the address of a running one with `--base-url URL`",
     },
     Cause {
-        applies: |e| is(e, Obstacle::Refused) && e.sent.base_url.is_loopback(),
+        applies: |e| is(e, Obstacle::Refused) && e.sent.settings.base_url.is_loopback(),
         cause: "no server listens at `{authority}`",
         help: "start the server, or give the address of a running one with `--base-url URL`",
     },
@@ -188,7 +192,7 @@ const CAUSES: &[Cause] = &[
         help: "ask a provider that does, or a model on your own machine",
     },
     Cause {
-        applies: |e| is_unauthorised(e) && e.sent.key.is_none(),
+        applies: |e| is_unauthorised(e) && e.sent.settings.key.is_none(),
         cause: "no key was sent, since {key_names} set neither in the environment nor in the file of keys",
         help: "set `{key_name}` to a key that the server accepts: `export {key_name}=…`",
     },
@@ -230,12 +234,12 @@ const CAUSES: &[Cause] = &[
         help: "load a model in the server, then ask again; `fabc doctor` lists what it serves",
     },
     Cause {
-        applies: |e| serves(e).is_some_and(|ids| !ids.contains(&e.sent.model)),
+        applies: |e| serves(e).is_some_and(|ids| !ids.contains(&e.sent.settings.model)),
         cause: "the server does not serve `{model}`; it serves {served}",
         help: "write one of these: `--model {provider}:NAME`",
     },
     Cause {
-        applies: |e| serves(e).is_some() && e.sent.wire == Wire::OpenaiResponses,
+        applies: |e| serves(e).is_some() && e.sent.settings.wire == Wire::OpenaiResponses,
         cause: "the server serves `{model}`, and has no Responses interface",
         help: "ask through Chat Completions: `--model openai-chat:{model}`, or `compatible:{model}`",
     },
@@ -348,8 +352,8 @@ const CAUSES: &[Cause] = &[
     Cause {
         applies: |e| {
             e.status() == Some(500)
-                && e.sent.key.is_none()
-                && !e.sent.key_names.is_empty()
+                && e.sent.settings.key.is_none()
+                && !e.sent.settings.key_names.is_empty()
                 && matches!(e.body(), Some(Body::Other))
         },
         cause: "the server itself failed; no key was sent, and LiteLLM's proxy without a database fails so if it wants one",
@@ -559,7 +563,7 @@ fn other_interface(exchange: &Exchange<'_>) -> Option<&'static str> {
     ];
     let form = forms.iter().find(|(field, _)| value.get(field).is_some());
     let (_, form) = form?;
-    (*form != interface(exchange.sent.wire)).then_some(*form)
+    (*form != interface(exchange.sent.settings.wire)).then_some(*form)
 }
 
 fn interface(wire: Wire) -> &'static str {
@@ -573,10 +577,10 @@ fn interface(wire: Wire) -> &'static str {
 
 /// Returns the usual base URL as an example, unless it is the one in use.
 fn such_as_usual(exchange: &Exchange<'_>) -> String {
-    let sent = exchange.sent;
-    let usual = sent.base_url.usual(sent.wire);
-    let base = sent.base_url.to_string();
-    let root = usual.trim_end_matches(sent.wire.version_segment());
+    let settings = &exchange.sent.settings;
+    let usual = settings.base_url.usual(settings.wire);
+    let base = settings.base_url.to_string();
+    let root = usual.trim_end_matches(settings.wire.version_segment());
     // A base without a path gets the usual version.
     match [usual.as_str(), root].contains(&base.as_str()) || base.trim_end_matches('/') == usual {
         true => String::new(),
@@ -600,9 +604,13 @@ fn filled(sentence: &str, exchange: &Exchange<'_>) -> String {
 
 /// Returns the value of a sentence's field.
 fn value(field: &str, exchange: &Exchange<'_>) -> String {
-    let sent = exchange.sent;
-    let host = sent.url.host_str().unwrap_or_default();
-    let port = sent.url.port_or_known_default();
+    let Sent {
+        settings,
+        url,
+        proxy,
+    } = exchange.sent;
+    let host = url.host_str().unwrap_or_default();
+    let port = url.port_or_known_default();
     let port = port.map_or(String::new(), |port| port.to_string());
     let quoted = |names: &[String], between: &str| {
         let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
@@ -612,27 +620,37 @@ fn value(field: &str, exchange: &Exchange<'_>) -> String {
         "host" => host.to_owned(),
         "port" => port,
         "authority" => format!("{host}:{port}"),
-        "base_url" => sent.base_url.to_string(),
-        "path" => sent.url.path().to_owned(),
-        "usual" => sent.base_url.usual(sent.wire),
+        "base_url" => settings.base_url.to_string(),
+        "path" => url.path().to_owned(),
+        "usual" => settings.base_url.usual(settings.wire),
         "such_as_usual" => such_as_usual(exchange),
-        "provider" => sent.provider.clone(),
-        "model" => sent.model.clone(),
-        "interface" => interface(sent.wire).to_owned(),
+        "provider" => settings.provider.clone(),
+        "model" => settings.model.clone(),
+        "interface" => interface(settings.wire).to_owned(),
         "other_interface" => other_interface(exchange).unwrap_or_default().to_owned(),
-        "start" => sent.start.clone().unwrap_or_default(),
-        "timeout" => format!("{:.1}", sent.timeout.as_secs_f64()),
-        "connect_timeout" => CONNECT_TIMEOUT.min(sent.timeout).as_secs_f64().to_string(),
+        "start" => settings.start.clone().unwrap_or_default(),
+        "timeout" => format!("{:.1}", settings.timeout.as_secs_f64()),
+        "connect_timeout" => CONNECT_TIMEOUT
+            .min(settings.timeout)
+            .as_secs_f64()
+            .to_string(),
         "max_reply_bytes" => MAX_REPLY_BYTES.to_string(),
-        "proxy" => sent.proxy.clone().unwrap_or("HTTPS_PROXY".to_owned()),
-        "key" => sent.key.clone().unwrap_or_default(),
-        "key_name" => sent.key_names.first().cloned().unwrap_or("NAME".to_owned()),
-        "key_names" => match &sent.key_names[..] {
+        "proxy" => proxy.clone().unwrap_or("HTTPS_PROXY".to_owned()),
+        "key" => match &settings.key {
+            Some(key) => key.name().to_owned(),
+            None => String::new(),
+        },
+        "key_name" => settings
+            .key_names
+            .first()
+            .cloned()
+            .unwrap_or("NAME".to_owned()),
+        "key_names" => match &settings.key_names[..] {
             [] => "this provider has no name for one, and it is".to_owned(),
             [one] => format!("`{one}` is"),
             names => format!("{} are", quoted(names, " and ")),
         },
-        "looked_for" => match &sent.key_names[..] {
+        "looked_for" => match &settings.key_names[..] {
             [] | [_] => "it was the only name looked for".to_owned(),
             names => format!(
                 "looked for: {}, and the first one that is set counts",
@@ -674,9 +692,9 @@ fn location(exchange: &Exchange<'_>) -> Option<Url> {
 
 /// Returns the base URL that would lead where a redirect leads.
 fn location_base(exchange: &Exchange<'_>) -> Option<String> {
-    let sent = exchange.sent;
+    let settings = &exchange.sent.settings;
     let whole = location(exchange)?.to_string();
-    let end = format!("/{}", sent.wire.path(&sent.model).join("/"));
+    let end = format!("/{}", settings.wire.path(&settings.model).join("/"));
     let base = whole.trim_end_matches('/').strip_suffix(&end)?;
     Some(shown(base, MAX_LOCATION))
 }

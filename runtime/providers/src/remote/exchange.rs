@@ -3,35 +3,22 @@
 //! In: the fixed part of a model's calls, and a reply or the reason why there is none. Out: the parts from which `causes`
 //! finds the reason and `message` makes its text.
 
-use super::BaseUrl;
 use super::served::Served;
-use super::settings::Parameter;
+use super::settings::{Parameter, Settings};
 use super::transport::{Incoming, NoReply, Obstacle};
 use super::wire::error::ErrorBody;
-use crate::catalogue::Wire;
 use fab_base::shown::shown;
 use fab_model::calls::Fault;
 use reqwest::Url;
 use serde_json::Value;
-use std::time::Duration;
 
 /// How much is shown before the place of a fault, bytes.
 const MAX_PLACE: usize = 40;
 
 /// What all calls of a model have in common.
 pub(super) struct Sent {
+    pub settings: Settings,
     pub url: Url,
-    pub base_url: BaseUrl,
-    pub wire: Wire,
-    pub provider: String,
-    pub model: String,
-    /// The names that a key was looked for under.
-    pub key_names: Vec<String>,
-    /// The name of the key that was sent.
-    pub key: Option<String>,
-    /// The command that starts the server.
-    pub start: Option<String>,
-    pub timeout: Duration,
     /// The variable that names the proxy in use.
     pub proxy: Option<String>,
 }

@@ -38,7 +38,7 @@ use answers::{Claim, Lookup};
 use exchange::{Came, Exchange, Sent};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Billing, Call, CallEnd, Calls, Fault, Usage, Usd};
+use fab_model::calls::{Billing, Call, CallEnd, Calls, Failed, Fault, Usage, Usd};
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
 use gate::Load;
 use message::Message;
@@ -59,7 +59,6 @@ const INTERRUPT_POLL: Duration = Duration::from_millis(50);
 /// A provider's model.
 pub struct Remote {
     name: String,
-    settings: Settings,
     sent: Sent,
     transport: Transport,
     shared: Shared,
@@ -68,7 +67,7 @@ pub struct Remote {
 }
 
 /// The common parts of a run's models.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Shared {
     /// Limits concurrent calls; one gate per provider.
     pub gate: Arc<Gate>,
@@ -83,26 +82,7 @@ pub struct Shared {
 }
 
 /// Receives messages for the user while a question waits.
-#[derive(Clone)]
-pub struct MessageSink(Arc<dyn Fn(&str) + Send + Sync>);
-
-impl MessageSink {
-    /// Passes messages to `listener`.
-    pub fn to(listener: impl Fn(&str) + Send + Sync + 'static) -> MessageSink {
-        MessageSink(Arc::new(listener))
-    }
-
-    /// Discards messages.
-    pub fn nobody() -> MessageSink {
-        MessageSink::to(|_| {})
-    }
-}
-
-impl fmt::Debug for MessageSink {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Tell")
-    }
-}
+pub type MessageSink = Arc<dyn Fn(&str) + Send + Sync>;
 
 /// Why nothing can be sent at all.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -151,20 +131,12 @@ impl Remote {
             why,
         })?;
         let sent = Sent {
-            base_url: settings.base_url.clone(),
-            wire: settings.wire,
-            provider: settings.provider.clone(),
-            model: settings.model.clone(),
-            key_names: settings.key_names.clone(),
-            key: settings.key.as_ref().map(|key| key.name().to_owned()),
-            start: settings.start.clone(),
-            timeout: settings.timeout,
+            settings,
             proxy: proxy.variable(&endpoint),
             url: endpoint,
         };
         Ok(Remote {
             name,
-            settings,
             sent,
             transport,
             shared,
@@ -180,8 +152,8 @@ impl Remote {
     }
 
     fn encoded_within(&self, request: &Request, lengths: Lengths) -> Result<Encoded, ModelError> {
-        let wire = self.settings.wire;
-        let encoded = wire.encode_within(request, &self.settings, lengths);
+        let wire = self.sent.settings.wire;
+        let encoded = wire.encode_within(request, &self.sent.settings, lengths);
         encoded.map_err(|unfit| ModelError::Unsupported {
             model: self.name.clone(),
             why: unfit.0,
@@ -190,11 +162,11 @@ impl Remote {
 
     /// Returns the longest answer that is asked for, visible and hidden.
     pub fn lengths(&self, request: &Request) -> Lengths {
-        Lengths::of(request, &self.settings)
+        Lengths::of(request, &self.sent.settings)
     }
 
     fn at_most(&self, request: &Request, lengths: Lengths) -> Option<Usd> {
-        self.settings.pricing.at_most(&Request {
+        self.sent.settings.pricing.at_most(&Request {
             max_tokens: lengths.sent(),
             ..request.clone()
         })
@@ -208,11 +180,11 @@ impl Remote {
         claim: &Claim<'_>,
         calls: &mut dyn Calls,
     ) -> Result<Reply, ModelError> {
-        let headers = headers(&self.settings, &encoded.headers);
+        let headers = headers(&self.sent.settings, &encoded.headers);
         let key = request.key();
         let mut lengths = self.lengths(request);
         let mut at_most = self.at_most(request, lengths);
-        let retry = &self.settings.retry;
+        let retry = &self.sent.settings.retry;
         let interrupt = &self.shared.interrupt;
         let mut tries = QuestionCalls::new(retry);
         loop {
@@ -257,13 +229,13 @@ impl Remote {
                     }
                 }
                 Err(TransportError::Interrupted) => {
-                    calls.end(&CallEnd::Failed {
+                    calls.end(&CallEnd::Failed(&Failed {
                         fault: Fault::ConnectionCut,
-                        why: "interrupted before the whole answer was there",
+                        why: "interrupted before the whole answer was there".to_owned(),
                         billing: Billing::Possibly,
                         cost: None,
                         usage: None,
-                    })?;
+                    }))?;
                     return Err(ModelError::Interrupted);
                 }
             };
@@ -272,13 +244,13 @@ impl Remote {
             }
             drop(pass);
             let Message { headline, details } = self.message(&ended);
-            calls.end(&CallEnd::Failed {
+            calls.end(&CallEnd::Failed(&Failed {
                 fault: ended.fault,
-                why: &format!("{headline}{details}"),
+                why: format!("{headline}{details}"),
                 billing: ended.billing,
                 cost: ended.cost,
                 usage: ended.usage,
-            })?;
+            }))?;
             let next = match (ended.fault, ended.again) {
                 // The same request would be cut off again.
                 (Fault::Truncated, None) => tries.give_up(),
@@ -292,7 +264,7 @@ impl Remote {
                         at_most = self.at_most(request, lengths);
                     }
                     let seconds = wait.as_secs_f64();
-                    (self.shared.tell.0)(&format!(
+                    (self.shared.tell)(&format!(
                         "{}: {}: {headline}; asked again in {seconds:.1} s",
                         self.name, ended.fault
                     ));
@@ -319,7 +291,7 @@ impl Remote {
             omit: ended.omit,
         };
         if causes::asks_for_list(&exchange) {
-            let ask = || served::ask(&self.settings, &self.transport, &self.shared.interrupt);
+            let ask = || served::ask(&self.sent.settings, &self.transport, &self.shared.interrupt);
             exchange.served = Some(self.served.get_or_init(ask));
         }
         let message = exchange.message();
@@ -355,7 +327,7 @@ impl Remote {
                 came: Came::reply(incoming, None),
             });
         }
-        match self.settings.wire.decode(&incoming.body) {
+        match self.sent.settings.wire.decode(&incoming.body) {
             Ok(answer) => Ok(Answer {
                 // A key that the server split over two pieces of text is whole once they are joined.
                 text: self.transport.redactor().text(&answer.text),
@@ -384,17 +356,16 @@ impl Remote {
     }
 
     fn cost(&self, usage: Option<Usage>) -> Option<Usd> {
-        self.settings.pricing.cost(usage?)
+        self.sent.settings.pricing.cost(usage?)
     }
 
     /// Hashes everything that an answer depends on, so that starts, repetitions and later steps have their own answers.
     fn cache_key(&self, request: &Request, encoded: &Encoded) -> String {
-        let body = String::from_utf8_lossy(&encoded.body);
         let mut parts = vec![
             "answer of a provider".to_owned(),
-            self.settings.provider.clone(),
+            self.sent.settings.provider.clone(),
             self.sent.url.to_string(),
-            self.settings.model.clone(),
+            self.sent.settings.model.clone(),
             request.repetition.to_string(),
             request.step.to_string(),
         ];
@@ -406,7 +377,12 @@ impl Remote {
                 .iter()
                 .map(|(name, value)| format!("{name}: {value}")),
         );
-        Cache::key(parts.iter().map(String::as_str).chain([body.as_ref()]))
+        Cache::key(
+            parts
+                .iter()
+                .map(String::as_bytes)
+                .chain([&encoded.body[..]]),
+        )
     }
 }
 
@@ -440,11 +416,11 @@ impl Model for Remote {
     }
 
     fn lowering(&self) -> Lowering {
-        self.settings.lowering
+        self.sent.settings.lowering
     }
 
     fn omits(&self) -> Vec<&'static str> {
-        let omitted = self.settings.omit.iter();
+        let omitted = self.sent.settings.omit.iter();
         omitted.map(|parameter| parameter.name()).collect()
     }
 
@@ -467,7 +443,7 @@ impl fmt::Debug for Remote {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Remote")
             .field("name", &self.name)
-            .field("settings", &self.settings)
+            .field("settings", &self.sent.settings)
             .finish_non_exhaustive()
     }
 }

@@ -24,9 +24,17 @@ pub struct Lengths {
 impl Lengths {
     /// Returns the lengths for a question's first call.
     pub(super) fn of(request: &Request, settings: &Settings) -> Lengths {
+        let is_sent = |parameter| !settings.omit.contains(&parameter);
+        let stated = request.max_tokens;
+        let visible = stated.filter(|_| is_sent(Parameter::MaxTokens));
+        let reasoning = request.reasoning;
+        let reasoning = reasoning.filter(|_| is_sent(Parameter::Reasoning));
         Lengths {
-            visible: settings.visible_tokens(request),
-            hidden: settings.hidden_tokens(request),
+            visible: match settings.wire {
+                Wire::Anthropic => Some(visible.unwrap_or(settings.unstated_max_tokens)),
+                Wire::OpenaiResponses | Wire::OpenaiChat | Wire::Gemini => visible,
+            },
+            hidden: reasoning.map_or(0, Reasoning::allowed_tokens),
         }
     }
 
@@ -125,25 +133,6 @@ impl Settings {
             pricing: Arc::new(profile.priced_on(today)),
             ..Settings::new(&provider.name, &profile.id, provider.wire, base_url)
         }
-    }
-}
-
-impl Settings {
-    /// Returns the longest visible answer, tokens; `None` if no limit is sent.
-    pub(super) fn visible_tokens(&self, request: &Request) -> Option<u32> {
-        let stated = request.max_tokens;
-        let sent = stated.filter(|_| !self.omit.contains(&Parameter::MaxTokens));
-        match self.wire {
-            Wire::Anthropic => Some(sent.unwrap_or(self.unstated_max_tokens)),
-            Wire::OpenaiResponses | Wire::OpenaiChat | Wire::Gemini => sent,
-        }
-    }
-
-    /// Returns the hidden tokens that are allowed beside the visible answer.
-    pub(super) fn hidden_tokens(&self, request: &Request) -> u32 {
-        let is_sent = !self.omit.contains(&Parameter::Reasoning);
-        let reasoning = request.reasoning.filter(|_| is_sent);
-        reasoning.map_or(0, Reasoning::allowed_tokens)
     }
 }
 

@@ -172,7 +172,7 @@ fn a_truncated_answer_says_what_it_cost() {
         .ask(&request(), &mut notes)
         .unwrap_err();
     let cost = |told: &Told| match told {
-        Told::Failed { cost, .. } => *cost,
+        Told::Failed(failed) => failed.cost,
         _ => None,
     };
     let costs: Vec<_> = notes.ends().iter().map(cost).collect();

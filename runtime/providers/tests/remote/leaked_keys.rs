@@ -109,11 +109,11 @@ fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
             }
             check(&format!("{:?}", notes.told));
         }
-        check(&format!("{model:?} {:?}", trial.shared));
+        check(&format!("{model:?} {:?}", trial.shared.hidden));
         assert_eq!(provider.received().len(), replies.len());
         // Responses echo the keys only in refusals.
         let expected = if wire == Wire::OpenaiResponses { 0 } else { 9 };
-        assert_eq!(understood, expected, "{}", wire.name());
+        assert_eq!(understood, expected, "{wire}");
     }
 }
 

@@ -3,10 +3,12 @@
 use axum::body::{Body, Bytes};
 use axum::http::{self, HeaderMap, Method, Uri};
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Billing, Call, CallEnd, CallRefused, Calls, CapReached, Fault, Usage, Usd};
+use fab_model::calls::{
+    Billing, Call, CallEnd, CallRefused, Calls, CapReached, Failed, Fault, Usage, Usd,
+};
 use fab_model::{Message, ModelRole, Request, Speaker};
 use fab_providers::remote::{
-    Answers, BaseUrl, Gate, Key, MessageSink, Pause, Pricing, Remote, Retry, Settings, Shared, Wire,
+    Answers, BaseUrl, Gate, Key, Pause, Pricing, Remote, Retry, Settings, Shared, Wire,
 };
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -231,13 +233,7 @@ pub enum Told {
         text: String,
         cost: Option<Usd>,
     },
-    Failed {
-        fault: Fault,
-        why: String,
-        billing: Billing,
-        cost: Option<Usd>,
-        usage: Option<Usage>,
-    },
+    Failed(Failed),
 }
 
 /// Records reports, and refuses calls after `allowed` ones.
@@ -276,7 +272,7 @@ impl Notes {
     pub fn faults(&self) -> Vec<(Fault, Billing)> {
         let ends = self.ends();
         let failed = ends.iter().filter_map(|end| match end {
-            Told::Failed { fault, billing, .. } => Some((*fault, *billing)),
+            Told::Failed(failed) => Some((failed.fault, failed.billing)),
             _ => None,
         });
         failed.collect()
@@ -306,19 +302,7 @@ impl Calls for Notes {
                 text: reply.text.clone(),
                 cost: reply.cost,
             },
-            CallEnd::Failed {
-                fault,
-                why,
-                billing,
-                cost,
-                usage,
-            } => Told::Failed {
-                fault,
-                why: why.to_owned(),
-                billing,
-                cost,
-                usage,
-            },
+            CallEnd::Failed(failed) => Told::Failed(failed.clone()),
         });
         Ok(())
     }
@@ -347,7 +331,7 @@ impl Trial {
             ..Settings::new("provider", "a-model", Wire::OpenaiChat, base)
         };
         let shared = Shared {
-            tell: MessageSink::nobody(),
+            tell: Arc::new(|_| {}),
             gate: Arc::new(Gate::new(4)),
             answers: Arc::new(Answers::none()),
             interrupt: Interrupt::default(),

@@ -6,7 +6,7 @@
 
 use fab_picture::arrow::{self, Arrow, ArrowFault};
 use fab_picture::hull::{self, Point};
-use fab_picture::regions::{self, Grid};
+use fab_picture::{Mask, regions};
 use image::RgbImage;
 
 /// The contents of the first picture, checked against the second. Points are `[right, up]` from the picture's bottom
@@ -128,7 +128,7 @@ pub fn see(pictures: &[&[u8]]) -> Result<Sighting, Unrecognised> {
     let table = regions::border_colours(&[&first, &second]);
     let before =
         cloth(&first, &table, &drawn.stroke).ok_or(Unrecognised::Cloth(PictureOf::First))?;
-    let nothing = Grid::new(second.width(), second.height());
+    let nothing = Mask::from_pixels(second.width(), second.height(), &[]);
     let after = cloth(&second, &table, &nothing).ok_or(Unrecognised::Cloth(PictureOf::Second))?;
     let outline = outline_with_arrow(&before, &drawn, scale)?;
     check_change(&before, &after, &drawn, SLIDE_PX * scale)?;
@@ -162,10 +162,10 @@ fn decode(bytes: &[u8], which: PictureOf) -> Result<RgbImage, Unrecognised> {
 }
 
 /// The pixels of the cloth: the largest patch that is not table, minus the arrow drawn over it.
-fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Grid) -> Option<Grid> {
+fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Mask) -> Option<Mask> {
     // Include the stroke here, or an arrow across the cloth would cut it in two.
-    let patch = Grid::from_fn(picture.width(), picture.height(), |column, row| {
-        stroke.contains(column, row) || !regions::is_table(picture.get_pixel(column, row).0, table)
+    let patch = Mask::from_fn(picture.width(), picture.height(), |column, row| {
+        stroke.has(column, row) || !regions::is_table(picture.get_pixel(column, row).0, table)
     });
     let mut largest = regions::components(&patch)
         .into_iter()
@@ -176,19 +176,19 @@ fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Grid) -> Option<Grid> 
     if (largest.len() as f64) < least {
         return None;
     }
-    let mut cloth = Grid::new(picture.width(), picture.height());
-    for (column, row) in largest {
-        cloth.insert(column, row);
-    }
-    Some(cloth)
+    Some(Mask::from_pixels(
+        picture.width(),
+        picture.height(),
+        &largest,
+    ))
 }
 
 /// The cloth's hull. The ring hides the corner below it, so the arrow's ends count as cloth if they are close to it.
-fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Point>, Unrecognised> {
+fn outline_with_arrow(cloth: &Mask, arrow: &Arrow, scale: f64) -> Result<Vec<Point>, Unrecognised> {
     let height = f64::from(cloth.height());
     let up = |[column, row]: [f64; 2]| [column, height - row];
     let rims = (0..cloth.height()).flat_map(|row| {
-        let columns = (0..cloth.width()).filter(move |&column| cloth.contains(column, row));
+        let columns = (0..cloth.width()).filter(move |&column| cloth.has(column, row));
         let (least, most) = columns.fold((u32::MAX, 0), |(l, m), c| (l.min(c), m.max(c + 1)));
         [(least, row), (least, row + 1), (most, row), (most, row + 1)]
             .into_iter()
@@ -214,21 +214,21 @@ fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Poi
 ///
 /// - `slide_px`: how far the cloth may slide as a whole.
 fn check_change(
-    before: &Grid,
-    after: &Grid,
+    before: &Mask,
+    after: &Mask,
     arrow: &Arrow,
     slide_px: f64,
 ) -> Result<(), Unrecognised> {
     let area = before.area_px() as f64;
     let left: Vec<(u32, u32)> = before
         .points()
-        .filter(|&(column, row)| !after.contains(column, row))
+        .filter(|&(column, row)| !after.has(column, row))
         .collect();
     // The first picture's stroke hides cloth, which must not count as growth.
     let hidden = arrow
         .stroke
         .points()
-        .filter(|&(column, row)| after.contains(column, row))
+        .filter(|&(column, row)| after.has(column, row))
         .count();
     if after.area_px() as f64 > (area + 2.0 * hidden as f64) * GROWTH {
         return Err(Unrecognised::Backwards);

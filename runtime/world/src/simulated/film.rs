@@ -38,24 +38,15 @@ const AHEAD: f64 = 0.15;
 /// Width and height of the slanted picture, pixels.
 const SLANTED_PX: [u32; 2] = [384, 288];
 
-/// From where a film is taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FilmView {
-    /// From one side, with light and shadow.
-    #[default]
-    Slanted,
-    /// As the camera over the table sees it.
-    Table,
-}
-
-impl FilmView {
-    /// Returns its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            FilmView::Slanted => "slanted",
-            FilmView::Table => "table",
-        }
+fab_base::named! {
+    /// From where a film is taken.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+    pub enum FilmView {
+        /// From one side, with light and shadow.
+        #[default]
+        Slanted = "slanted",
+        /// As the camera over the table sees it.
+        Table = "table",
     }
 }
 

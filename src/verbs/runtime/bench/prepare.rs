@@ -17,6 +17,7 @@ use fab_agent::policy::MakePolicy;
 use fab_agent::subgoals::{SubgoalError, SubgoalSet};
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
+use fab_base::shown::quoted;
 use fab_bench::suite::{Method, Suite};
 use fab_bench::vary::Variation;
 use fab_bench::{Entry, Task, starts};
@@ -125,13 +126,9 @@ pub fn prepare(
     }
     let is_known = |name: &&String| !tasks.iter().any(|it| it.task.name == **name);
     if let Some(unknown) = suite.own_starts.keys().find(is_known) {
-        let names: Vec<String> = tasks
-            .iter()
-            .map(|it| format!("`{}`", it.task.name))
-            .collect();
         return Err(Failure::environment(format!(
             "the suite states starts of a task `{unknown}`, and has {}",
-            names.join(", ")
+            quoted(tasks.iter().map(|it| &it.task.name))
         )));
     }
     if tasks.is_empty() {
@@ -279,10 +276,10 @@ fn refuse_or_say(
         .declared
         .iter()
         .filter_map(|program| program.variant.as_deref());
-    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    let names = quoted(names);
     let there = match names.is_empty() {
         true => "there is none".to_owned(),
-        false => format!("there is {}", names.join(", ")),
+        false => format!("there is {names}"),
     };
     let why = format!("`{}` has no variant `{variant}`; {there}", prepared.file);
     Err(match arguments.variant.is_some() {

@@ -1,9 +1,10 @@
 //! The output of `fabc bench`: text, JSON and files.
 
 use crate::exit::Failure;
+use crate::io::write_file;
 use crate::verbs::runtime::bench::Shard;
 use fab_agent::outcome::Outcome;
-use fab_base::files;
+use fab_base::shown::{counted, quoted};
 use fab_bench::play::{Results, StopReason};
 use fab_bench::rows::Row;
 use fab_bench::{Answers, Bench};
@@ -69,13 +70,6 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
     )
 }
 
-fn counted(count: usize, what: &str) -> String {
-    match count {
-        1 => format!("1 {what}"),
-        _ => format!("{count} {what}s"),
-    }
-}
-
 impl Report<'_> {
     /// Returns the document that `--json` prints.
     pub fn json(&self) -> Value {
@@ -127,10 +121,7 @@ impl Report<'_> {
             ),
         ];
         for (name, text) in files {
-            let path = out.join(name);
-            files::write_whole(&path, text.as_bytes()).map_err(|error| {
-                Failure::environment(format!("cannot write `{}`: {error}", path.display()))
-            })?;
+            write_file(&out.join(name), text.as_bytes())?;
         }
         Ok(())
     }
@@ -215,15 +206,12 @@ impl Report<'_> {
 
     /// Names the rollouts on an arm that will not be resumed.
     fn cut_off(&self) -> Option<String> {
-        let folders = self.results.cut_off.iter();
-        let names: Vec<String> = folders
-            .map(|folder| format!("`{}`", folder.display()))
-            .collect();
-        (!names.is_empty()).then(|| {
+        let folders = &self.results.cut_off;
+        (!folders.is_empty()).then(|| {
             format!(
                 "warning: {} on the arm was interrupted earlier, and is neither resumed nor in the tables: {}; move its folder away to have it carried out from the beginning",
-                counted(names.len(), "rollout"),
-                names.join(", ")
+                counted(folders.len(), "rollout"),
+                quoted(folders.iter().map(|folder| folder.display()))
             )
         })
     }

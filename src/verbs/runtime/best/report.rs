@@ -74,7 +74,7 @@ impl Report<'_> {
             "{}: start {}, {} (untouched: {})",
             at.program.title(),
             start.name,
-            how_many(found),
+            how_many(std::slice::from_ref(at)),
             shown(found.untouched, metric)
         )];
         if !found.sampled.is_empty() {
@@ -244,7 +244,7 @@ impl Report<'_> {
                 name: row.name,
                 oracle: row.oracle,
                 note: match row.name {
-                    "best" => Some(self.how_many()),
+                    "best" => Some(how_many(self.starts)),
                     _ if count > self.starts.len() => Some(format!("mean of {count} rollouts")),
                     _ => None,
                 },
@@ -256,19 +256,6 @@ impl Report<'_> {
             }
         };
         first.rows.iter().enumerate().map(row).collect()
-    }
-
-    fn how_many(&self) -> String {
-        match self.starts {
-            [only] => how_many(&only.found),
-            all => {
-                let trials: u64 = all.iter().map(|at| u64::from(at.found.trials)).sum();
-                match all.iter().all(|at| at.found.exhausted) {
-                    true => format!("every action was tried, {trials} trials"),
-                    false => format!("best of {trials} trials"),
-                }
-            }
-        }
     }
 
     /// Returns the report for programs.
@@ -478,9 +465,9 @@ fn limit(found: &Found) -> Option<String> {
     })
 }
 
-fn how_many(found: &Found) -> String {
-    let trials = found.trials;
-    match found.exhausted {
+fn how_many(starts: &[AtStart]) -> String {
+    let trials: u64 = starts.iter().map(|at| u64::from(at.found.trials)).sum();
+    match starts.iter().all(|at| at.found.exhausted) {
         true => format!("every action was tried, {trials} trials"),
         false => format!("best of {trials} trials"),
     }

@@ -3,9 +3,9 @@
 //! In: lines, and with an arm, its tool's position at each. Out: the points, and on stderr how well each fits the
 //! earlier ones. The points are saved to a file after every line, so that an interrupted session loses none.
 
-use super::{backup, write};
+use super::backup;
 use crate::exit::Failure;
-use crate::io::Io;
+use crate::io::{Io, write_file};
 use fab_arm::calibration::{LineOutcome, Pair, Session, Terms, ToolReader, csv_line, grid};
 use fab_picture::{Tag, png};
 use fab_program::PixelPoint;
@@ -84,7 +84,7 @@ fn say_earlier(earlier: &Path, io: &Io) {
 
 fn save(path: &Path, pairs: &[Pair]) -> Result<(), Failure> {
     let lines: String = pairs.iter().map(|pair| csv_line(pair) + "\n").collect();
-    write(path, format!("u,v,x,y,z\n{lines}").as_bytes())
+    write_file(path, format!("u,v,x,y,z\n{lines}").as_bytes())
 }
 
 /// Names the next place of the grid.
@@ -112,7 +112,7 @@ fn show(targets: &[[f64; 2]], setup: &TypingSetup<'_>, io: &Io) -> Result<(), Fa
     draw_points(&mut drawn, &points, [255, 220, 0], 3).map_err(Failure::environment)?;
     draw_numbers(&mut drawn, targets);
     let path: PathBuf = setup.path.with_extension("grid.png");
-    write(&path, &png::encode(&drawn))?;
+    write_file(&path, &png::encode(&drawn))?;
     io.talk(&format!(
         "`{}` shows where points are best touched",
         path.display()

@@ -3,6 +3,7 @@
 //! In: the run's journal of the arm, or the arm's settings with its last run recorded beside them; a description of what was
 //! done. Out: a line in that journal, or if it is gone, in the record beside the settings. The arm is neither read nor moved.
 
+use super::terminal::line_of;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use clap::Args;
@@ -11,7 +12,6 @@ use fab_arm::last_run;
 use fab_arm::last_run::Recovery;
 use fab_arm::log::{ARM_FILE, ArmLog, Entry, RunState, run_state};
 use serde_json::{Value, json};
-use std::io::{BufRead, Read};
 use std::path::Path;
 use std::path::PathBuf;
 
@@ -31,9 +31,6 @@ pub struct RecoverArguments {
     #[arg(long)]
     pub json: bool,
 }
-
-/// The longest answer that is read, bytes.
-const MAX_LINE: u64 = 4096;
 
 const BY_HAND: &str = "nothing is moved by this command: bring the arm to rest by hand, and take the cloth out of its fingers; \
 `home` of the vendor's driver opens the hand";
@@ -143,16 +140,11 @@ pub(super) fn given_or_typed(given: Option<&String>, question: &str, io: &Io) ->
         Some(text) => text.trim().to_owned(),
         None => {
             io.talk(question);
-            io.read(line)
+            // Empty at the end.
+            let typed = io.read(line_of).unwrap_or_default();
+            typed.trim().to_owned()
         }
     }
-}
-
-/// Reads a line; empty at the end.
-fn line(lines: &mut dyn BufRead) -> String {
-    let mut bytes = Vec::new();
-    let _ = lines.take(MAX_LINE).read_until(b'\n', &mut bytes);
-    String::from_utf8_lossy(&bytes).trim().to_owned()
 }
 
 /// Describes how a run left the arm.

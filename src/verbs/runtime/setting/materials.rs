@@ -3,6 +3,7 @@
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::{shipped, sources};
+use fab_base::shown::quoted;
 use fab_program::Material;
 
 /// The shipped materials, relative to the tasks folder.
@@ -38,11 +39,7 @@ pub fn find(word: &str, io: &Io) -> Result<Material, Failure> {
     let names: Vec<&str> = materials.iter().map(|it| it.name.as_str()).collect();
     let near = fab_compiler::diag::nearest(name, names.iter().copied());
     let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`"));
-    let listed = names
-        .iter()
-        .map(|name| format!("`{name}`"))
-        .collect::<Vec<_>>()
-        .join(", ");
+    let listed = quoted(&names);
     let found = materials.iter().find(|it| it.name == name).cloned();
     found.ok_or_else(|| {
         Failure::usage(format!(

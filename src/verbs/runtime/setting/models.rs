@@ -60,20 +60,20 @@ struct Provided {
 impl Answering {
     /// Returns the profile of a role's model; `None` if it has no provider.
     pub fn profile(&self, role: ModelRole) -> Option<&Profile> {
-        let answerer = match role {
+        let provided = self.answerer(role).provided.as_ref();
+        provided.map(|it| &it.profile)
+    }
+
+    fn answerer(&self, role: ModelRole) -> &Answerer {
+        match role {
             ModelRole::Vision => &self.vision,
             ModelRole::Text => &self.text,
-        };
-        answerer.provided.as_ref().map(|it| &it.profile)
+        }
     }
 
     /// Returns the lengths of the answer that a request is sent with.
     pub fn lengths(&self, request: &Request) -> Lengths {
-        let answerer = match request.role {
-            ModelRole::Vision => &self.vision,
-            ModelRole::Text => &self.text,
-        };
-        match &answerer.provided {
+        match &self.answerer(request.role).provided {
             Some(provided) => provided.remote.lengths(request),
             None => Lengths {
                 visible: request.max_tokens,
@@ -85,11 +85,7 @@ impl Answering {
     /// Fails if a question cannot be sent as it is, for example because the model does not support one of its settings.
     pub fn check(&self, questions: &[FirstQuestion]) -> Result<(), Failure> {
         for question in questions {
-            let answerer = match question.request.role {
-                ModelRole::Vision => &self.vision,
-                ModelRole::Text => &self.text,
-            };
-            if let Some(provided) = &answerer.provided {
+            if let Some(provided) = &self.answerer(question.request.role).provided {
                 let encoded = provided.remote.encoded(&question.request);
                 encoded.map_err(|error| {
                     Failure::environment(format!("stage `{}`: {error}", question.stage))

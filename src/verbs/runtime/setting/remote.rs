@@ -11,9 +11,7 @@ use fab_base::interrupt::Interrupt;
 use fab_model::lowering::{Lowering, Points};
 use fab_providers::catalogue::{Catalogue, KeyNeed, Profile};
 use fab_providers::remote::settings::Parameter;
-use fab_providers::remote::{
-    Answers, BaseUrl, Gate, Key, MessageSink, Redactor, Remote, Settings, Shared,
-};
+use fab_providers::remote::{Answers, BaseUrl, Gate, Key, Redactor, Remote, Settings, Shared};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -105,7 +103,7 @@ impl Providers {
         let io = self.io.clone();
         let gate = gates.entry(profile.provider.name.clone());
         let shared = Shared {
-            tell: MessageSink::to(move |why| io.talk(&format!("  {why}"))),
+            tell: Arc::new(move |why| io.talk(&format!("  {why}"))),
             gate: Arc::clone(gate.or_insert_with(|| Arc::new(Gate::new(MOST_CALLS_AT_ONCE)))),
             answers: Arc::clone(&self.answers),
             interrupt: self.interrupt.clone(),

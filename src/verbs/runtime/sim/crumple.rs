@@ -7,7 +7,7 @@ use super::SPACING_M;
 use super::files;
 use super::parallel::{in_parallel, threads};
 use crate::exit::{Exit, Failure};
-use crate::io::Io;
+use crate::io::{Io, write_file};
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::sim::parallel::ThreadArguments;
 use clap::Args;
@@ -291,8 +291,8 @@ fn write(
     description["coverage"] = json!(crumpled.coverage);
     description["true_coverage"] = json!(crumpled.true_coverage);
     // The description comes first: positions without it would block the next call.
-    files::write(&beside, &files::json_bytes(&description))?;
-    files::write(&positions, &npy::encode(&start.positions))?;
+    write_file(&beside, &files::json_bytes(&description))?;
+    write_file(&positions, &npy::encode(&start.positions))?;
     Ok(positions.display().to_string())
 }
 

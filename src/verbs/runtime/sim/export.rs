@@ -2,7 +2,7 @@
 
 use super::files::{self, ClothState};
 use crate::exit::{Exit, Failure};
-use crate::io::Io;
+use crate::io::{Io, write_file};
 use crate::verbs::runtime::sim::files::StateArguments;
 use clap::Args;
 use clap::ValueHint;
@@ -76,14 +76,14 @@ fn positions(state: &ClothState, path: &Path) -> Result<Vec<PathBuf>, Failure> {
         )));
     }
     let description = files::description(&state.grid, &state.mask, MADE_BY);
-    files::write(path, &npy::encode(&state.positions))?;
-    files::write(&beside, &files::json_bytes(&description))?;
+    write_file(path, &npy::encode(&state.positions))?;
+    write_file(&beside, &files::json_bytes(&description))?;
     Ok(vec![path.to_owned(), beside])
 }
 
 /// Writes the cloth's triangles as a Wavefront file.
 fn mesh(state: &ClothState, path: &Path) -> Result<Vec<PathBuf>, Failure> {
     let text = fab_sim::mesh::obj(&state.mask, &state.positions).map_err(Failure::environment)?;
-    files::write(path, text.as_bytes())?;
+    write_file(path, text.as_bytes())?;
     Ok(vec![path.to_owned()])
 }

@@ -7,7 +7,6 @@ use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::FrameArguments;
 use clap::Args;
 use clap::ValueHint;
-use fab_base::files;
 use fab_sim::Mask;
 use fab_world::start::{Grid, Outline, Start, StartFrame, Up};
 use serde_json::{Value, json};
@@ -150,13 +149,6 @@ pub fn not_onto_itself(input: &Path, output: &Path) -> Result<(), Failure> {
 pub fn ends_in(path: &Path, ending: &str) -> bool {
     path.extension()
         .is_some_and(|found| found.eq_ignore_ascii_case(ending))
-}
-
-/// Writes a whole file.
-pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    files::write_whole(path, bytes).map_err(|error| {
-        Failure::environment(format!("cannot write `{}`: {error}", path.display()))
-    })
 }
 
 /// Describes positions in the world frame in the format of a start's description, with the verb that wrote them.

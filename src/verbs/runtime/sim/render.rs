@@ -2,7 +2,7 @@
 
 use super::files;
 use crate::exit::{Exit, Failure};
-use crate::io::Io;
+use crate::io::{Io, write_file};
 use crate::verbs::runtime::setting::materials;
 use crate::verbs::runtime::sim::files::StateArguments;
 use clap::Args;
@@ -81,7 +81,7 @@ pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
     picture
         .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
         .expect("a picture in memory can be encoded");
-    files::write(&path, &bytes)?;
+    write_file(&path, &bytes)?;
     let file = path.display().to_string();
     io.report(
         arguments.json,

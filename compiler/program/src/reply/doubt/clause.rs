@@ -1,7 +1,7 @@
 //! A clause as a statement: whom it speaks of, what it says of them, and whether that puts the answer in doubt.
 
 use super::vocabulary::*;
-use crate::reply::wordlist::words;
+use crate::reply::wordlist::{says, words};
 
 /// Where a sentence stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,15 +114,17 @@ impl<'a> Clause<'a> {
         }
     }
 
+    /// Returns the words that name its subject.
+    pub(super) fn named(&self) -> &'a [&'a str] {
+        &self.words[..self.words.len() - self.predicate.len()]
+    }
+
     /// Returns whether the clause only describes the cloth or the picture, in any words.
     ///
     /// It does not if it says what ought to be done or may be, compares, or points at the answer or its reader.
     pub(super) fn describes_the_world(&self) -> bool {
-        let is_verb = |it: &str| {
-            BE.contains(&it)
-                || MODALS.contains(&it)
-                || SEEMING.contains(&it)
-                || it.ends_with('s') && EFFECTS.iter().any(|stem| it.starts_with(stem))
+        let tells = |it: &str| {
+            is_verb(it) || it.ends_with('s') && EFFECTS.iter().any(|stem| it.starts_with(stem))
         };
         let points_elsewhere = |it: &&str| {
             words!("should must ought need needs may might i my me we our you your this these here better best more")
@@ -137,13 +139,12 @@ impl<'a> Clause<'a> {
             _ => false,
         };
         let is_description =
-            is_told && self.words.iter().skip(1).any(|it| is_verb(it)) || self.is_explaining();
+            is_told && self.words.iter().skip(1).any(|it| tells(it)) || self.is_explaining();
         is_description && !self.words.iter().any(points_elsewhere) || self.tells_its_effect()
     }
 
     /// Returns whether the clause has no verb, orders nothing and doubts nothing.
     pub(super) fn is_mere_phrase(&self) -> bool {
-        let is_verb = |it: &str| BE.contains(&it) || MODALS.contains(&it) || SEEMING.contains(&it);
         self.subject == Subject::Nobody
             && self.words.first().is_some_and(|it| !orders(it))
             && !self.words.iter().any(|it| {
@@ -266,8 +267,7 @@ impl<'a> Clause<'a> {
             return None;
         }
         let text = format!(" {} ", self.words.join(" "));
-        let says = |saying: &str| text.contains(&format!(" {saying} "));
-        SAYINGS.split('|').any(says).then_some(DOUBTED)
+        says(&text, SAYINGS).then_some(DOUBTED)
     }
 
     /// `None of that is reliable`, `The pick should be shifted`, `These belong to the previous picture`
@@ -281,15 +281,15 @@ impl<'a> Clause<'a> {
         let denies = denies != self.is_none;
         let is_it = self.words[0] == "it";
         let verb = head?;
-        let length = self.words.len() - self.predicate.len();
-        if self.place == Place::Before && !refers_forward(&self.words[..length]) {
+        let named = self.named();
+        if self.place == Place::Before && !refers_forward(named) {
             return None;
         }
         let has = |table: &[&str]| rest.iter().any(|it| table.contains(it));
-        let named = self.words[..length].last().copied().unwrap_or_default();
+        let noun = named.last().copied().unwrap_or_default();
         let supposed = modal.is_some_and(|it| SUPPOSING.contains(&it)) && BE.contains(&verb);
         let unreal = supposed
-            && words!("these those numbers values").contains(&named)
+            && words!("these those numbers values").contains(&noun)
             && modal == Some("would");
         let turned = supposed
             && rest.first().is_some_and(|it| {
@@ -297,7 +297,7 @@ impl<'a> Clause<'a> {
                     .contains(it)
             });
         let other = supposed
-            && length == 0
+            && named.is_empty()
             && rest
                 .iter()
                 .any(|it| words!("other another different either").contains(it));
@@ -397,8 +397,7 @@ impl<'a> Clause<'a> {
 
     /// Returns whether the subject can be nothing but the answer, and a verb must follow it.
     fn is_plain_reference(&self) -> bool {
-        let length = self.words.len() - self.predicate.len();
-        let named = &self.words[..length];
+        let named = self.named();
         let next = self.predicate.get(1).copied().unwrap_or_default();
         let is_noun = next.ends_with('s')
             || next.ends_with("ed")
@@ -426,7 +425,8 @@ impl<'a> Clause<'a> {
     fn is_unknown(&self, judgement: &[&str]) -> bool {
         let excessive = judgement.iter().take(4).any(|it| *it == "too");
         let is_word = judgement.len() == 1
-            && self.words[..self.words.len() - self.predicate.len()]
+            && self
+                .named()
                 .last()
                 .is_some_and(|it| words!("grip direction distance angle").contains(it));
         let is_fit = is_word
@@ -437,9 +437,10 @@ impl<'a> Clause<'a> {
                     || it.ends_with("est")
                     || it.starts_with(|it: char| it.is_ascii_digit() || it == '@' || !it.is_ascii())
             });
-        let length = self.words.len() - self.predicate.len();
+        // Without a subject, the first word counts.
+        let noun = self.named().len().saturating_sub(1);
         self.is_plain_reference()
-            && !matches!(self.words.get(length.saturating_sub(1)), Some(&"x" | &"y"))
+            && !matches!(self.words.get(noun), Some(&"x" | &"y"))
             && (judgement.len() > 1 || excessive)
             && (excessive || !is_fit)
     }
@@ -580,10 +581,7 @@ impl<'a> Clause<'a> {
             let named = matches!(self.words[at], "this" | "these" | "those")
                 || ARTICLES.contains(&self.words[at]) && PARTS.contains(&self.words[at + 1]);
             let verb = at + 1 + usize::from(ARTICLES.contains(&self.words[at]));
-            named
-                && self.words.get(verb).is_some_and(|it| {
-                    BE.contains(it) || MODALS.contains(it) || SEEMING.contains(it)
-                })
+            named && self.words.get(verb).is_some_and(|it| is_verb(it))
         };
         let at = (1..self.words.len().saturating_sub(1)).find(|at| begins(*at))?;
         let clause = Clause::new(
@@ -955,10 +953,16 @@ pub(super) fn orders(word: &str) -> bool {
             .contains(&word)
 }
 
+/// Returns whether a word is a form of `be`, a modal verb, or one for how something seems.
+fn is_verb(word: &str) -> bool {
+    [BE, MODALS, SEEMING]
+        .iter()
+        .any(|table| table.contains(&word))
+}
+
 /// Returns whom a clause speaks of, and how many words name them.
 pub(super) fn subject(words: &[&str]) -> (Subject, usize) {
     let word = |at: usize| words.get(at).copied().unwrap_or_default();
-    let is_verb = |it: &str| BE.contains(&it) || MODALS.contains(&it) || SEEMING.contains(&it);
     match word(0) {
         "i" => return (Subject::Author, 1),
         "we" => return (Subject::Author, 1),

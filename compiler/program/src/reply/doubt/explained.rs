@@ -93,7 +93,7 @@ impl Clause<'_> {
 
     /// `The last attempt was wrong`, `the two points that I gave before were too close`, `I had misread the arrow`
     fn tells_of_an_earlier_try(&self) -> bool {
-        let named = &self.words[..self.words.len() - self.predicate.len()];
+        let named = self.named();
         // `I am sorry about my last answer`
         let regrets = self.regrets() && self.names_an_earlier_try();
         let gave = self

@@ -13,7 +13,7 @@ mod vocabulary;
 mod weighing;
 
 use super::lexer::{Gap, Kind, Token};
-use super::wordlist::words;
+use super::wordlist::{self, words};
 use clause::{CONDITIONAL, Clause, DOUBTED, HALTED, OTHERWISE, Subject, refers_forward};
 pub(super) use clause::{Place, Prose};
 use vocabulary::*;
@@ -92,8 +92,7 @@ pub(super) fn cast_by(
         if words.starts_with(&["here"]) && !words.iter().any(|it| PARTS.contains(it)) {
             return false;
         }
-        let named = &clause.words[..clause.words.len() - clause.predicate.len()];
-        clause.subject == Subject::Answer && refers_forward(named)
+        clause.subject == Subject::Answer && refers_forward(clause.named())
     };
     // A member of an object with one or two words is a name or a level.
     let may_be_strange = match place {
@@ -166,11 +165,7 @@ fn whole(
 ) -> Option<&'static str> {
     let is_remark = prose == Prose::Remark;
     let first = words.first()?;
-    let says = |sayings: &str| {
-        sayings
-            .split('|')
-            .any(|it| said.contains(&format!(" {it} ")))
-    };
+    let says = |sayings: &str| wordlist::says(said, sayings);
     if place == Place::Before {
         let announces = words.last() == Some(&":");
         // `Were the sleeve flat, I would say:`

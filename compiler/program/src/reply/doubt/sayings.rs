@@ -424,7 +424,7 @@ pub(super) fn plainly(clause: &Clause<'_>) -> Option<&'static str> {
 }
 
 fn first(rows: &[Row], patterns: &Patterns, clause: &Clause<'_>) -> Option<&'static str> {
-    let named = &clause.words[..clause.words.len() - clause.predicate.len()];
+    let named = clause.named();
     let found = rows.iter().zip(patterns).find(|(row, (says, unless))| {
         let is_then = match row.when {
             When::After => clause.place == Place::After,

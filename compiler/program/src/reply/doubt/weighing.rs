@@ -168,8 +168,7 @@ fn gains(words: &[&str]) -> bool {
 
 impl Clause<'_> {
     fn speaks_of_what_follows(&self) -> bool {
-        let named = &self.words[..self.words.len() - self.predicate.len()];
-        self.subject == Subject::Answer && refers_forward(named)
+        self.subject == Subject::Answer && refers_forward(self.named())
     }
 
     /// Returns whether the clause tells of another way to act: `the collar would`, `the other corner`.

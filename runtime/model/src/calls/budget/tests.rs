@@ -3,7 +3,6 @@
 
 use super::*;
 use crate::Reply;
-use crate::calls::Fault;
 use proptest::prelude::*;
 use std::thread;
 
@@ -24,13 +23,10 @@ fn reply(cost: Option<Usd>) -> Reply {
     }
 }
 
-fn failed(billing: Billing) -> CallEnd<'static> {
-    CallEnd::Failed {
-        fault: Fault::TimedOut,
-        why: "",
+fn failed(billing: Billing) -> Failed {
+    Failed {
         billing,
-        cost: None,
-        usage: None,
+        ..Failed::UNRESOLVED
     }
 }
 
@@ -40,7 +36,7 @@ fn money_is_set_aside_before_a_call_and_the_rest_given_back_after_it() {
     let first = budget.reserve(MODEL, usd(0.6)).unwrap();
     first.settle(&CallEnd::Answered(&reply(usd(0.1))));
     let second = budget.reserve(MODEL, usd(0.9)).unwrap();
-    second.settle(&failed(Billing::Possibly));
+    second.settle(&CallEnd::Failed(&failed(Billing::Possibly)));
     let refused = budget.reserve(MODEL, usd(0.01)).unwrap_err().to_string();
     assert!(refused.contains("0.0000 USD is left"), "{refused}");
     let spent = budget.spent();
@@ -62,7 +58,7 @@ fn calls_under_way_count_towards_the_cap() {
     let budget = Budget::new(caps, earlier);
     let call = budget.reserve(MODEL, None).unwrap();
     assert!(budget.reserve(MODEL, None).is_err());
-    call.settle(&failed(Billing::No));
+    call.settle(&CallEnd::Failed(&failed(Billing::No)));
     assert!(budget.reserve(MODEL, None).is_err());
     assert_eq!(budget.spent().possibly_billed, 0);
 }
@@ -113,9 +109,15 @@ fn until_waiting(budget: &Budget, waiting: &thread::ScopedJoinHandle<'_, bool>) 
 fn a_reservation_that_does_not_fit_waits_for_calls_under_way() {
     type End = for<'b> fn(Reservation<'b>);
     let cases: [(End, bool); 4] = [
-        (|call| call.settle(&failed(Billing::No)), true),
+        (
+            |call| call.settle(&CallEnd::Failed(&failed(Billing::No))),
+            true,
+        ),
         (|call| call.release(), true),
-        (|call| call.settle(&failed(Billing::Possibly)), false),
+        (
+            |call| call.settle(&CallEnd::Failed(&failed(Billing::Possibly))),
+            false,
+        ),
         (
             |call| {
                 let _dropped = call;
@@ -240,17 +242,15 @@ impl Flight {
     fn land(&self, state: &mut State) {
         let (cost, _) = self.costs();
         let answer = reply(cost);
-        let failure = |billing| CallEnd::Failed {
-            fault: Fault::Truncated,
-            why: "",
-            billing,
+        let failure = |billing| Failed {
             cost,
-            usage: None,
+            ..failed(billing)
         };
+        let (possibly_billed, unbilled) = (failure(Billing::Possibly), failure(Billing::No));
         let end = match self.fate {
             Fate::Bills(_) | Fate::ReportsNothing => CallEnd::Answered(&answer),
-            Fate::BillsAndFails(_) | Fate::IsCut => failure(Billing::Possibly),
-            Fate::IsRefused => failure(Billing::No),
+            Fate::BillsAndFails(_) | Fate::IsCut => CallEnd::Failed(&possibly_billed),
+            Fate::IsRefused => CallEnd::Failed(&unbilled),
         };
         state.end(self.model, self.amounts, Some(&end));
     }

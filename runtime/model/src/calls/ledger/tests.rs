@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use crate::calls::{Caps, Usage};
+use crate::calls::{Billing, Caps, Usage};
 
 fn usd(dollars: f64) -> Option<Usd> {
     Some(Usd::from_dollars(dollars).unwrap())
@@ -35,14 +35,14 @@ fn eventful(folder: &Path) -> Budget {
     let budget = Budget::default();
     let mut ledger = Ledger::open(folder, &budget).unwrap();
     ledger.begin(&call("a", 1)).unwrap();
-    let failed = CallEnd::Failed {
+    let failed = Failed {
         fault: Fault::RateLimited,
-        why: "wait",
+        why: "wait".to_owned(),
         billing: Billing::No,
         cost: None,
         usage: None,
     };
-    ledger.end(&failed).unwrap();
+    ledger.end(&CallEnd::Failed(&failed)).unwrap();
     ledger.begin(&call("a", 2)).unwrap();
     ledger.end(&CallEnd::Answered(&bought("first"))).unwrap();
     ledger.keep("b", &Reply::text("cached")).unwrap();
@@ -157,14 +157,14 @@ fn a_billed_failure_counts_in_tokens_and_what_a_model_overran_is_remembered() {
         output_tokens: 9,
         reasoning_tokens: None,
     };
-    let truncated = CallEnd::Failed {
+    let truncated = Failed {
         fault: Fault::Truncated,
-        why: "cut off",
+        why: "cut off".to_owned(),
         billing: Billing::Possibly,
         cost: usd(1.5),
         usage: Some(usage),
     };
-    ledger.end(&truncated).unwrap();
+    ledger.end(&CallEnd::Failed(&truncated)).unwrap();
     ledger.begin(&call("a", 2)).unwrap();
     drop(ledger);
     let noted = read(folder.path()).unwrap();

@@ -1,23 +1,19 @@
 //! Tests of the table of causes, with those that cannot be played without another machine.
 
 use super::*;
-use crate::remote::BaseUrl;
 use crate::remote::exchange::{Came, Sent};
 use crate::remote::transport::{Incoming, NoReply};
-use std::time::Duration;
+use crate::remote::{BaseUrl, Settings};
 
 fn sent(base_url: &str, proxy: Option<&str>) -> Sent {
     let base_url = BaseUrl::parse(base_url).expect("a base URL");
     Sent {
         url: base_url.endpoint(Wire::OpenaiChat, "a-model"),
-        base_url,
-        wire: Wire::OpenaiChat,
-        provider: "vllm".to_owned(),
-        model: "a-model".to_owned(),
-        key_names: vec!["FABC_VLLM_KEY".to_owned()],
-        key: None,
-        start: Some("vllm serve MODEL".to_owned()),
-        timeout: Duration::from_secs(300),
+        settings: Settings {
+            key_names: vec!["FABC_VLLM_KEY".to_owned()],
+            start: Some("vllm serve MODEL".to_owned()),
+            ..Settings::new("vllm", "a-model", Wire::OpenaiChat, base_url)
+        },
         proxy: proxy.map(str::to_owned),
     }
 }

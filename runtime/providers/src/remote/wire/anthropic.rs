@@ -2,13 +2,13 @@
 //!
 //! In: messages and the request's settings; a `message`. Out: a typed body; an answer or a failure.
 
-use super::content::{base64, framed, words};
-use super::error::{ErrorBody, repeated, stated};
+use super::content::{Turn, base64, framed, pieces, turn};
+use super::error::{read, refuse_error, repeated};
 use super::{
     Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated, unknown_end,
 };
 use fab_model::calls::{Fault, Usage};
-use fab_model::{Message, Part, Reasoning, Speaker};
+use fab_model::{Message, Part, Reasoning};
 use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -19,7 +19,7 @@ pub(super) struct Body<'a> {
     max_tokens: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     system: Option<String>,
-    messages: Vec<Turn<'a>>,
+    messages: Vec<Turn<Block<'a>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     temperature: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -36,19 +36,6 @@ enum Thinking {
     Disabled,
     Adaptive,
     Enabled { budget_tokens: u32 },
-}
-
-#[derive(Serialize)]
-struct Turn<'a> {
-    role: &'static str,
-    content: AnthropicContent<'a>,
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum AnthropicContent<'a> {
-    Text(String),
-    Blocks(Vec<Block<'a>>),
 }
 
 #[derive(Serialize)]
@@ -117,7 +104,10 @@ pub(super) fn body<'a>(
         model,
         max_tokens,
         system,
-        messages: turns.iter().map(turn).collect::<Result<_, _>>()?,
+        messages: turns
+            .iter()
+            .map(|message| turn(message, |it| pieces(it, block)))
+            .collect::<Result<_, _>>()?,
         temperature: stated.temperature,
         top_p: stated.top_p,
         thinking,
@@ -125,15 +115,8 @@ pub(super) fn body<'a>(
     })
 }
 
-fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
-    if message.speaker == Speaker::Assistant {
-        let content = AnthropicContent::Text(words(message)?);
-        return Ok(Turn {
-            role: "assistant",
-            content,
-        });
-    }
-    let blocks = message.parts.iter().map(|part| match part {
+fn block(part: &Part) -> Block<'_> {
+    match part {
         Part::Text(text) => Block::Text { text },
         Part::Image(png) => Block::Image {
             source: Source::Base64 {
@@ -141,11 +124,7 @@ fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
                 data: base64(png),
             },
         },
-    });
-    Ok(Turn {
-        role: "user",
-        content: AnthropicContent::Blocks(blocks.collect()),
-    })
+    }
 }
 
 #[derive(Deserialize)]
@@ -189,8 +168,7 @@ struct OutputDetails {
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
-    let reply: Reply =
-        serde_json::from_slice(bytes).map_err(|error| Failure::invalid(bytes, &error))?;
+    let reply: Reply = read(bytes)?;
     let usage = reply.usage.map(|tokens| {
         let cached = tokens.cache_read_input_tokens.unwrap_or(0);
         let written = tokens.cache_creation_input_tokens.unwrap_or(0);
@@ -205,9 +183,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
                 .and_then(|details| details.thinking_tokens),
         }
     });
-    if let Some(error) = stated(reply.error) {
-        return Err(ErrorBody::of(&error).failure(usage));
-    }
+    refuse_error(reply.error.as_ref(), usage)?;
     let mut is_cut = false;
     match reply.stop_reason.as_deref() {
         Some("end_turn" | "stop_sequence") => {}

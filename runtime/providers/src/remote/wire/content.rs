@@ -4,9 +4,42 @@ use super::Unfit;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use fab_model::{Message, Part, Png, Speaker};
+use serde::Serialize;
 
 /// Separates texts that are joined into one string.
 pub(super) const BETWEEN: &str = "\n\n";
+
+/// A turn in the formats that name a role beside the content; `P`: a text or a picture of the format.
+#[derive(Serialize)]
+pub(super) struct Turn<P> {
+    role: &'static str,
+    content: Content<P>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+pub(super) enum Content<P> {
+    Text(String),
+    Pieces(Vec<P>),
+}
+
+/// Makes a turn; `asked` writes the content of a user's, and the others are text.
+pub(super) fn turn<'a, P>(
+    message: &'a Message,
+    asked: impl FnOnce(&'a Message) -> Content<P>,
+) -> Result<Turn<P>, Unfit> {
+    let (role, content) = match message.speaker {
+        Speaker::System => ("system", Content::Text(words(message)?)),
+        Speaker::Assistant => ("assistant", Content::Text(words(message)?)),
+        Speaker::User => ("user", asked(message)),
+    };
+    Ok(Turn { role, content })
+}
+
+/// Returns the content of a turn in pieces.
+pub(super) fn pieces<'a, P>(message: &'a Message, piece: impl FnMut(&'a Part) -> P) -> Content<P> {
+    Content::Pieces(message.parts.iter().map(piece).collect())
+}
 
 /// Returns the most pictures of any message.
 pub(super) fn most_pictures(messages: &[Message]) -> usize {

@@ -6,6 +6,7 @@
 use super::Failure;
 use fab_base::shown::shown;
 use fab_model::calls::{Fault, Usage};
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::time::Duration;
 
@@ -166,17 +167,26 @@ impl ErrorBody {
     }
 }
 
-/// Returns the value of `error` in a reply of status 200, if it says that something went wrong.
+/// Reads a reply with status 200.
+pub(super) fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Failure> {
+    serde_json::from_slice(bytes).map_err(|error| Failure::invalid(bytes, &error))
+}
+
+/// Fails if `error` in a reply with status 200 says that something went wrong.
 ///
 /// Some servers send an empty one beside an answer.
-pub(super) fn stated(error: Option<Value>) -> Option<Value> {
-    error.filter(|error| match error {
+pub(super) fn refuse_error(error: Option<&Value>, usage: Option<Usage>) -> Result<(), Failure> {
+    let is_stated = |error: &&Value| match error {
         Value::Null | Value::Bool(false) => false,
         Value::String(text) => !text.is_empty(),
         Value::Array(items) => !items.is_empty(),
         Value::Object(fields) => !fields.is_empty(),
         Value::Bool(true) | Value::Number(_) => true,
-    })
+    };
+    match error.filter(is_stated) {
+        Some(error) => Err(ErrorBody::of(error).failure(usage)),
+        None => Ok(()),
+    }
 }
 
 /// Returns a provider's words as they are repeated: on one line, and not at any length.

@@ -3,7 +3,7 @@
 //! In: messages and the request's settings; a `GenerateContentResponse`. Out: a typed body; an answer or a failure.
 
 use super::content::{base64, framed, words};
-use super::error::{ErrorBody, repeated, stated};
+use super::error::{read, refuse_error, repeated};
 use super::{Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Reasoning, Speaker};
@@ -169,8 +169,7 @@ struct GeminiTokens {
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
-    let reply: Reply =
-        serde_json::from_slice(bytes).map_err(|error| Failure::invalid(bytes, &error))?;
+    let reply: Reply = read(bytes)?;
     let usage = reply.usage_metadata.map(|tokens| Usage {
         input_tokens: tokens.prompt_token_count.unwrap_or(0),
         cached_input_tokens: tokens.cached_content_token_count.unwrap_or(0),
@@ -181,9 +180,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             .saturating_add(tokens.thoughts_token_count.unwrap_or(0)),
         reasoning_tokens: tokens.thoughts_token_count,
     });
-    if let Some(error) = stated(reply.error) {
-        return Err(ErrorBody::of(&error).failure(usage));
-    }
+    refuse_error(reply.error.as_ref(), usage)?;
     if let Some(reason) = reply.prompt_feedback.and_then(|said| said.block_reason) {
         let reason = repeated(&reason);
         let why = format!("the provider's filter refused the question: `{reason}`");

@@ -206,6 +206,18 @@ impl<'a> SentSettings<'a> {
     }
 }
 
+/// The part of the input tokens that OpenAI's two formats tell.
+#[derive(Deserialize)]
+struct InputDetails {
+    cached_tokens: Option<u64>,
+}
+
+/// The part of the output tokens that OpenAI's two formats tell.
+#[derive(Deserialize)]
+struct OutputDetails {
+    reasoning_tokens: Option<u64>,
+}
+
 impl Failure {
     fn new(fault: Fault, why: impl Into<String>, usage: Option<Usage>) -> Failure {
         Failure {

@@ -3,15 +3,15 @@
 //! In: messages and the request's settings; a `chat.completion`. Out: a typed body; an answer or a failure. Compatible
 //! servers omit fields, so a reply needs only a choice with text.
 
-use super::content::{data_url, refuse_no_question, words};
-use super::error::{ErrorBody, repeated, stated};
+use super::content::{Content, Turn, data_url, pieces, refuse_no_question, turn};
+use super::error::{read, refuse_error, repeated};
 use super::{
-    Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated, unknown_end,
-    with_hidden,
+    Answer, Failure, InputDetails, OutputDetails, SentSettings, Unfit, answer, if_readable,
+    tool_called, truncated, unknown_end, with_hidden,
 };
 use crate::catalogue::MaxTokensField;
 use fab_model::calls::{Fault, Usage};
-use fab_model::{Message, Part, Reasoning, Speaker};
+use fab_model::{Message, Part, Reasoning};
 use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 #[derive(Serialize)]
 pub(super) struct Body<'a> {
     model: &'a str,
-    messages: Vec<Turn<'a>>,
+    messages: Vec<Turn<Piece<'a>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     temperature: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -36,19 +36,6 @@ pub(super) struct Body<'a> {
     budget: BTreeMap<&'a str, u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     response_format: Option<Format<'a>>,
-}
-
-#[derive(Serialize)]
-struct Turn<'a> {
-    role: &'static str,
-    content: ChatContent<'a>,
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum ChatContent<'a> {
-    Text(String),
-    Parts(Vec<Piece<'a>>),
 }
 
 #[derive(Serialize)]
@@ -86,7 +73,10 @@ pub(super) fn body<'a>(
     let limit = |wanted| stated.max_tokens.filter(|_| field == wanted);
     Ok(Body {
         model,
-        messages: messages.iter().map(turn).collect::<Result<_, _>>()?,
+        messages: messages
+            .iter()
+            .map(|message| turn(message, asked))
+            .collect::<Result<_, _>>()?,
         temperature: stated.temperature,
         top_p: stated.top_p,
         max_tokens: limit(MaxTokensField::MaxTokens),
@@ -109,27 +99,17 @@ pub(super) fn body<'a>(
     })
 }
 
-fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
-    let (role, content) = match message.speaker {
-        Speaker::System => ("system", ChatContent::Text(words(message)?)),
-        Speaker::Assistant => ("assistant", ChatContent::Text(words(message)?)),
-        Speaker::User => ("user", asked(message)),
-    };
-    Ok(Turn { role, content })
-}
-
-fn asked(message: &Message) -> ChatContent<'_> {
+fn asked(message: &Message) -> Content<Piece<'_>> {
     // Some servers accept text-only content only as a string.
     if let [Part::Text(text)] = &message.parts[..] {
-        return ChatContent::Text(text.clone());
+        return Content::Text(text.clone());
     }
-    let pieces = message.parts.iter().map(|part| match part {
+    pieces(message, |part| match part {
         Part::Text(text) => Piece::Text { text },
         Part::Image(png) => Piece::ImageUrl {
             image_url: ImageUrl { url: data_url(png) },
         },
-    });
-    ChatContent::Parts(pieces.collect())
+    })
 }
 
 #[derive(Deserialize)]
@@ -179,19 +159,8 @@ struct ChatTokens {
     completion_tokens_details: Option<OutputDetails>,
 }
 
-#[derive(Deserialize)]
-struct OutputDetails {
-    reasoning_tokens: Option<u64>,
-}
-
-#[derive(Deserialize)]
-struct InputDetails {
-    cached_tokens: Option<u64>,
-}
-
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
-    let completion: Completion =
-        serde_json::from_slice(bytes).map_err(|error| Failure::invalid(bytes, &error))?;
+    let completion: Completion = read(bytes)?;
     let usage = completion.usage.map(|tokens| {
         let usage = Usage {
             input_tokens: tokens.prompt_tokens,
@@ -206,13 +175,12 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         };
         with_hidden(usage, tokens.total_tokens)
     });
-    if let Some(error) = stated(completion.error) {
-        return Err(ErrorBody::of(&error).failure(usage));
-    }
+    refuse_error(completion.error.as_ref(), usage)?;
     let choice = completion.choices.unwrap_or_default().into_iter().next();
-    if let Some(error) = stated(choice.as_ref().and_then(|choice| choice.error.clone())) {
-        return Err(ErrorBody::of(&error).failure(usage));
-    }
+    refuse_error(
+        choice.as_ref().and_then(|choice| choice.error.as_ref()),
+        usage,
+    )?;
     let Some(Choice {
         message: Some(said),
         finish_reason,

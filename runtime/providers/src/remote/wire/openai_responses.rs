@@ -2,14 +2,14 @@
 //!
 //! In: messages and the request's settings; a `response`. Out: a typed body; an answer or a failure.
 
-use super::content::{BETWEEN, data_url, refuse_no_question, words};
-use super::error::{ErrorBody, repeated, stated};
+use super::content::{BETWEEN, Turn, data_url, pieces, refuse_no_question, turn};
+use super::error::{read, refuse_error, repeated};
 use super::{
-    Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated, unknown_end,
-    with_hidden,
+    Answer, Failure, InputDetails, OutputDetails, SentSettings, Unfit, answer, if_readable,
+    tool_called, truncated, unknown_end, with_hidden,
 };
 use fab_model::calls::{Fault, Usage};
-use fab_model::{Message, Part, Reasoning, Speaker};
+use fab_model::{Message, Part, Reasoning};
 use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -17,7 +17,7 @@ use serde_json::Value;
 #[derive(Serialize)]
 pub(super) struct Body<'a> {
     model: &'a str,
-    input: Vec<Turn<'a>>,
+    input: Vec<Turn<Piece<'a>>>,
     store: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     temperature: Option<f64>,
@@ -34,19 +34,6 @@ pub(super) struct Body<'a> {
 #[derive(Serialize)]
 struct Effort {
     effort: ReasoningLevel,
-}
-
-#[derive(Serialize)]
-struct Turn<'a> {
-    role: &'static str,
-    content: ResponsesContent<'a>,
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum ResponsesContent<'a> {
-    Text(String),
-    Parts(Vec<Piece<'a>>),
 }
 
 #[derive(Serialize)]
@@ -84,7 +71,10 @@ pub(super) fn body<'a>(
     refuse_no_question(messages)?;
     Ok(Body {
         model,
-        input: messages.iter().map(turn).collect::<Result<_, _>>()?,
+        input: messages
+            .iter()
+            .map(|message| turn(message, |it| pieces(it, piece)))
+            .collect::<Result<_, _>>()?,
         store: false,
         temperature: stated.temperature,
         top_p: stated.top_p,
@@ -102,18 +92,6 @@ pub(super) fn body<'a>(
             },
         }),
     })
-}
-
-fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
-    let (role, content) = match message.speaker {
-        Speaker::System => ("system", ResponsesContent::Text(words(message)?)),
-        Speaker::Assistant => ("assistant", ResponsesContent::Text(words(message)?)),
-        Speaker::User => (
-            "user",
-            ResponsesContent::Parts(message.parts.iter().map(piece).collect()),
-        ),
-    };
-    Ok(Turn { role, content })
 }
 
 fn piece(part: &Part) -> Piece<'_> {
@@ -171,19 +149,8 @@ struct ResponsesTokens {
     output_tokens_details: Option<OutputDetails>,
 }
 
-#[derive(Deserialize)]
-struct OutputDetails {
-    reasoning_tokens: Option<u64>,
-}
-
-#[derive(Deserialize)]
-struct InputDetails {
-    cached_tokens: Option<u64>,
-}
-
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
-    let response: Response =
-        serde_json::from_slice(bytes).map_err(|error| Failure::invalid(bytes, &error))?;
+    let response: Response = read(bytes)?;
     let usage = response.usage.map(|tokens| {
         let usage = Usage {
             input_tokens: tokens.input_tokens,
@@ -198,9 +165,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         };
         with_hidden(usage, tokens.total_tokens)
     });
-    if let Some(error) = stated(response.error) {
-        return Err(ErrorBody::of(&error).failure(usage));
-    }
+    refuse_error(response.error.as_ref(), usage)?;
     let reason = response
         .incomplete_details
         .and_then(|details| details.reason);

@@ -5,7 +5,7 @@
 //! it take the face of their neighbours. A face is darker the steeper it stands.
 
 use fab_picture::hull::Point;
-use fab_picture::regions;
+use fab_picture::{Mask, regions};
 use image::RgbImage;
 
 /// The content of a pixel.
@@ -133,7 +133,7 @@ impl View {
             let shows = |column: u32, row: u32| {
                 self.faces[row as usize * self.width + column as usize] == wanted
             };
-            let set = regions::Grid::from_fn(self.width as u32, self.height as u32, shows);
+            let set = Mask::from_fn(self.width as u32, self.height as u32, shows);
             for patch in regions::components(&set) {
                 for &(column, row) in &patch {
                     sizes[row as usize * self.width + column as usize] = patch.len() as u32;

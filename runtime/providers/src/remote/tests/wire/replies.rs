@@ -511,7 +511,7 @@ fn what_is_no_json_is_an_invalid_reply_that_is_not_quoted() {
     ] {
         for wire in Wire::ALL {
             if let Err(failure) = wire.decode(bytes) {
-                assert_eq!(failure.fault, Fault::InvalidReply, "{}", wire.name());
+                assert_eq!(failure.fault, Fault::InvalidReply, "{wire}");
                 assert!(!failure.why.contains("canary"), "{}", failure.why);
             }
         }

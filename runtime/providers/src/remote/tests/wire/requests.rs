@@ -74,12 +74,7 @@ fn conversations_are_told_with_pictures_and_frames_where_each_provider_wants_the
         }),
     };
     for wire in Wire::ALL {
-        assert_eq!(
-            sent(&request(), &settings(wire)),
-            expected(wire),
-            "{}",
-            wire.name()
-        );
+        assert_eq!(sent(&request(), &settings(wire)), expected(wire), "{wire}");
     }
 }
 
@@ -125,12 +120,7 @@ fn settings_and_schema_go_where_each_provider_wants_them() {
         let body = sent(&request, &with_schema);
         for place in expected(wire).as_array().expect("a list") {
             let pointer = place[0].as_str().expect("a pointer");
-            assert_eq!(
-                body.pointer(pointer),
-                Some(&place[1]),
-                "{} {pointer}",
-                wire.name()
-            );
+            assert_eq!(body.pointer(pointer), Some(&place[1]), "{wire} {pointer}");
         }
         let plain = sent(&request, &settings(wire)).to_string();
         assert!(!plain.to_lowercase().contains("schema"), "{plain}");
@@ -282,8 +272,7 @@ fn requests_that_a_model_cannot_take_are_refused() {
         assert_eq!(
             wire.encode(&late, &settings(wire)).is_ok(),
             has_place,
-            "{}",
-            wire.name()
+            "{wire}"
         );
     }
 }
