@@ -1,4 +1,4 @@
-//! Everything a command accesses beyond its arguments: streams, working folder, environment, clock, interrupts.
+//! Everything a command accesses beyond its arguments: streams, working folder, environment, interrupts.
 //!
 //! In: [`Io::process`] for the process's own surroundings, or [`Io::new`] for one command run inside a process. Out:
 //! what verbs read, write and look up. Data goes to stdout, talk to stderr; a closed pipe is not an error.

@@ -12,7 +12,7 @@ use crate::io::Io;
 use embedded::FILES;
 use fab_base::cache::Cache;
 use fab_base::files;
-use fab_base::shown::quoted;
+use fab_base::wording::quoted;
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -4,7 +4,7 @@ use crate::exit::Failure;
 use crate::io::Io;
 use clap::Args;
 use clap::ValueHint;
-use fab_base::shown::quoted;
+use fab_base::wording::quoted;
 use fab_base::{files, npy};
 use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, diag};
 use fab_program::{PINS_FILE, Program, Trial, pins_folder};

@@ -7,7 +7,7 @@ use crate::io::Io;
 use crate::{shipped, sources, watch};
 use clap::Args;
 use clap::ValueHint;
-use fab_base::shown::counted;
+use fab_base::wording::counted;
 use fab_compiler::diag::{self, Severity};
 use fab_program::Program;
 use fix::Effect;

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::{sources, watch};
-use fab_base::shown::quoted;
+use fab_base::wording::quoted;
 use fab_program::render::{PromptPicture, PromptText};
 use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, SubgoalStep};
 use page::{DisplayMessage, DisplayPart, ShownStage};

@@ -5,6 +5,7 @@
 
 mod cost;
 mod decide;
+mod difference;
 mod edits;
 mod find;
 mod groups;

@@ -342,7 +342,7 @@ fn wrong_input_is_said_with_its_place() {
             2,
             "the points in `none.csv` cannot be used",
         ),
-        (&["--pairs", "shots"], 2, "it is a directory"),
+        (&["--pairs", "shots"], 2, "it is a directory, not a file"),
         (
             &["--pairs", "pairs.csv", "--image", "small.png"],
             2,

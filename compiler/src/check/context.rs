@@ -84,17 +84,17 @@ impl<'a, 'r> Context<'a, 'r> {
 
     /// Returns the cloth's longer side, metres; NaN in a base without a cloth, which never becomes a program.
     pub fn edge_m(&self) -> Result<f64, Reported> {
-        measured(&self.cloth, Cloth::edge_m)
+        measure_of(&self.cloth, Cloth::edge_m)
     }
 
     /// Returns the flat cloth's area, square metres; NaN in a base without a cloth.
     pub fn area_m2(&self) -> Result<f64, Reported> {
-        measured(&self.cloth, Cloth::area_m2)
+        measure_of(&self.cloth, Cloth::area_m2)
     }
 
     /// Returns the pixels per metre on the table; NaN in a base without a camera, which never becomes a program.
     pub fn px_per_m(&self) -> Result<f64, Reported> {
-        measured(&self.camera, Camera::px_per_m)
+        measure_of(&self.camera, Camera::px_per_m)
     }
 
     /// Returns the text of a span, cut to a length that fits a message.
@@ -214,7 +214,7 @@ impl<'a, 'r> Context<'a, 'r> {
 }
 
 /// Returns a measure of what is declared once; NaN in a base that lacks it.
-fn measured<T>(declared: &Declared<T>, measure: fn(&T) -> f64) -> Result<f64, Reported> {
+fn measure_of<T>(declared: &Declared<T>, measure: fn(&T) -> f64) -> Result<f64, Reported> {
     let declared = declared.as_ref().map_err(|reported| *reported)?;
     Ok(declared.as_ref().map_or(f64::NAN, measure))
 }

@@ -624,7 +624,7 @@ fn addable<'a>(merged: &Merged<'a>) -> Option<(&'a str, &'a str)> {
         .find_map(|stage| Some((stage, merged.said.get(stage)?.names().next_back()?)))
 }
 
-/// Returns which stage a name means.
+/// Returns which stage a name means; reports an unknown one.
 pub(super) fn number_of(
     name: Name<'_>,
     merged: &Merged<'_>,

@@ -73,6 +73,12 @@ mod tests {
     }
 
     #[test]
+    fn the_limit_is_a_third_of_the_word() {
+        assert_eq!(nearest("kitten", ["mittens"]), Some("mittens"));
+        assert_eq!(nearest("kitten", ["sitting"]), None);
+    }
+
+    #[test]
     fn lists_that_are_long_are_cut() {
         let names: Vec<String> = (0..20).map(|number| number.to_string()).collect();
         let listed = among(names.iter().map(String::as_str));

@@ -408,7 +408,7 @@ pub enum PolicyError {
     /// A template and its values do not match; happens only in a hand-edited program.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The messages cannot be written.
+    /// The messages of a stage cannot be written.
     #[error(transparent)]
     Prompt(#[from] PromptError),
     /// An answer could not be stored, or is lost: nothing further may be asked.

@@ -215,6 +215,7 @@ impl From<PolicyError> for RunError {
     fn from(error: PolicyError) -> Self {
         match error {
             PolicyError::Unfit(why) => RunError::Unfit(why),
+            PolicyError::Record(error) => RunError::Journal(error),
             error => RunError::Policy(error),
         }
     }

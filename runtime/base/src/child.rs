@@ -6,7 +6,7 @@
 //! caller.
 
 use crate::interrupt::Interrupt;
-use crate::shown::shown;
+use crate::wording::shown;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt;

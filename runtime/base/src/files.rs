@@ -196,7 +196,7 @@ fn has_other_names(_information: &Metadata) -> bool {
 pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
     let information = fs::metadata(path).map_err(|error| error.to_string())?;
     if information.is_dir() {
-        return Err("it is a directory".to_owned());
+        return Err("it is a directory, not a file".to_owned());
     }
     if !information.is_file() {
         return Err("it is not a regular file".to_owned());
@@ -215,6 +215,12 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
 /// Reads a regular file of at most `max_bytes` of UTF-8; fails with the reason.
 pub fn read_text(path: &Path, max_bytes: u64) -> Result<String, String> {
     String::from_utf8(read(path, max_bytes)?).map_err(|_| "it is not UTF-8 text".to_owned())
+}
+
+/// Returns whether a file name ends in `.ENDING`, ignoring case.
+pub fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension()
+        .is_some_and(|found| found.eq_ignore_ascii_case(ending))
 }
 
 /// Returns the line, from 1, of the byte at `offset`.

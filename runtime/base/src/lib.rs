@@ -37,4 +37,4 @@ mod named;
 pub mod npy;
 pub mod outbox;
 pub mod parallel;
-pub mod shown;
+pub mod wording;

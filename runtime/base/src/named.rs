@@ -1,6 +1,7 @@
 //! Enumerations whose variants have names, in files and in messages alike.
 
-/// Declares such an enumeration, which derives `Serialize` or `Deserialize` and `Copy`: each name is written once.
+/// Declares an enumeration and writes each name once. The enumeration must derive `Copy`, and `Serialize` or
+/// `Deserialize`.
 ///
 /// ```
 /// fab_base::named! {

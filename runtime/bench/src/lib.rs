@@ -107,7 +107,7 @@ pub struct OtherWorld<'a> {
     pub make_world: &'a MakeRolloutWorld<'a>,
 }
 
-/// Makes the world of one rollout.
+/// Makes the world of one rollout of a program, given the run folder.
 pub type MakeRolloutWorld<'a> =
     dyn Fn(&Program, &Path) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 

@@ -392,7 +392,7 @@ fn run(
     }
     let named = [Fault::NotAuthorised, Fault::QuotaExhausted]
         .into_iter()
-        .find(|fault| took.faults.contains_key(&fault.to_string()));
+        .find(|fault| took.faults.contains_key(fault.name()));
     if let (Outcome::ModelFailed, Some(fault)) = (report.outcome, named) {
         return Err(BenchError::Refused {
             folder: folder.to_owned(),

@@ -10,7 +10,6 @@ pub mod recording;
 
 use crate::calls::{CallRefused, Calls, Fault, Usage, Usd};
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
 pub use fab_program::{ModelRole, Reasoning};
@@ -184,7 +183,7 @@ impl Request {
     /// Returns the request's identity: SHA-256 over its JSON, in which an image is replaced by its hash.
     pub fn key(&self) -> String {
         let bytes = serde_json::to_vec(self).expect("a request holds strings and finite numbers");
-        fab_base::digest::hex(&Sha256::digest(bytes))
+        fab_base::digest::of(bytes)
     }
 }
 
@@ -243,7 +242,7 @@ pub struct Png {
 impl Png {
     /// Wraps the bytes of a PNG file.
     pub fn new(bytes: Vec<u8>) -> Self {
-        let sha256 = fab_base::digest::hex(&Sha256::digest(&bytes));
+        let sha256 = fab_base::digest::of(&bytes);
         Png {
             bytes: bytes.into(),
             sha256,

@@ -206,7 +206,7 @@ fn inked_directions(ink: &Mask, center: Point, radius: f64) -> i32 {
         let angle = std::f64::consts::TAU * f64::from(*direction) / f64::from(N_DIRECTIONS);
         let (sin, cos) = angle.sin_cos();
         let at = [center[0] + radius * cos, center[1] + radius * sin];
-        at.iter().all(|&value| value >= 0.0) && ink.has(at[0] as u32, at[1] as u32)
+        at.iter().all(|&value| value >= 0.0) && ink.contains_at(at[0] as u32, at[1] as u32)
     };
     (0..N_DIRECTIONS).filter(is_inked).count() as i32
 }

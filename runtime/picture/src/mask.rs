@@ -60,13 +60,13 @@ impl Mask {
     /// Returns whether a pixel belongs to the set; pixels outside the picture never do.
     pub fn contains(&self, point: PixelPoint) -> bool {
         match (u32::try_from(point.u), u32::try_from(point.v)) {
-            (Ok(column), Ok(row)) => self.has(column, row),
+            (Ok(column), Ok(row)) => self.contains_at(column, row),
             _ => false,
         }
     }
 
     /// Returns whether the pixel of a column and a row belongs to the set; pixels outside the picture never do.
-    pub fn has(&self, column: u32, row: u32) -> bool {
+    pub fn contains_at(&self, column: u32, row: u32) -> bool {
         column < self.width
             && row < self.height
             && self.inside[row as usize * self.width as usize + column as usize]
@@ -80,7 +80,7 @@ impl Mask {
     /// Returns whether a pixel of the set lies in the square around a pixel that reaches this far to each side.
     pub fn is_within(&self, reach_px: u32, column: u32, row: u32) -> bool {
         let near = |at: u32| at.saturating_sub(reach_px)..=at.saturating_add(reach_px);
-        near(row).any(|row| near(column).any(|column| self.has(column, row)))
+        near(row).any(|row| near(column).any(|column| self.contains_at(column, row)))
     }
 
     /// Returns whether the set has no pixels.
@@ -132,7 +132,7 @@ impl Mask {
     }
 
     /// Likewise, as (column, row).
-    pub fn points(&self) -> impl Iterator<Item = (u32, u32)> {
+    pub fn columns_and_rows(&self) -> impl Iterator<Item = (u32, u32)> {
         self.pixels().map(|pixel| (pixel.u as u32, pixel.v as u32))
     }
 
@@ -157,7 +157,7 @@ pub fn depth_mask(depth: &DepthImage, below_m: f64) -> Mask {
 /// Draws a mask in white (255) on black.
 pub fn mask_picture(mask: &Mask) -> GrayImage {
     GrayImage::from_fn(mask.width(), mask.height(), |column, row| {
-        Luma([if mask.has(column, row) { 255 } else { 0 }])
+        Luma([if mask.contains_at(column, row) { 255 } else { 0 }])
     })
 }
 

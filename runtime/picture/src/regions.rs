@@ -47,7 +47,7 @@ pub fn holes(patch: &Patch) -> Vec<Patch> {
         .collect();
     let own = Mask::from_pixels(right - left + 3, bottom - top + 3, &moved);
     let gaps = Mask::from_fn(own.width(), own.height(), |column, row| {
-        !own.has(column, row)
+        !own.contains_at(column, row)
     });
     let mut holes = split(&gaps, &[(0, -1), (-1, 0), (1, 0), (0, 1)]);
     // The outside comes first, because it holds the top left pixel.
@@ -65,7 +65,7 @@ fn split(set: &Mask, steps: &[(i32, i32)]) -> Vec<Patch> {
     let index = |(column, row): (u32, u32)| row as usize * set.width() as usize + column as usize;
     let mut seen = vec![false; set.width() as usize * set.height() as usize];
     let mut patches = Vec::new();
-    for start in set.points() {
+    for start in set.columns_and_rows() {
         if std::mem::replace(&mut seen[index(start)], true) {
             continue;
         }
@@ -81,7 +81,7 @@ fn split(set: &Mask, steps: &[(i32, i32)]) -> Vec<Patch> {
                 let (Some(column), Some(row)) = near else {
                     continue;
                 };
-                if set.has(column, row) && !seen[index((column, row))] {
+                if set.contains_at(column, row) && !seen[index((column, row))] {
                     seen[index((column, row))] = true;
                     patch.push((column, row));
                 }

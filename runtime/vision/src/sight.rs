@@ -24,7 +24,7 @@ pub(super) fn detector_picture(
     side_px: u32,
 ) -> GrayImage {
     let size = depth.dimensions();
-    let is_inside = |column, row| mask.has(column, row);
+    let is_inside = |column, row| mask.contains_at(column, row);
     let grey = |shown: fn([u8; 3]) -> [u8; 3]| {
         scaled(
             size,

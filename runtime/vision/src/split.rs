@@ -140,7 +140,7 @@ pub fn closed(mask: &Mask, side_px: u32) -> Mask {
 fn swept(mask: &Mask, [before, behind]: [u32; 2], decide: fn(u32, u32) -> bool) -> Mask {
     let (width, height) = (mask.width(), mask.height());
     let along_rows = line_by_line([width, height], [before, behind], decide, |column, row| {
-        mask.has(column, row)
+        mask.contains_at(column, row)
     });
     let at = |column: u32, row: u32| along_rows[row as usize * width as usize + column as usize];
     let along_columns = line_by_line([height, width], [before, behind], decide, |row, column| {

@@ -109,7 +109,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Lays a cloth as a start says.
+    /// Makes the simulated cloth of a start, with an outline too; a rollout calls [`check_whole`] first.
     fn lay(&self, start: &Start) -> Result<Simulator, WorldError> {
         let mut cloth = laid(start, &self.parameters)?;
         cloth.set_aim(Aim::Uppermost);

@@ -5,7 +5,7 @@ use crate::io::Io;
 use crate::shipped;
 use crate::sources::{self, Disk};
 use fab_base::files;
-use fab_base::shown::counted;
+use fab_base::wording::counted;
 use fab_compiler::fix::{self, Fixed};
 use fab_compiler::{Compiled, LoadError, Loader, diag};
 use similar::TextDiff;

@@ -6,7 +6,7 @@
 use super::points::{fold_text, point_text};
 use fab_agent::draft;
 use fab_agent::draft::{ArrowOrigin, DraftStep, NamedPicture, StatedMeasures};
-use fab_base::shown::quoted;
+use fab_base::wording::quoted;
 use fab_program::{ClothPoint, Fold, Sequence};
 use std::fmt::Write;
 

@@ -8,7 +8,7 @@ use super::find::{Pending, ReviewItems};
 use super::groups::Group;
 use crate::exit::Failure;
 use crate::snapshots::{Operation, SnapshotError};
-use fab_base::shown::quoted;
+use fab_base::wording::quoted;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;

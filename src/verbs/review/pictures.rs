@@ -4,7 +4,7 @@
 //! pale grey copy of the new picture; pictures of different sizes are aligned at the top left. A file that is not a
 //! picture gets an empty panel.
 
-use crate::verbs::review::sheets::Compared;
+use crate::verbs::review::difference::Compared;
 use fab_picture::png;
 use image::{Rgb, RgbImage, imageops};
 use std::path::Path;

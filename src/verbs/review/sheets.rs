@@ -2,6 +2,7 @@
 //!
 //! In: a pending picture. Out: a PNG file in the named folder, or in a temporary one whose path is reported.
 
+use super::difference::Compared;
 use super::find::Pending;
 use super::models;
 use crate::exit::Failure;
@@ -12,18 +13,6 @@ use std::path::PathBuf;
 pub struct Sheets {
     /// The folder; `None` if it is to be created for the first picture.
     folder: Option<PathBuf>,
-}
-
-/// The difference between two pictures.
-pub struct Compared {
-    /// Before, after and difference side by side, as a PNG file; `None` if nothing can be drawn.
-    pub png: Option<Vec<u8>>,
-    /// The difference in words.
-    pub words: String,
-    /// How many pixels differ, if known.
-    pub n_changed: Option<u64>,
-    /// Leftmost column, top row, rightmost column and bottom row of those, pixels.
-    pub bounds: Option<[u32; 4]>,
 }
 
 /// A comparison that was written to a file.

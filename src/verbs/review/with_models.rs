@@ -3,8 +3,8 @@
 mod pictures;
 
 use super::cost::Pricing;
+use super::difference::Compared;
 use super::find::Pending;
-use super::sheets::Compared;
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::setting::catalogue::{self, FactsArguments};

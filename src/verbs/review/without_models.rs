@@ -1,8 +1,8 @@
 //! `fabc review` in a build without models and pictures: no costs and no drawings.
 
 use super::cost::Pricing;
+use super::difference::Compared;
 use super::find::Pending;
-use super::sheets::Compared;
 use crate::exit::Failure;
 use crate::io::Io;
 use clap::Args;

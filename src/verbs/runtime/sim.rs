@@ -12,7 +12,7 @@ mod replay;
 mod time;
 
 mod demonstrations;
-pub mod files;
+mod files;
 pub mod parallel;
 
 use crate::exit::{Exit, Failure};

@@ -3,10 +3,10 @@
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::setting::worlds::WorldChoice;
-use crate::verbs::runtime::sim::files::ends_in;
 use clap::Args;
 use clap::ValueEnum;
 use clap::ValueHint;
+use fab_base::files::ends_in;
 use fab_picture::animation::AnimationError;
 use fab_program::Program;
 use fab_world::film::{self, Film, FilmPlan, FilmView, Recorder};

@@ -204,7 +204,7 @@ impl<'a> Sentences<'a> {
     }
 
     /// Returns a claim that stands in these tokens.
-    fn said(&self, field: usize, tokens: Range<usize>, claimed: Claimed) -> Claim {
+    fn claim_in(&self, field: usize, tokens: Range<usize>, claimed: Claimed) -> Claim {
         let span = self.tokens[tokens.start].at..self.tokens[tokens.end - 1].end();
         Claim::new(field, span, claimed)
     }
@@ -235,7 +235,7 @@ impl<'a> Sentences<'a> {
             if let Some(order) = point::echo(&mut cursor)
                 && order != self.reader.notation.order()
             {
-                return Some(self.said(
+                return Some(self.claim_in(
                     mention.field,
                     mention.at..cursor.at,
                     Claimed::Bad("its coordinates are in another order".to_owned()),
@@ -491,7 +491,7 @@ impl<'a> Sentences<'a> {
             next.gap >= Gap::Line || value::ends_sentence(self.tokens, cursor.at)
         });
         let claimed = Claimed::Value(Value::Point(if is_first { first } else { other }), None);
-        is_last.then_some(self.said(mention.field, start..end, claimed))
+        is_last.then_some(self.claim_in(mention.field, start..end, claimed))
     }
 
     /// Skips the name in another language: `Pick point / Greifpunkt =`.
@@ -591,7 +591,7 @@ impl<'a> Sentences<'a> {
         let PointFound::Pixel(pixel, note) = point::at(x, y, self.reader.notation) else {
             return None;
         };
-        Some(self.said(
+        Some(self.claim_in(
             mention.field,
             mention.at..end,
             Claimed::Value(Value::Point(pixel), note),
@@ -937,7 +937,7 @@ impl<'a> Sentences<'a> {
             {
                 continue;
             }
-            claims.push(self.said(field, at..end, Claimed::Value(value, note)));
+            claims.push(self.claim_in(field, at..end, Claimed::Value(value, note)));
         }
         claims
     }
@@ -978,7 +978,7 @@ impl<'a> Sentences<'a> {
                 let Found::Value(value, note) = value::read(&mut behind, &context) else {
                     return None;
                 };
-                Some(self.said(field, at..behind.at, Claimed::Value(value, note)))
+                Some(self.claim_in(field, at..behind.at, Claimed::Value(value, note)))
             })
         });
         claims.collect()
@@ -1022,7 +1022,7 @@ impl<'a> Sentences<'a> {
                 Found::Value(value, note) => Claimed::Value(value, note),
                 _ => return None,
             };
-            Some(self.said(field, at..cursor.at, claimed))
+            Some(self.claim_in(field, at..cursor.at, claimed))
         });
         found.collect()
     }
@@ -1089,7 +1089,7 @@ impl<'a> Sentences<'a> {
                 (!is_object).then_some((deg, cursor.at))
             });
             if let Some((deg, end)) = course {
-                claims.push(self.said(field, at..end, Claimed::Course(deg)));
+                claims.push(self.claim_in(field, at..end, Claimed::Course(deg)));
             }
         }
         claims
@@ -1168,7 +1168,7 @@ impl<'a> Sentences<'a> {
                 _ => false,
             };
             (is_offered && (goes || is_said && is_alone))
-                .then(|| self.said(field, at..end, Claimed::OneOf(vec![value])))
+                .then(|| self.claim_in(field, at..end, Claimed::OneOf(vec![value])))
         });
         found.collect()
     }
@@ -1346,7 +1346,7 @@ impl<'a> Sentences<'a> {
                     continue;
                 };
                 if !self.is_denied(begin, Clarity::Spoken, false) {
-                    claims.push(self.said(field, begin..end, Claimed::Unfit(value)));
+                    claims.push(self.claim_in(field, begin..end, Claimed::Unfit(value)));
                 }
             }
         }
@@ -1386,7 +1386,7 @@ impl<'a> Sentences<'a> {
             }
             None => return None,
         };
-        Some(self.said(mention.field, mention.at..cursor.at, claimed))
+        Some(self.claim_in(mention.field, mention.at..cursor.at, claimed))
     }
 
     /// Reads a value that stands before the name: `(10, 20) is the pick point`, `a soft grip`.
@@ -1508,7 +1508,7 @@ impl<'a> Sentences<'a> {
         if is_worded && !joined {
             return None;
         }
-        Some(self.said(
+        Some(self.claim_in(
             mention.field,
             begin..mention.end,
             Claimed::Value(value, note),

@@ -1,4 +1,4 @@
-//! Lists of words, written as text.
+//! Lists of words and of phrases, written as text: whether a word is in one, whether a text has a phrase of one.
 
 /// Cuts a text into its words, when the program is compiled.
 macro_rules! words {

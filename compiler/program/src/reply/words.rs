@@ -197,3 +197,21 @@ pub(super) fn eat(cursor: &mut Cursor<'_, '_>, wanted: &[Token<'_>]) -> bool {
     }
     cursor.at > start.at
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_angle_between_directions_is_symmetric_and_exact_for_whole_degrees() {
+        for one in 0..360_i32 {
+            for turned in 0..360_i32 {
+                let expected = f64::from(turned.min(360 - turned));
+                let (one, other) = (f64::from(one), f64::from((one + turned) % 360));
+                assert_eq!(apart_deg(one, other), expected, "{one} and {other}");
+                assert_eq!(apart_deg(other, one), expected, "{other} and {one}");
+            }
+        }
+        assert_eq!(apart_deg(-10.0, 730.0), 20.0);
+    }
+}

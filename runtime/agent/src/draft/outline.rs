@@ -81,7 +81,7 @@ impl PictureParts {
         });
         let covered = share(&|at| patch.contains(*at));
         let cloth = Mask::from_fn(width, height, |column, row| {
-            patch.has(column, row) && !hidden.has(column, row)
+            patch.contains_at(column, row) && !hidden.contains_at(column, row)
         });
         let all_px = width as usize * height as usize;
         if (cloth.area_px() as f64) < LEAST_CLOTH * all_px as f64 {
@@ -286,8 +286,8 @@ impl Outline {
     /// Returns the pixels that are cloth here but not in `other`.
     pub fn without(&self, other: &Outline) -> Mask {
         Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
-            let here = self.cloth.has(column, row) || self.hidden.has(column, row);
-            here && !other.cloth.has(column, row) && !other.hidden.has(column, row)
+            let here = self.cloth.contains_at(column, row) || self.hidden.contains_at(column, row);
+            here && !other.cloth.contains_at(column, row) && !other.hidden.contains_at(column, row)
         })
     }
 

@@ -118,7 +118,7 @@ impl<'a> Asking<'a> {
     pub fn faults(&self) -> BTreeMap<String, u32> {
         let faults = self.ledger.iter().flat_map(Ledger::faults);
         faults
-            .map(|(fault, count)| (fault.to_string(), *count))
+            .map(|(fault, count)| (fault.name().to_owned(), *count))
             .collect()
     }
 }

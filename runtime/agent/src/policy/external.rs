@@ -15,7 +15,6 @@ use fab_picture::png;
 use fab_program::{ActionField, Arrow, Choices, PixelPoint, Proposal, SubgoalStep, Value, space};
 use serde::Deserialize;
 use serde_json::{Map, Value as Json, json};
-use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -99,7 +98,7 @@ impl Policy for External {
         until_accepted(step, exchange, &mut |refusals, exchange| {
             // Relative paths make equal questions equal in any run folder.
             let relative = question(step, &files, refusals, &|name| PathBuf::from(name));
-            let key = digest::hex(&Sha256::digest(relative.to_string()));
+            let key = digest::of(relative.to_string());
             let sent = question(step, &files, refusals, &|name| folder.join(name));
             let interrupt = exchange.interrupt;
             let asked = exchange

@@ -24,7 +24,6 @@ use fab_world::expert::ExpertEnd;
 use fab_world::start::Up;
 use image::RgbImage;
 use serde_json::Map;
-use sha2::{Digest, Sha256};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// Writes a rollout into its folder.
@@ -324,5 +323,5 @@ fn new_run_id(job: &Job<'_>, folder: &RunFolder) -> String {
         folder.path().display(),
         std::process::id()
     );
-    fab_base::digest::hex(&Sha256::digest(identity))[..12].to_owned()
+    fab_base::digest::of(identity)[..12].to_owned()
 }

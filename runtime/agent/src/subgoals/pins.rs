@@ -156,7 +156,7 @@ fn drawn_from(program: &Program, folds: &[Fold]) -> String {
         "camera": program.camera,
         "folds": folds,
     });
-    fab_base::digest::hex(&Sha256::digest(source.to_string()))
+    fab_base::digest::of(source.to_string())
 }
 
 /// Returns the hash of a picture's size and pixels, hex.

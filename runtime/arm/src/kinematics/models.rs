@@ -5,6 +5,7 @@
 
 use super::chain::{Chain, Joint};
 use super::shape::Capsule;
+use fab_base::wording::quoted;
 use nalgebra::{Isometry3, Point3};
 use serde::Deserialize;
 
@@ -12,7 +13,7 @@ const MODELS: &str = include_str!("models.toml");
 
 /// An unknown model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{name}` is not a known model of an arm: {}", .available.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "))]
+#[error("`{name}` is not a known model of an arm: {}", quoted(.available))]
 pub struct UnknownModel {
     /// The requested name.
     pub name: String,

@@ -878,10 +878,7 @@ fn unknown_key(found: &str, prefix: &str, shown: &str) -> String {
     let mut text = format!("`{shown}{found}` is not a setting");
     match elsewhere.or(near) {
         Some(meant) => _ = write!(text, "; did you mean `{meant}`?"),
-        None => {
-            let names: Vec<String> = here.iter().map(|name| format!("`{name}`")).collect();
-            _ = write!(text, "; here may stand {}", names.join(", "));
-        }
+        None => _ = write!(text, "; here may stand {}", fab_base::wording::quoted(here)),
     }
     text
 }

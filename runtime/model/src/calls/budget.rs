@@ -5,7 +5,7 @@
 //! not fit, it waits until calls under way have ended, because most of them cost less than was reserved. Once a model
 //! cost more than was reserved, its reservations grow by the worst ratio seen.
 
-use super::{Billing, CallEnd, CallRefused, CapReached, Failed, Usage, Usd};
+use super::{Billing, CallEnd, CallRefused, CapReached, FailedCall, Usage, Usd};
 use fab_base::interrupt::Interrupt;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -362,7 +362,7 @@ impl Drop for Reservation<'_> {
     fn drop(&mut self) {
         // Threads that wait for this call must not wait for a panicked one.
         if !self.is_settled {
-            self.close(Some(&CallEnd::Failed(&Failed::UNRESOLVED)));
+            self.close(Some(&CallEnd::Failed(&FailedCall::UNRESOLVED)));
         }
     }
 }

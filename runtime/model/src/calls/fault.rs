@@ -3,58 +3,41 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What went wrong with a call.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Fault {
-    /// Too many calls or tokens for now.
-    RateLimited,
-    /// The account has no credit, or its limit is used up.
-    QuotaExhausted,
-    /// The key is missing, wrong, or not allowed to do this.
-    NotAuthorised,
-    /// The provider says that the request is wrong, or that there is no such model.
-    BadRequest,
-    /// The model declined to answer.
-    Refused,
-    /// A filter of the provider removed the question or the answer.
-    ContentFiltered,
-    /// No complete answer came in time.
-    TimedOut,
-    /// The connection could not be made; nothing was sent.
-    Unreachable,
-    /// The connection ended before the answer was complete.
-    ConnectionCut,
-    /// The provider failed or is overloaded.
-    ServerFailed,
-    /// The answer was cut off at its maximum length.
-    Truncated,
-    /// The reply breaks the provider's own interface, for example with invalid JSON.
-    InvalidReply,
-}
-
-impl Fault {
-    /// Every fault.
-    pub const ALL: [Fault; 12] = [
-        Fault::RateLimited,
-        Fault::QuotaExhausted,
-        Fault::NotAuthorised,
-        Fault::BadRequest,
-        Fault::Refused,
-        Fault::ContentFiltered,
-        Fault::TimedOut,
-        Fault::Unreachable,
-        Fault::ConnectionCut,
-        Fault::ServerFailed,
-        Fault::Truncated,
-        Fault::InvalidReply,
-    ];
+fab_base::named! {
+    /// What went wrong with a call.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+    pub enum Fault {
+        /// Too many calls or tokens for now.
+        RateLimited = "rate_limited",
+        /// The account has no credit, or its limit is used up.
+        QuotaExhausted = "quota_exhausted",
+        /// The key is missing, wrong, or not allowed to do this.
+        NotAuthorised = "not_authorised",
+        /// The provider says that the request is wrong, or that there is no such model.
+        BadRequest = "bad_request",
+        /// The model declined to answer.
+        Refused = "refused",
+        /// A filter of the provider removed the question or the answer.
+        ContentFiltered = "content_filtered",
+        /// No complete answer came in time.
+        TimedOut = "timed_out",
+        /// The connection could not be made; nothing was sent.
+        Unreachable = "unreachable",
+        /// The connection ended before the answer was complete.
+        ConnectionCut = "connection_cut",
+        /// The provider failed or is overloaded.
+        ServerFailed = "server_failed",
+        /// The answer was cut off at its maximum length.
+        Truncated = "truncated",
+        /// The reply breaks the provider's own interface, for example with invalid JSON.
+        InvalidReply = "invalid_reply",
+    }
 }
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // The name that JSON and journals use.
-        self.serialize(f)
+        f.pad(self.name())
     }
 }
 

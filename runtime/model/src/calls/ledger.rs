@@ -5,7 +5,7 @@
 //! sends nothing leaves no such file.
 
 use super::budget::{Budget, Overruns, Reservation, Spent};
-use super::{Call, CallEnd, CallRefused, Calls, Failed, Fault, Usd};
+use super::{Call, CallEnd, CallRefused, Calls, FailedCall, Fault, Usd};
 use crate::Reply;
 use fab_base::jsonl::{Appender, Reader};
 use serde::{Deserialize, Serialize};
@@ -41,7 +41,7 @@ enum Line {
     Failed {
         call: u64,
         #[serde(flatten)]
-        failed: Failed,
+        failed: FailedCall,
     },
     /// A question was answered without a call, from a cache or a recording.
     Kept { key: String, reply: Reply },
@@ -86,7 +86,7 @@ pub fn read(folder: &Path) -> Result<Noted, LedgerError> {
     for begun in open.into_values() {
         noted
             .spent
-            .count(begun.at_most, &CallEnd::Failed(&Failed::UNRESOLVED));
+            .count(begun.at_most, &CallEnd::Failed(&FailedCall::UNRESOLVED));
     }
     Ok(noted)
 }

@@ -54,12 +54,12 @@ pub enum CallEnd<'a> {
     /// An answer, with its usage and cost.
     Answered(&'a Reply),
     /// No answer.
-    Failed(&'a Failed),
+    Failed(&'a FailedCall),
 }
 
 /// Why a call gave no answer, and what it cost.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Failed {
+pub struct FailedCall {
     /// What went wrong.
     pub fault: Fault,
     /// The failure in words, without any API key.
@@ -73,9 +73,9 @@ pub struct Failed {
     pub usage: Option<Usage>,
 }
 
-impl Failed {
+impl FailedCall {
     /// A call of which nothing more is known.
-    pub(crate) const UNRESOLVED: Failed = Failed {
+    pub(crate) const UNRESOLVED: FailedCall = FailedCall {
         fault: Fault::ConnectionCut,
         why: String::new(),
         billing: Billing::Possibly,

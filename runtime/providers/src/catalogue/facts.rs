@@ -119,32 +119,24 @@ pub struct ReasoningFacts {
     pub tokens_field: Option<String>,
 }
 
-/// A form in which `reasoning` is stated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ReasoningKind {
-    /// `none`.
-    None,
-    /// `low`.
-    Low,
-    /// `medium`.
-    Medium,
-    /// `high`.
-    High,
-    /// `N tokens`.
-    Tokens,
+fab_base::named! {
+    /// A form in which `reasoning` is stated.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum ReasoningKind {
+        /// `none`.
+        None = "none",
+        /// `low`.
+        Low = "low",
+        /// `medium`.
+        Medium = "medium",
+        /// `high`.
+        High = "high",
+        /// `N tokens`.
+        Tokens = "tokens",
+    }
 }
 
 impl ReasoningKind {
-    /// Every form.
-    pub const ALL: [ReasoningKind; 5] = [
-        ReasoningKind::None,
-        ReasoningKind::Low,
-        ReasoningKind::Medium,
-        ReasoningKind::High,
-        ReasoningKind::Tokens,
-    ];
-
     /// Returns the form of a statement.
     pub fn of(stated: Reasoning) -> ReasoningKind {
         match stated {
@@ -160,7 +152,7 @@ impl ReasoningKind {
 impl fmt::Display for ReasoningKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // The word that a file of facts uses.
-        self.serialize(f)
+        f.pad(self.name())
     }
 }
 

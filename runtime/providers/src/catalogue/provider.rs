@@ -35,34 +35,25 @@ pub struct Provider {
     pub sources: Vec<Source>,
 }
 
-/// The form of a provider's messages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Wire {
-    /// OpenAI's Responses.
-    OpenaiResponses,
-    /// OpenAI's Chat Completions, which many others speak too.
-    OpenaiChat,
-    /// Anthropic's Messages.
-    Anthropic,
-    /// Google's generateContent.
-    Gemini,
-}
-
-impl Wire {
-    /// Every form.
-    pub const ALL: [Wire; 4] = [
-        Wire::OpenaiResponses,
-        Wire::OpenaiChat,
-        Wire::Anthropic,
-        Wire::Gemini,
-    ];
+fab_base::named! {
+    /// The form of a provider's messages.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+    pub enum Wire {
+        /// OpenAI's Responses.
+        OpenaiResponses = "openai_responses",
+        /// OpenAI's Chat Completions, which many others speak too.
+        OpenaiChat = "openai_chat",
+        /// Anthropic's Messages.
+        Anthropic = "anthropic",
+        /// Google's generateContent.
+        Gemini = "gemini",
+    }
 }
 
 impl fmt::Display for Wire {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // The name that data files use.
-        self.serialize(f)
+        f.pad(self.name())
     }
 }
 

@@ -149,7 +149,7 @@ impl ImageTokens {
 }
 
 /// Estimates the tokens of a picture; `None` if they are unknown.
-pub fn of_picture(png: &Png, formula: Option<&ImageTokens>) -> Option<Tokens> {
+pub(crate) fn of_picture(png: &Png, formula: Option<&ImageTokens>) -> Option<Tokens> {
     let [width, height] = png::size(png.bytes())?;
     Some(formula?.of(width, height))
 }

@@ -7,7 +7,7 @@
 use super::exchange::{Body, Exchange, Sent};
 use super::transport::{CONNECT_TIMEOUT, MAX_REPLY_BYTES, Obstacle};
 use crate::catalogue::Wire;
-use fab_base::shown::shown;
+use fab_base::wording::shown;
 use fab_model::calls::Fault;
 use reqwest::Url;
 

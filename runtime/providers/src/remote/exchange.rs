@@ -7,7 +7,7 @@ use super::served::Served;
 use super::settings::{Parameter, Settings};
 use super::transport::{Incoming, NoReply, Obstacle};
 use super::wire::error::ErrorBody;
-use fab_base::shown::shown;
+use fab_base::wording::shown;
 use fab_model::calls::Fault;
 use reqwest::Url;
 use serde_json::Value;

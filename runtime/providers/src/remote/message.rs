@@ -7,7 +7,7 @@
 use super::causes;
 use super::exchange::{Came, Exchange, Received};
 use super::transport::{Incoming, Obstacle};
-use fab_base::shown::shown;
+use fab_base::wording::shown;
 use fab_model::calls::Fault;
 use reqwest::StatusCode;
 

@@ -38,7 +38,7 @@ use answers::{Claim, Lookup};
 use exchange::{Came, Exchange, Sent};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Billing, Call, CallEnd, Calls, Failed, Fault, Usage, Usd};
+use fab_model::calls::{Billing, Call, CallEnd, Calls, FailedCall, Fault, Usage, Usd};
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
 use gate::Load;
 use message::Message;
@@ -95,7 +95,7 @@ pub struct SetupError {
 }
 
 /// A call without an answer.
-struct FailedCall {
+struct FailedAttempt {
     fault: Fault,
     billing: Billing,
     came: Came,
@@ -217,7 +217,7 @@ impl Remote {
                 },
                 Err(TransportError::Failed(nothing)) => {
                     let (fault, billing) = nothing.obstacle.fault();
-                    FailedCall {
+                    FailedAttempt {
                         fault,
                         billing,
                         came: Came::Nothing(nothing),
@@ -229,7 +229,7 @@ impl Remote {
                     }
                 }
                 Err(TransportError::Interrupted) => {
-                    calls.end(&CallEnd::Failed(&Failed {
+                    calls.end(&CallEnd::Failed(&FailedCall {
                         fault: Fault::ConnectionCut,
                         why: "interrupted before the whole answer was there".to_owned(),
                         billing: Billing::Possibly,
@@ -244,7 +244,7 @@ impl Remote {
             }
             drop(pass);
             let Message { headline, details } = self.message(&ended);
-            calls.end(&CallEnd::Failed(&Failed {
+            calls.end(&CallEnd::Failed(&FailedCall {
                 fault: ended.fault,
                 why: format!("{headline}{details}"),
                 billing: ended.billing,
@@ -282,7 +282,7 @@ impl Remote {
     }
 
     /// Describes a failed call; the result holds no key.
-    fn message(&self, ended: &FailedCall) -> Message {
+    fn message(&self, ended: &FailedAttempt) -> Message {
         let mut exchange = Exchange {
             sent: &self.sent,
             came: &ended.came,
@@ -309,14 +309,14 @@ impl Remote {
         incoming: Incoming,
         sent: &Encoded,
         lengths: Lengths,
-    ) -> Result<Answer, FailedCall> {
+    ) -> Result<Answer, FailedAttempt> {
         if !(200..300).contains(&incoming.status) {
             let refusal = status::judge(incoming.status, &ErrorBody::of_bytes(&incoming.body));
             let omit = match (refusal.fault, incoming.status) {
                 (Fault::BadRequest, 400 | 422) => omit::refused(&incoming.body, &sent.body),
                 _ => None,
             };
-            return Err(FailedCall {
+            return Err(FailedAttempt {
                 fault: refusal.fault,
                 billing: refusal.billing,
                 cost: None,
@@ -341,7 +341,7 @@ impl Remote {
                 let again = starved.as_ref().and_then(|starved| starved.again);
                 let usage = failure.usage.filter(|it| it.input_tokens > 0);
                 let why = starved.map_or(failure.why, |starved| starved.why);
-                Err(FailedCall {
+                Err(FailedAttempt {
                     fault: failure.fault,
                     billing: Billing::Possibly,
                     cost: self.cost(usage),

@@ -7,7 +7,7 @@ use super::transport::{Incoming, Obstacle, Proxy, Transport, TransportError};
 use super::wire::error::ErrorBody;
 use super::{Key, Redactor, Settings, headers, status};
 use fab_base::interrupt::Interrupt;
-use fab_base::shown::shown;
+use fab_base::wording::shown;
 use fab_model::calls::Fault;
 use serde_json::Value;
 use std::time::Duration;

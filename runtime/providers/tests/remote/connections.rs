@@ -1,7 +1,7 @@
 //! Tests of failing connections: refused, cut, slow, endless.
 
 use crate::support::*;
-use fab_model::calls::{Billing, Failed, Fault};
+use fab_model::calls::{Billing, FailedCall, Fault};
 use fab_model::{Model, ModelError};
 use fab_providers::remote::most_calls;
 use std::net::{Shutdown, TcpListener};
@@ -102,7 +102,7 @@ fn an_endless_reply_is_not_read_to_its_end() {
     let mut notes = Notes::new();
     let fault = fault_of(&Trial::of(&rude.url()), &mut notes);
     assert_eq!(fault, Fault::InvalidReply);
-    let Told::Failed(Failed { why, .. }) = &notes.ends()[0] else {
+    let Told::Failed(FailedCall { why, .. }) = &notes.ends()[0] else {
         panic!("{:?}", notes.told);
     };
     assert!(why.contains("longer than the limit"), "{why}");

@@ -3,7 +3,7 @@
 //! A case is a row of [`replies`], of [`servers`], or of [`connections`]; its snapshot is named after it. Ports are written as `PORT`.
 
 use crate::support::*;
-use fab_model::calls::Failed;
+use fab_model::calls::FailedCall;
 use fab_model::{Model, ModelError};
 use fab_providers::remote::{BaseUrl, Key, NotListed, Wire, served_models};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
@@ -375,7 +375,7 @@ fn message(trial: &mut Trial, port: u16) -> String {
     assert!(matches!(error, ModelError::Failed { .. }), "{error}");
     let message = error.to_string();
     assert!(!message.contains("canary"), "{message}");
-    let Some(Told::Failed(Failed { why, .. })) = notes.ends().pop() else {
+    let Some(Told::Failed(FailedCall { why, .. })) = notes.ends().pop() else {
         panic!("{:?}", notes.told);
     };
     let (headline, details) = why.split_once('\n').unwrap();

@@ -1,7 +1,7 @@
 //! Tests of answers that hidden reasoning cuts off, and of parameters that a provider refuses.
 
 use crate::support::*;
-use fab_model::calls::{Failed, Fault, Usage, Usd};
+use fab_model::calls::{FailedCall, Fault, Usage, Usd};
 use fab_model::{Model, ModelError, Reasoning, Request};
 use fab_program::ReasoningLevel;
 use fab_providers::remote::{Pricing, Wire};
@@ -95,7 +95,7 @@ fn an_answer_cut_off_by_hidden_reasoning_is_asked_for_once_more_with_twice_the_r
         );
         assert_eq!(one["reasoning_effort"], two["reasoning_effort"]);
         assert_eq!(reserved(&notes), [Some(first), Some(second)]);
-        let Told::Failed(Failed {
+        let Told::Failed(FailedCall {
             fault, why, cost, ..
         }) = &notes.ends()[0]
         else {

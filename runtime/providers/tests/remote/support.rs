@@ -4,7 +4,7 @@ use axum::body::{Body, Bytes};
 use axum::http::{self, HeaderMap, Method, Uri};
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{
-    Billing, Call, CallEnd, CallRefused, Calls, CapReached, Failed, Fault, Usage, Usd,
+    Billing, Call, CallEnd, CallRefused, Calls, CapReached, FailedCall, Fault, Usage, Usd,
 };
 use fab_model::{Message, ModelRole, Request, Speaker};
 use fab_providers::remote::{
@@ -233,7 +233,7 @@ pub enum Told {
         text: String,
         cost: Option<Usd>,
     },
-    Failed(Failed),
+    Failed(FailedCall),
 }
 
 /// Records reports, and refuses calls after `allowed` ones.

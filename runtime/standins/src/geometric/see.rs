@@ -165,7 +165,7 @@ fn decode(bytes: &[u8], which: PictureOf) -> Result<RgbImage, Unrecognised> {
 fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Mask) -> Option<Mask> {
     // Include the stroke here, or an arrow across the cloth would cut it in two.
     let patch = Mask::from_fn(picture.width(), picture.height(), |column, row| {
-        stroke.has(column, row) || !regions::is_table(picture.get_pixel(column, row).0, table)
+        stroke.contains_at(column, row) || !regions::is_table(picture.get_pixel(column, row).0, table)
     });
     let mut largest = regions::components(&patch)
         .into_iter()
@@ -188,7 +188,7 @@ fn outline_with_arrow(cloth: &Mask, arrow: &Arrow, scale: f64) -> Result<Vec<Poi
     let height = f64::from(cloth.height());
     let up = |[column, row]: [f64; 2]| [column, height - row];
     let rims = (0..cloth.height()).flat_map(|row| {
-        let columns = (0..cloth.width()).filter(move |&column| cloth.has(column, row));
+        let columns = (0..cloth.width()).filter(move |&column| cloth.contains_at(column, row));
         let (least, most) = columns.fold((u32::MAX, 0), |(l, m), c| (l.min(c), m.max(c + 1)));
         [(least, row), (least, row + 1), (most, row), (most, row + 1)]
             .into_iter()
@@ -221,14 +221,14 @@ fn check_change(
 ) -> Result<(), Unrecognised> {
     let area = before.area_px() as f64;
     let left: Vec<(u32, u32)> = before
-        .points()
-        .filter(|&(column, row)| !after.has(column, row))
+        .columns_and_rows()
+        .filter(|&(column, row)| !after.contains_at(column, row))
         .collect();
     // The first picture's stroke hides cloth, which must not count as growth.
     let hidden = arrow
         .stroke
-        .points()
-        .filter(|&(column, row)| after.has(column, row))
+        .columns_and_rows()
+        .filter(|&(column, row)| after.contains_at(column, row))
         .count();
     if after.area_px() as f64 > (area + 2.0 * hidden as f64) * GROWTH {
         return Err(Unrecognised::Backwards);

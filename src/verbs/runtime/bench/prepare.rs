@@ -17,7 +17,7 @@ use fab_agent::policy::MakePolicy;
 use fab_agent::subgoals::{SubgoalError, SubgoalSet};
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
-use fab_base::shown::quoted;
+use fab_base::wording::quoted;
 use fab_bench::suite::{Method, Suite};
 use fab_bench::vary::Variation;
 use fab_bench::{Entry, Task, starts};

@@ -4,7 +4,7 @@ use crate::exit::Failure;
 use crate::io::write_file;
 use crate::verbs::runtime::bench::Shard;
 use fab_agent::outcome::Outcome;
-use fab_base::shown::{counted, quoted};
+use fab_base::wording::{counted, quoted};
 use fab_bench::play::{Results, StopReason};
 use fab_bench::rows::Row;
 use fab_bench::{Answers, Bench};

@@ -140,7 +140,7 @@ pub(super) fn given_or_typed(given: Option<&String>, question: &str, io: &Io) ->
         Some(text) => text.trim().to_owned(),
         None => {
             io.talk(question);
-            // Empty at the end.
+            // At the end of input the answer is empty.
             let typed = io.read(line_of).unwrap_or_default();
             typed.trim().to_owned()
         }

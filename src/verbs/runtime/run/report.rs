@@ -7,7 +7,7 @@ use fab_agent::policy::{Attempt, Finding};
 use fab_agent::record::{CoverageSource, JudgedBy};
 use fab_agent::rollout::{Ended, Event};
 use fab_agent::sheet::SHEET_FILE;
-use fab_base::shown::shown;
+use fab_base::wording::shown;
 use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
 use fab_program::{Goal, Metric};

@@ -3,7 +3,7 @@
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::{shipped, sources};
-use fab_base::shown::quoted;
+use fab_base::wording::quoted;
 use fab_program::Material;
 
 /// The shipped materials, relative to the tasks folder.

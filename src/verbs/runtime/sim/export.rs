@@ -6,6 +6,7 @@ use crate::io::{Io, write_file};
 use crate::verbs::runtime::sim::files::StateArguments;
 use clap::Args;
 use clap::ValueHint;
+use fab_base::files::ends_in;
 use fab_base::npy;
 use fab_sim::Params;
 use serde_json::json;
@@ -53,10 +54,10 @@ type Writer = fn(&ClothState, &Path) -> Result<Vec<PathBuf>, Failure>;
 
 /// Chooses the format by the output's extension.
 fn writer(path: &Path) -> Result<Writer, Failure> {
-    if files::ends_in(path, "npy") {
+    if ends_in(path, "npy") {
         return Ok(positions);
     }
-    if files::ends_in(path, "obj") {
+    if ends_in(path, "obj") {
         return Ok(mesh);
     }
     Err(Failure::usage(format!(

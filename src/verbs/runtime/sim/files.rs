@@ -145,12 +145,6 @@ pub fn not_onto_itself(input: &Path, output: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns whether a file name ends in `.ENDING`, ignoring case.
-pub fn ends_in(path: &Path, ending: &str) -> bool {
-    path.extension()
-        .is_some_and(|found| found.eq_ignore_ascii_case(ending))
-}
-
 /// Describes positions in the world frame in the format of a start's description, with the verb that wrote them.
 pub fn description(grid: &Grid, mask: &Mask, made_by: &str) -> Value {
     let frame = StartFrame {

@@ -8,6 +8,7 @@ use crate::verbs::runtime::sim::files::StateArguments;
 use clap::Args;
 use clap::ValueEnum;
 use clap::ValueHint;
+use fab_base::files::ends_in;
 use fab_sim::{Frame, ImageUp, Params, TopDownCamera};
 use fab_world::simulated;
 use image::{DynamicImage, GrayImage, ImageFormat, RgbImage};
@@ -117,7 +118,7 @@ pub fn camera(camera: CameraArgument, side_px: Option<u32>) -> Result<TopDownCam
 /// Returns the path of the picture; a default path must not exist yet.
 fn output_path(arguments: &DrawArguments) -> Result<PathBuf, Failure> {
     if let Some(path) = &arguments.out {
-        if !files::ends_in(path, "png") {
+        if !ends_in(path, "png") {
             return Err(Failure::usage(format!(
                 "`-o {}` is no PNG file; name one that ends in `.png`",
                 path.display()

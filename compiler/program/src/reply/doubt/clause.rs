@@ -123,7 +123,7 @@ impl<'a> Clause<'a> {
     ///
     /// It does not if it says what ought to be done or may be, compares, or points at the answer or its reader.
     pub(super) fn describes_the_world(&self) -> bool {
-        let tells = |it: &str| {
+        let is_verb_or_effect = |it: &str| {
             is_verb(it) || it.ends_with('s') && EFFECTS.iter().any(|stem| it.starts_with(stem))
         };
         let points_elsewhere = |it: &&str| {
@@ -138,8 +138,8 @@ impl<'a> Clause<'a> {
             Subject::Nobody => self.words.first().is_some_and(|it| !orders(it)),
             _ => false,
         };
-        let is_description =
-            is_told && self.words.iter().skip(1).any(|it| tells(it)) || self.is_explaining();
+        let is_description = is_told && self.words.iter().skip(1).any(|it| is_verb_or_effect(it))
+            || self.is_explaining();
         is_description && !self.words.iter().any(points_elsewhere) || self.tells_its_effect()
     }
 

@@ -40,7 +40,7 @@ fn what_was_changed_is_refused() {
     let place = format!("base_m = {:?}", made.pairs[4].base_m);
     let longer = place.replace(']', ", 0.5]");
     let shifted = format!("pixel = {:?}", made.pairs[4].pixel.map(|it| it + 1.0));
-    let cases: [(&str, &str, &str, &str); 15] = [
+    let cases: [(&str, &str, &str, &str); 16] = [
         (
             "matrix",
             &matrix,
@@ -106,6 +106,12 @@ fn what_was_changed_is_refused() {
             "day",
             "2026-11-22",
             "2026-13-22",
+            "not a date such as `2026-11-22`",
+        ),
+        (
+            "day of the month",
+            "2026-11-22",
+            "2026-02-30",
             "not a date such as `2026-11-22`",
         ),
         ("method", "\"plane\"", "\"guess\"", "`method` does not fit"),

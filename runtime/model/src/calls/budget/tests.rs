@@ -23,10 +23,10 @@ fn reply(cost: Option<Usd>) -> Reply {
     }
 }
 
-fn failed(billing: Billing) -> Failed {
-    Failed {
+fn failed(billing: Billing) -> FailedCall {
+    FailedCall {
         billing,
-        ..Failed::UNRESOLVED
+        ..FailedCall::UNRESOLVED
     }
 }
 
@@ -242,7 +242,7 @@ impl Flight {
     fn land(&self, state: &mut State) {
         let (cost, _) = self.costs();
         let answer = reply(cost);
-        let failure = |billing| Failed {
+        let failure = |billing| FailedCall {
             cost,
             ..failed(billing)
         };

@@ -35,7 +35,7 @@ fn eventful(folder: &Path) -> Budget {
     let budget = Budget::default();
     let mut ledger = Ledger::open(folder, &budget).unwrap();
     ledger.begin(&call("a", 1)).unwrap();
-    let failed = Failed {
+    let failed = FailedCall {
         fault: Fault::RateLimited,
         why: "wait".to_owned(),
         billing: Billing::No,
@@ -157,7 +157,7 @@ fn a_billed_failure_counts_in_tokens_and_what_a_model_overran_is_remembered() {
         output_tokens: 9,
         reasoning_tokens: None,
     };
-    let truncated = Failed {
+    let truncated = FailedCall {
         fault: Fault::Truncated,
         why: "cut off".to_owned(),
         billing: Billing::Possibly,

@@ -3,9 +3,10 @@
 //! In: messages and the request's settings; a `message`. Out: a typed body; an answer or a failure.
 
 use super::content::{Turn, base64, framed, pieces, turn};
-use super::error::{read, refuse_error, repeated};
+use super::error::{refuse_error, repeated};
 use super::{
-    Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated, unknown_end,
+    Answer, Failure, SentSettings, Unfit, answer, if_readable, read, tool_called, truncated,
+    unknown_end,
 };
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Reasoning};

@@ -4,9 +4,8 @@
 //! a message, and how long to wait if the provider says so.
 
 use super::Failure;
-use fab_base::shown::shown;
+use fab_base::wording::shown;
 use fab_model::calls::{Fault, Usage};
-use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::time::Duration;
 
@@ -165,11 +164,6 @@ impl ErrorBody {
         let fault = self.fault().or_else(by_code);
         Failure::new(fault.unwrap_or(Fault::ServerFailed), self.words(), usage)
     }
-}
-
-/// Reads a reply with status 200.
-pub(super) fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Failure> {
-    serde_json::from_slice(bytes).map_err(|error| Failure::invalid(bytes, &error))
 }
 
 /// Fails if `error` in a reply with status 200 says that something went wrong.

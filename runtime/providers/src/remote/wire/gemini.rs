@@ -3,8 +3,10 @@
 //! In: messages and the request's settings; a `GenerateContentResponse`. Out: a typed body; an answer or a failure.
 
 use super::content::{base64, framed, words};
-use super::error::{read, refuse_error, repeated};
-use super::{Answer, Failure, SentSettings, Unfit, answer, if_readable, tool_called, truncated};
+use super::error::{refuse_error, repeated};
+use super::{
+    Answer, Failure, SentSettings, Unfit, answer, if_readable, read, tool_called, truncated,
+};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Reasoning, Speaker};
 use fab_program::ReasoningLevel;

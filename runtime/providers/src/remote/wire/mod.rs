@@ -15,6 +15,7 @@ use super::settings::{Lengths, Parameter, Settings};
 use crate::catalogue::{Accepted, MaxTokensField, Wire};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Reasoning, Request};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 use serde_json::error::Category;
@@ -301,13 +302,18 @@ fn bytes(body: &impl Serialize) -> Vec<u8> {
     serde_json::to_vec(body).expect("a body holds strings, finite numbers and JSON")
 }
 
+/// Reads a reply with status 200.
+fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Failure> {
+    serde_json::from_slice(bytes).map_err(|error| Failure::invalid(bytes, &error))
+}
+
 /// Reads an optional part of a reply; `None` if it is malformed.
 ///
 /// A malformed bill must not cost a paid answer.
 fn if_readable<'de, D, T>(deserializer: D) -> Result<Option<T>, D::Error>
 where
     D: Deserializer<'de>,
-    T: serde::de::DeserializeOwned,
+    T: DeserializeOwned,
 {
     let value = Value::deserialize(deserializer)?;
     Ok(serde_json::from_value(value).ok())

@@ -4,9 +4,9 @@
 //! servers omit fields, so a reply needs only a choice with text.
 
 use super::content::{Content, Turn, data_url, pieces, refuse_no_question, turn};
-use super::error::{read, refuse_error, repeated};
+use super::error::{refuse_error, repeated};
 use super::{
-    Answer, Failure, InputDetails, OutputDetails, SentSettings, Unfit, answer, if_readable,
+    Answer, Failure, InputDetails, OutputDetails, SentSettings, Unfit, answer, if_readable, read,
     tool_called, truncated, unknown_end, with_hidden,
 };
 use crate::catalogue::MaxTokensField;

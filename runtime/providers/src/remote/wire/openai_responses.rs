@@ -3,9 +3,9 @@
 //! In: messages and the request's settings; a `response`. Out: a typed body; an answer or a failure.
 
 use super::content::{BETWEEN, Turn, data_url, pieces, refuse_no_question, turn};
-use super::error::{read, refuse_error, repeated};
+use super::error::{refuse_error, repeated};
 use super::{
-    Answer, Failure, InputDetails, OutputDetails, SentSettings, Unfit, answer, if_readable,
+    Answer, Failure, InputDetails, OutputDetails, SentSettings, Unfit, answer, if_readable, read,
     tool_called, truncated, unknown_end, with_hidden,
 };
 use fab_model::calls::{Fault, Usage};
