@@ -30,6 +30,7 @@ use fab_program::{PixelPoint, Program, Proposal, Value};
 use fab_standins::geometric::{Geometric, Offer, offers};
 use fab_world::crumple;
 use fab_world::metrics;
+use fab_world::simulated::trials::{Trial, try_motions};
 use fab_world::start::Start;
 use fab_world::{SimulatedWorld, World};
 
@@ -94,7 +95,7 @@ impl Search {
                 own: Some([1, 2]),
             },
             "fit" => Search {
-                kinds: vec![(Own, 0), (Next, 5), (Offered, 2)],
+                kinds: vec![(Own, 0), (Next, 6), (Pick, 4), (Offered, 2)],
                 seldom: Vec::new(),
                 own: Some([7, 10]),
             },
@@ -285,7 +286,7 @@ fn smooth(
     let (mut first, mut last): (Option<Scene>, Option<ExecutedAction>) = (None, None);
     for step in 1..=actions as u32 {
         world.reset(&start)?;
-        let before = coverage(&world, &start)?;
+        let before = coverage(&start)?;
         let observation = world.observe()?;
         let scene = Scene::of(&program, &observation, first.as_ref())?;
         first.get_or_insert_with(|| scene.clone());
@@ -347,16 +348,30 @@ fn smooth(
                 }
             }
         }
+        let lowered = picked.into_iter().filter_map(|(kind, candidate)| {
+            let proposal = proposal(&program, &candidate);
+            let action = Action::lower(&program, &proposal, &scene, &observation)?;
+            Some((kind, candidate, proposal, action))
+        });
+        let lowered: Vec<_> = lowered.collect();
+        let trials: Vec<Trial<'_>> = lowered
+            .iter()
+            .map(|(.., action)| Trial {
+                from: &world,
+                motion: action.motion,
+            })
+            .collect();
+        let ends = try_motions(&trials, 1, &interrupt, |_, end| {
+            Ok::<_, Failure>(end.state.positions)
+        })?;
         let mut tried: Vec<Tried> = Vec::new();
         let mut lines = String::new();
-        for (kind, candidate) in picked {
-            let proposal = proposal(&program, &candidate);
-            let Some(action) = Action::lower(&program, &proposal, &scene, &observation) else {
-                continue;
+        for ((kind, candidate, proposal, action), end) in lowered.into_iter().zip(ends) {
+            let end = Start {
+                positions: end.ok_or("a trial that ended")?,
+                ..start.clone()
             };
-            world.reset(&start)?;
-            world.act(&action.motion, &interrupt)?;
-            let coverage = coverage(&world, &start)?;
+            let coverage = coverage(&end)?;
             let gain = coverage - before;
             let PixelPoint { u, v } = candidate.pick;
             let (deg, far) = (candidate.direction_deg, candidate.distance);
@@ -367,13 +382,10 @@ fn smooth(
                 "{seed},{step},{before:.5},{gain:.6},{u},{v},{deg},{far},{kind}"
             )?;
             tried.push(Tried {
-                end: Start {
-                    positions: world.particles().ok_or("the world knows its cloth")?,
-                    ..start.clone()
-                },
                 proposal,
                 action,
                 coverage,
+                end,
             });
         }
         let mut pulls = File::options()
@@ -560,10 +572,9 @@ fn field(offer: &Candidate, name: &str) -> Value {
     }
 }
 
-fn coverage(world: &SimulatedWorld, start: &Start) -> Result<f64, Failure> {
-    let particles = world.particles().ok_or("the world knows its cloth")?;
+fn coverage(start: &Start) -> Result<f64, Failure> {
     let triangles = metrics::whole_triangles(&start.grid);
     let area_m2 = metrics::whole_area_m2(&start.grid);
-    let coverage = metrics::true_coverage(&particles, &triangles, area_m2);
+    let coverage = metrics::true_coverage(&start.positions, &triangles, area_m2);
     Ok(coverage.ok_or("a coverage that is a number")?)
 }

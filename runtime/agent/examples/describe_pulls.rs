@@ -1,9 +1,10 @@
 //! Describes the pulls of `collect_pulls` by the stand-in's features, for refitting its estimate.
 //!
-//! `cargo run -p fab-agent --example describe_pulls -- FOLDER... > pulls.csv`
+//! `cargo run -p fab-agent --example describe_pulls -- FOLDER... OUT`
 //!
-//! In: folders of `collect_pulls`. Out: a line per pull that the stand-in considers: its start, step, true coverage before
-//! and gain, and [`FEATURES`]. `scripts/fit-pulls.py` fits the estimate to them.
+//! In: folders of `collect_pulls`. Out: in the folder OUT, `pulls.csv` with a line per pull that the stand-in considers: its
+//! start, step, true coverage before and gain, and [`FEATURES`]; and `windows.u8` with the picture around its pick, `[3][24][24]`
+//! bytes of which 255 is a whole. `scripts/fit-pulls.py` fits the estimate to them.
 
 use fab_base::parallel::in_parallel;
 use fab_model::{Message, Part, Png, Speaker};
@@ -19,7 +20,9 @@ fn main() -> Result<(), Failure> {
     /// What stands before the kind.
     const NUMBERS: usize = 8;
     let mut states: BTreeMap<(PathBuf, String), Vec<Vec<f64>>> = BTreeMap::new();
-    for folder in std::env::args().skip(1).map(PathBuf::from) {
+    let mut folders: Vec<PathBuf> = std::env::args().skip(1).map(PathBuf::from).collect();
+    let out = folders.pop().ok_or("give FOLDER... OUT")?;
+    for folder in folders {
         for line in std::fs::read_to_string(folder.join("pulls.csv"))?.lines() {
             let numbers: Vec<f64> = line
                 .split(',')
@@ -48,7 +51,7 @@ fn main() -> Result<(), Failure> {
                 parts: vec![Part::Text(words), Part::Image(picture)],
             };
             let offered = offers(&[question])?;
-            let mut lines = String::new();
+            let (mut lines, mut windows) = (String::new(), Vec::new());
             for pull in pulls {
                 let [seed, step, before, gain, u, v, deg, far] = pull[..] else {
                     return Err(format!("a pull of `{name}` is no line of collect_pulls").into());
@@ -62,13 +65,22 @@ fn main() -> Result<(), Failure> {
                     let features = offer.features.map(|value| format!("{value:.5}"));
                     let features = features.join(",");
                     writeln!(lines, "{seed},{step},{before},{gain},{features}")?;
+                    windows.extend(
+                        offer
+                            .window
+                            .iter()
+                            .map(|share| (255.0 * share).round() as u8),
+                    );
                 }
             }
-            Ok::<_, Failure>(Some(lines))
+            Ok::<_, Failure>(Some((lines, windows)))
         },
         |_| {},
     )?;
-    println!("start,step,coverage,gain,{}", FEATURES.join(","));
-    print!("{}", described.into_iter().flatten().collect::<String>());
+    let (lines, windows): (Vec<String>, Vec<Vec<u8>>) = described.into_iter().flatten().unzip();
+    let head = format!("start,step,coverage,gain,{}\n", FEATURES.join(","));
+    std::fs::create_dir_all(&out)?;
+    std::fs::write(out.join("pulls.csv"), head + &lines.concat())?;
+    std::fs::write(out.join("windows.u8"), windows.concat())?;
     Ok(())
 }

@@ -5,7 +5,9 @@
 //! cloth's matters. All are invariant under mirroring the picture and quarter turns.
 
 use super::view::{Counts, Face, Patches, View};
+use super::window::{self, Window};
 use fab_picture::hull::{self, Point};
+use std::rc::Rc;
 
 /// The names of the features, in order: of the whole cloth, the corner, the direction, the distance.
 pub const NAMES: [&str; 22] = [
@@ -94,6 +96,8 @@ pub struct Corner {
 pub struct Pull<'c> {
     cloth: &'c Cloth<'c>,
     corner: &'c Corner,
+    /// The picture around it.
+    pub window: Rc<Window>,
     /// The features that do not depend on the distance.
     fixed: [f64; NAMES.len() - 3],
 }
@@ -194,6 +198,7 @@ impl<'a> Cloth<'a> {
         Pull {
             cloth: self,
             corner,
+            window: Rc::new(window::around(self.view, from, angle, self.side, own)),
             fixed,
         }
     }

@@ -3,7 +3,7 @@
 //! In: a conversation whose opening question shows the cloth and may list its corners. Out: an answer in the requested
 //! form. The cloth's pose and visible faces come from the picture ([`view`]); the choices, the scale and the limits
 //! from the words ([`parsed_prompt`]). Each choice is described by numbers ([`features`]) and its gain estimated from
-//! them ([`estimate`]); [`pulls`] ranks the choices, and [`corrections`] removes those ruled out by corrections. It
+//! them and the picture around the pick ([`window`], [`estimate`]); [`pulls`] ranks the choices, and [`corrections`] removes those ruled out by corrections. It
 //! knows nothing else about the cloth.
 
 mod corrections;
@@ -13,6 +13,7 @@ mod parsed_prompt;
 mod pulls;
 mod rim;
 mod view;
+mod window;
 
 #[cfg(test)]
 mod tests;
@@ -52,6 +53,8 @@ pub struct Offer {
     pub distance: f64,
     /// Its features, in the order of [`FEATURES`].
     pub features: [f64; FEATURES.len()],
+    /// The picture around its pick: `[3][24][24]` shares, as [`window`] describes them.
+    pub window: Vec<f32>,
     /// Its expected gain of coverage, as a share of the flat cloth.
     pub gain: f64,
 }
@@ -65,6 +68,7 @@ pub fn offers(messages: &[Message]) -> Result<Vec<Offer>, String> {
         direction_deg: parsed.directions[pull.direction].value,
         distance: parsed.distances[pull.distance].value,
         features: pull.features,
+        window: pull.window.as_flattened().as_flattened().to_vec(),
         gain: pull.gain,
     };
     Ok(pulls.into_iter().map(offer).collect())

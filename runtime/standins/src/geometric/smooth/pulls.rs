@@ -2,12 +2,15 @@
 //!
 //! In: a [`ParsedPrompt`] and a [`View`]. Out: every pull within the prompt's rules, most promising first.
 
+use super::estimate::Seen;
 use super::features::{Cloth, NAMES};
 use super::parsed_prompt::ParsedPrompt;
 use super::view::View;
-use super::{estimate, middle_of, rim};
+use super::window::Window;
+use super::{middle_of, rim};
 use fab_picture::hull;
 use fab_program::PixelPoint;
+use std::rc::Rc;
 
 /// A possible answer.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +25,8 @@ pub struct Pull {
     pub is_sharp: bool,
     /// Its features.
     pub features: [f64; NAMES.len()],
+    /// The picture around its pick; pulls of one pick and direction share it.
+    pub window: Rc<Window>,
     /// Its expected gain of coverage, as a share of the flat cloth.
     pub gain: f64,
     /// Whether the prompt asks to avoid its pick.
@@ -71,6 +76,7 @@ fn of_corner(pick: PixelPoint, parsed: &ParsedPrompt, cloth: &Cloth<'_>) -> Vec<
             continue;
         }
         let measured = cloth.measure(&corner, angle);
+        let seen = Seen::of(&measured.window);
         for (distance, length) in parsed.distances.iter().enumerate() {
             let length_px = length.value * parsed.edge_px;
             let to = [from[0] + length_px * cos, from[1] + length_px * sin];
@@ -85,7 +91,8 @@ fn of_corner(pick: PixelPoint, parsed: &ParsedPrompt, cloth: &Cloth<'_>) -> Vec<
                     distance,
                     is_sharp: SHARP.contains(&corner.cloth_near),
                     features,
-                    gain: estimate::gain(&features),
+                    window: Rc::clone(&measured.window),
+                    gain: seen.gain(&features),
                     is_avoided,
                 });
             }
