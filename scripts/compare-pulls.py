@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Compares the kinds of pulls that were tried in the simulator from the same states.
 
-    cargo run -p fab-agent --example collect_pulls -- each 620 10 5 pulls
-    scripts/compare-pulls.py pulls
+    cargo run --release -p fab-agent --example collect_pulls -- each 620 10 5 kinds
+    scripts/compare-pulls.py kinds
 
 Prints, for each kind, the mean gain of the better of the stand-in's own pull and the pulls of that kind, in percent of the flat
 cloth, with a 95 % interval, and the mean difference from the stand-in's own pull with its interval: percentile bootstrap over

@@ -5,9 +5,9 @@
     cargo run --release -p fab-agent --example describe_pulls -- tried described
     scripts/fit-pulls.py described runtime/standins/src/geometric/smooth/estimate.json "seeds 1000 to 1299"
 
-Needs numpy, jax and optax. Prints how well the estimate does on starts that it was not fitted to: the correlation of
-estimate and gain, and the gain of the tried pull with the best estimate. Without a second and third argument it does only
-that.
+Needs numpy, jax and optax. On two cores the first takes 45 minutes for 200 starts, the last 5 minutes. Prints how well the estimate does on starts that it was not fitted to: the correlation of
+estimate and gain, and the gain of the tried pull with the best estimate. Without a second and third argument
+it does only that.
 """
 
 import csv
@@ -73,9 +73,9 @@ def network(weights, windows, features, key=None):
 class Estimate:
     """The mean of small convolutional networks, over each window and its mirror image."""
 
-    def __init__(self, windows, features, gains, networks=NETWORKS):
+    def __init__(self, windows, features, gains):
         self.mean, self.deviation = features.mean(0), features.std(0) + 1e-9
-        self.networks = [self.fitted(windows, self.scaled(features), SCALE * gains, seed) for seed in range(networks)]
+        self.networks = [self.fitted(windows, self.scaled(features), SCALE * gains, seed) for seed in range(NETWORKS)]
 
     def scaled(self, features):
         return np.clip((features - self.mean) / self.deviation, -LIMIT, LIMIT).astype(np.float32)
@@ -118,12 +118,14 @@ class Estimate:
         return np.concatenate(parts) / 2 / SCALE
 
     def weights(self, names, about):
-        short = lambda values: json.loads(json.dumps(np.asarray(values, float).tolist()), parse_float=lambda text: float(f"{float(text):.3g}"))
+        rounded = np.vectorize(lambda value: float(f"{value:.3g}"), otypes=[float])
+        short = lambda values: rounded(np.asarray(values)).tolist()
         networks = []
         for weights in self.networks:
             layers = []
             for depth, (matrix, bias) in enumerate(weights["layers"]):
-                scale = 1 if depth == 0 else 1 / SCALE
+                is_last = depth + 1 == len(weights["layers"])
+                scale = 1 / SCALE if is_last else 1
                 units = zip(np.asarray(matrix).T * scale, np.asarray(bias) * scale)
                 layers.append([{"weights": short(unit), "bias": short(offset)} for unit, offset in units])
             kernels = [{"kernels": short(kernels), "bias": short(bias)} for kernels, bias in weights["convolutions"]]
@@ -146,11 +148,13 @@ def load(folder):
     return names[4:], table, windows
 
 
-def main(source, target=None, origin=""):
+def main(source, target=None, origin="not fitted"):
     names, table, windows = load(pathlib.Path(source))
     starts, steps, gains, features = table[:, 0], table[:, 1], table[:, 3], table[:, 4:]
     if len(np.unique(starts)) < PARTS:
         sys.exit(f"{source} holds pulls of {len(np.unique(starts))} starts, and {PARTS} are needed to keep some apart")
+    if len(gains) < 2 * BATCH:
+        sys.exit(f"{source} holds {len(gains)} pulls, and at least {2 * BATCH} are needed")
     parts = np.random.RandomState(0).permutation(len(np.unique(starts))) % PARTS
     part = parts[np.unique(starts, return_inverse=True)[1]]
     apart = np.zeros_like(gains)

@@ -1,15 +1,16 @@
 //! Tries pulls of crumpled cloths in the simulator, to search among them or to fit the stand-in's estimate.
 //!
-//! `cargo run -p fab-agent --example collect_pulls -- SEARCH FIRST_SEED COUNT ACTIONS FOLDER`
-//! `cargo run -p fab-agent --example collect_pulls -- SEARCH STARTS ACTIONS FOLDER`
+//! `cargo run --release -p fab-agent --example collect_pulls -- SEARCH FIRST_SEED COUNT ACTIONS FOLDER`
+//! `cargo run --release -p fab-agent --example collect_pulls -- SEARCH STARTS ACTIONS FOLDER`
 //!
-//! In: seeds of crumpled starts, or a folder of recorded ones (`*_pos.npy`, numbered by name), and what to try before each action beside the stand-in's own pull. SEARCH is `each`, `fit`, or a
-//! list such as `offered:12,elsewhere:12` of [`KINDS`] with numbers of pulls. `each` tries some of every kind and
-//! executes the stand-in's own pull half of the time, `fit` tries the likely ones and executes it mostly; a list executes the
-//! best that was tried. Out: on stdout, each start's improvement after each action, as the smoothing suite measures it.
-//! FOLDER gets each question's picture and words, and `pulls.csv` with a line per pull: start, step, true coverage before, gain,
-//! pick, direction, distance, kind. `describe_pulls` turns it into what `scripts/fit-pulls.py` reads, and
-//! `scripts/compare-pulls.py` compares the kinds of `each`.
+//! In: seeds of crumpled starts, or a folder of recorded ones (`*_pos.npy`, numbered by name), and what to try before each
+//! action beside the stand-in's own pull. SEARCH is `each`, `fit`, or a list such as `offered:12,elsewhere:12` of
+//! [`KINDS`] with numbers of pulls. `each` tries some of every kind and executes the stand-in's own pull half of the time.
+//! `fit` tries the likely ones, others of the same pick and two drawn ones, and executes its own mostly. A list
+//! executes the best that was tried. Out: on stdout, each start's improvement after each action, as the smoothing suite
+//! measures it. FOLDER, which must not hold pulls yet, gets each question's picture and words, and `pulls.csv` with a line per
+//! pull: start, step, true coverage before, gain, pick, direction, distance, kind. `describe_pulls` turns it into what
+//! `scripts/fit-pulls.py` reads, and `scripts/compare-pulls.py` compares the kinds of `each`.
 
 use fab_agent::action::Action;
 use fab_agent::examples::Examples;
@@ -142,6 +143,9 @@ fn main() -> Result<(), Failure> {
     let actions: usize = actions.parse()?;
     let folder = PathBuf::from(folder);
     std::fs::create_dir_all(&folder)?;
+    if folder.join("pulls.csv").exists() {
+        return Err(format!("`{}` already holds pulls", folder.display()).into());
+    }
     let threads = std::thread::available_parallelism()?.get();
     in_parallel(
         starts.len(),

@@ -1,8 +1,8 @@
-//! Describes the pulls of `collect_pulls` by the stand-in's features, for refitting its estimate.
+//! Describes the pulls of `collect_pulls` by the stand-in's features and windows, for refitting its estimate.
 //!
-//! `cargo run -p fab-agent --example describe_pulls -- FOLDER... OUT`
+//! `cargo run --release -p fab-agent --example describe_pulls -- FOLDER... OUT`
 //!
-//! In: folders of `collect_pulls`. Out: in the folder OUT, `pulls.csv` with a line per pull that the stand-in considers: its
+//! In: folders of `collect_pulls`, with different starts. Out: in the folder OUT, `pulls.csv` with a line per pull that the stand-in considers: its
 //! start, step, true coverage before and gain, and [`FEATURES`]; and `windows.u8` with the picture around its pick, `[3][24][24]`
 //! bytes of which 255 is a whole. `scripts/fit-pulls.py` fits the estimate to them.
 
@@ -16,12 +16,23 @@ use std::path::PathBuf;
 
 type Failure = Box<dyn Error + Send + Sync>;
 
+/// What stands before the features in the first line of a description.
+const HEAD: &str = "start,step,coverage,gain,";
+
 fn main() -> Result<(), Failure> {
     /// What stands before the kind.
     const NUMBERS: usize = 8;
     let mut states: BTreeMap<(PathBuf, String), Vec<Vec<f64>>> = BTreeMap::new();
     let mut folders: Vec<PathBuf> = std::env::args().skip(1).map(PathBuf::from).collect();
-    let out = folders.pop().ok_or("give FOLDER... OUT")?;
+    let out = folders.pop().filter(|_| !folders.is_empty());
+    let out = out.ok_or("give FOLDER... OUT")?;
+    let described = std::fs::read_to_string(out.join("pulls.csv"));
+    if described.is_ok_and(|pulls| !pulls.starts_with(HEAD)) {
+        let out = out.display();
+        return Err(
+            format!("`{out}` holds collected pulls, and is no place for a description").into(),
+        );
+    }
     for folder in folders {
         for line in std::fs::read_to_string(folder.join("pulls.csv"))?.lines() {
             let numbers: Vec<f64> = line
@@ -78,7 +89,7 @@ fn main() -> Result<(), Failure> {
         |_| {},
     )?;
     let (lines, windows): (Vec<String>, Vec<Vec<u8>>) = described.into_iter().flatten().unzip();
-    let head = format!("start,step,coverage,gain,{}\n", FEATURES.join(","));
+    let head = format!("{HEAD}{}\n", FEATURES.join(","));
     std::fs::create_dir_all(&out)?;
     std::fs::write(out.join("pulls.csv"), head + &lines.concat())?;
     std::fs::write(out.join("windows.u8"), windows.concat())?;

@@ -157,7 +157,11 @@ pub fn depth_mask(depth: &DepthImage, below_m: f64) -> Mask {
 /// Draws a mask in white (255) on black.
 pub fn mask_picture(mask: &Mask) -> GrayImage {
     GrayImage::from_fn(mask.width(), mask.height(), |column, row| {
-        Luma([if mask.contains_at(column, row) { 255 } else { 0 }])
+        Luma([if mask.contains_at(column, row) {
+            255
+        } else {
+            0
+        }])
     })
 }
 

@@ -165,7 +165,8 @@ fn decode(bytes: &[u8], which: PictureOf) -> Result<RgbImage, Unrecognised> {
 fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Mask) -> Option<Mask> {
     // Include the stroke here, or an arrow across the cloth would cut it in two.
     let patch = Mask::from_fn(picture.width(), picture.height(), |column, row| {
-        stroke.contains_at(column, row) || !regions::is_table(picture.get_pixel(column, row).0, table)
+        stroke.contains_at(column, row)
+            || !regions::is_table(picture.get_pixel(column, row).0, table)
     });
     let mut largest = regions::components(&patch)
         .into_iter()

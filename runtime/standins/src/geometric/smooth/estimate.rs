@@ -5,7 +5,7 @@
 //! `estimate.json` holds their weights, and documents the starts they were fitted to and their accuracy on others.
 
 use super::features::NAMES;
-use super::window::{CELLS, CHANNELS, Window};
+use super::window::{CELLS, Window};
 use serde::Deserialize;
 use std::sync::LazyLock;
 
@@ -46,8 +46,8 @@ struct Unit {
 }
 
 /// Square channels, by channel, row and column.
+#[derive(Clone)]
 struct Image {
-    channels: usize,
     side: usize,
     values: Vec<f32>,
 }
@@ -62,58 +62,52 @@ static ESTIMATE: LazyLock<Estimate> = LazyLock::new(|| {
     estimate
 });
 
-/// What the networks saw in a window and in its mirror image, which a pull cannot tell apart.
-pub struct Seen(Vec<[Vec<f32>; 2]>);
+/// A window and its mirror image, for which the gain is the same, as each network's convolutions encode them.
+pub struct Encoded(Vec<[Vec<f32>; 2]>);
 
-impl Seen {
-    /// Looks at a window.
-    pub fn of(window: &Window) -> Seen {
-        let image = |values| Image {
-            channels: CHANNELS,
+impl Encoded {
+    /// Encodes a window.
+    pub fn of(window: &Window) -> Encoded {
+        let rows = window.iter().flatten().flatten();
+        let mirrored = window.iter().flat_map(|rows| rows.iter().rev().flatten());
+        let (plain, mirrored) = (rows.copied().collect(), mirrored.copied().collect());
+        let images = [plain, mirrored].map(|values: Vec<f32>| Image {
             side: CELLS,
             values,
-        };
-        let rows = window.as_flattened();
-        let mirrored = window.iter().flat_map(|rows| rows.iter().rev().flatten());
-        let images = [
-            image(rows.as_flattened().to_vec()),
-            image(mirrored.copied().collect()),
-        ];
-        let see = |network: &Network| images.each_ref().map(|image| network.see(image));
-        Seen(ESTIMATE.networks.iter().map(see).collect())
+        });
+        let encode =
+            |network: &Network| images.each_ref().map(|image| network.encode(image.clone()));
+        Encoded(ESTIMATE.networks.iter().map(encode).collect())
     }
 
     /// Estimates the gain of a pull of this window, as a share of the flat cloth's area.
     pub fn gain(&self, features: &[f64; NAMES.len()]) -> f64 {
         let estimate = &*ESTIMATE;
         let scales = estimate.mean.iter().zip(&estimate.deviation);
-        let scaled = features
-            .iter()
-            .zip(scales)
-            .map(|(value, (mean, deviation))| {
-                ((value - mean) / deviation).clamp(-estimate.limit, estimate.limit) as f32
-            });
-        let scaled: Vec<f32> = scaled.collect();
-        let sides = estimate
-            .networks
-            .iter()
-            .zip(&self.0)
-            .flat_map(|(network, seen)| seen.each_ref().map(|seen| network.judge(seen, &scaled)));
-        sides.map(f64::from).sum::<f64>() / (2 * self.0.len()).max(1) as f64
+        let scaled = |(value, (mean, deviation)): (&f64, (&f64, &f64))| {
+            ((value - mean) / deviation).clamp(-estimate.limit, estimate.limit) as f32
+        };
+        let scaled: Vec<f32> = features.iter().zip(scales).map(scaled).collect();
+        let networks = estimate.networks.iter().zip(&self.0);
+        let gains = networks.flat_map(|(network, encoded)| {
+            let [plain, mirrored] = encoded;
+            [plain, mirrored].map(|encoded| f64::from(network.gain(encoded, &scaled)))
+        });
+        gains.sum::<f64>() / (2 * self.0.len()) as f64
     }
 }
 
 impl Network {
     /// Returns what is left of an image after all convolutions.
-    fn see(&self, image: &Image) -> Vec<f32> {
-        let mut convolutions = self.convolutions.iter();
-        let first = convolutions.next().map(|first| first.apply(image));
-        let last = convolutions.fold(first, |image, next| image.map(|image| next.apply(&image)));
-        last.map(|image| image.values).unwrap_or_default()
+    fn encode(&self, image: Image) -> Vec<f32> {
+        let convolutions = self.convolutions.iter();
+        convolutions
+            .fold(image, |image, next| next.apply(&image))
+            .values
     }
 
-    fn judge(&self, seen: &[f32], features: &[f32]) -> f32 {
-        let mut values = [seen, features].concat();
+    fn gain(&self, encoded: &[f32], features: &[f32]) -> f32 {
+        let mut values = [encoded, features].concat();
         for (depth, layer) in self.layers.iter().enumerate() {
             let is_last = depth + 1 == self.layers.len();
             let of_unit = |unit: &Unit| {
@@ -134,27 +128,23 @@ impl Convolution {
         for (kernel, &bias) in self.kernels.iter().zip(&self.bias) {
             for row in 0..side {
                 values.extend((0..side).map(|column| {
-                    let sum = bias + image.under(kernel, [2 * row, 2 * column]);
+                    let sum = bias + image.correlate_at(kernel, [2 * row, 2 * column]);
                     sum.max(0.0)
                 }));
             }
         }
-        Image {
-            channels: self.kernels.len(),
-            side,
-            values,
-        }
+        Image { side, values }
     }
 }
 
 impl Image {
     /// Adds the products of a kernel, centered at a cell, and the cells under it; beyond the border nothing counts.
-    fn under(&self, kernel: &[Vec<Vec<f32>>], [row, column]: [usize; 2]) -> f32 {
+    fn correlate_at(&self, kernel: &[Vec<Vec<f32>>], [row, column]: [usize; 2]) -> f32 {
         let border = kernel[0].len() / 2;
         let before = border.saturating_sub(column);
         let from = column.saturating_sub(border);
         let mut sum = 0.0;
-        for (channel, kernel) in kernel.iter().enumerate().take(self.channels) {
+        for (channel, kernel) in kernel.iter().enumerate() {
             for (down, weights) in kernel.iter().enumerate() {
                 let row = (row + down).checked_sub(border);
                 if let Some(row) = row.filter(|&row| row < self.side) {
@@ -176,6 +166,7 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::super::window::CHANNELS;
     use super::*;
 
     #[derive(Deserialize)]
@@ -227,7 +218,7 @@ mod tests {
                 window[channel][row].copy_from_slice(cells);
             }
         }
-        let gain = Seen::of(&window).gain(&example.features);
+        let gain = Encoded::of(&window).gain(&example.features);
         let fitted = example.gain;
         assert!((gain - fitted).abs() < 1e-3, "{gain} and {fitted}");
     }

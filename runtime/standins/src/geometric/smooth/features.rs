@@ -2,7 +2,8 @@
 //!
 //! In: a [`View`], and a corner with a direction to pull it in. Out: one number for each of [`NAMES`]. All are lengths
 //! relative to the cloth's side, areas relative to the flat cloth, or shares, so neither the picture's size nor the
-//! cloth's matters. All are invariant under mirroring the picture and quarter turns.
+//! cloth's matters. All are invariant under mirroring the picture and quarter turns. A pull also carries the
+//! [`window`] around its pick.
 
 use super::view::{Counts, Face, Patches, View};
 use super::window::{self, Window};
@@ -96,7 +97,7 @@ pub struct Corner {
 pub struct Pull<'c> {
     cloth: &'c Cloth<'c>,
     corner: &'c Corner,
-    /// The picture around it.
+    /// The picture around the pick, turned to the pull.
     pub window: Rc<Window>,
     /// The features that do not depend on the distance.
     fixed: [f64; NAMES.len() - 3],

@@ -2,9 +2,9 @@
 //!
 //! In: a conversation whose opening question shows the cloth and may list its corners. Out: an answer in the requested
 //! form. The cloth's pose and visible faces come from the picture ([`view`]); the choices, the scale and the limits
-//! from the words ([`parsed_prompt`]). Each choice is described by numbers ([`features`]) and its gain estimated from
-//! them and the picture around the pick ([`window`], [`estimate`]); [`pulls`] ranks the choices, and [`corrections`] removes those ruled out by corrections. It
-//! knows nothing else about the cloth.
+//! from the words ([`parsed_prompt`]). Each choice is described by numbers ([`features`]) and by the picture around the
+//! pick ([`window`]), and its gain is estimated from both ([`estimate`]); [`pulls`] ranks the choices, and
+//! [`corrections`] removes those ruled out by corrections. It knows nothing else about the cloth.
 
 mod corrections;
 mod estimate;
@@ -53,7 +53,8 @@ pub struct Offer {
     pub distance: f64,
     /// Its features, in the order of [`FEATURES`].
     pub features: [f64; FEATURES.len()],
-    /// The picture around its pick: `[3][24][24]` shares, as [`window`] describes them.
+    /// The picture around its pick by channel, row and column, `[3][24][24]`: shares of each cell that show the grasped
+    /// face, the other face, and lost light.
     pub window: Vec<f32>,
     /// Its expected gain of coverage, as a share of the flat cloth.
     pub gain: f64,

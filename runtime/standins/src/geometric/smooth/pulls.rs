@@ -2,7 +2,7 @@
 //!
 //! In: a [`ParsedPrompt`] and a [`View`]. Out: every pull within the prompt's rules, most promising first.
 
-use super::estimate::Seen;
+use super::estimate::Encoded;
 use super::features::{Cloth, NAMES};
 use super::parsed_prompt::ParsedPrompt;
 use super::view::View;
@@ -76,7 +76,7 @@ fn of_corner(pick: PixelPoint, parsed: &ParsedPrompt, cloth: &Cloth<'_>) -> Vec<
             continue;
         }
         let measured = cloth.measure(&corner, angle);
-        let seen = Seen::of(&measured.window);
+        let encoded = Encoded::of(&measured.window);
         for (distance, length) in parsed.distances.iter().enumerate() {
             let length_px = length.value * parsed.edge_px;
             let to = [from[0] + length_px * cos, from[1] + length_px * sin];
@@ -92,7 +92,7 @@ fn of_corner(pick: PixelPoint, parsed: &ParsedPrompt, cloth: &Cloth<'_>) -> Vec<
                     is_sharp: SHARP.contains(&corner.cloth_near),
                     features,
                     window: Rc::clone(&measured.window),
-                    gain: seen.gain(&features),
+                    gain: encoded.gain(&features),
                     is_avoided,
                 });
             }

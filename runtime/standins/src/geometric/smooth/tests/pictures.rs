@@ -1,6 +1,8 @@
 //! Tests that the answer follows the picture.
 
+use super::super::{Offer, offers};
 use super::*;
+use std::collections::BTreeMap;
 
 #[test]
 fn a_corner_is_pulled_and_not_a_point_of_a_side() {
@@ -86,20 +88,26 @@ fn layers_drawn_over_the_cloth_change_no_estimate_by_a_hundredth() {
         (pull_of(&before).0, pull_of(&before).1),
         (pull_of(&after).0, pull_of(&after).1)
     );
-    let ranked = |question: &Question| {
-        let mut offers = super::super::offers(&[question.turn()]).unwrap();
-        offers.sort_by_key(|offer| {
-            let hundredths = (100.0 * offer.distance).round() as i32;
-            (offer.pick, offer.direction_deg as i32, hundredths)
-        });
-        offers
+    let by_pull = |question: &Question| -> BTreeMap<_, f64> {
+        let offered = offers(&[question.turn()]).unwrap();
+        let named = |offer: &Offer| {
+            format!(
+                "{:?} {} {}",
+                offer.pick, offer.direction_deg, offer.distance
+            )
+        };
+        offered
+            .iter()
+            .map(|offer| (named(offer), offer.gain))
+            .collect()
     };
-    for (one, other) in ranked(&plain).iter().zip(&ranked(&drawn)) {
+    let (before, after) = (by_pull(&plain), by_pull(&drawn));
+    assert!(before.keys().eq(after.keys()));
+    for (pull, gain) in before {
         assert!(
-            (one.gain - other.gain).abs() < 0.01,
-            "{} and {}",
-            one.gain,
-            other.gain
+            (gain - after[&pull]).abs() < 0.01,
+            "{pull}: {gain} and {}",
+            after[&pull]
         );
     }
 }
