@@ -334,6 +334,17 @@ impl<'t> Lexer<'t> {
             }
             return;
         }
+        // `\begin{aligned}`
+        if let ("begin" | "end", Some(environment)) =
+            (&name[..length], name[length..].strip_prefix('{'))
+        {
+            let letters = environment
+                .find(|letter: char| !(letter.is_ascii_alphabetic() || letter == '*'))
+                .unwrap_or(environment.len());
+            if environment[letters..].starts_with('}') {
+                return self.skip("\\{}".len() + length + letters, Gap::Line);
+            }
+        }
         if let Some((_, meaning)) = COMMANDS
             .iter()
             .find(|(command, _)| *command == &name[..length])

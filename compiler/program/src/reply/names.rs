@@ -385,7 +385,7 @@ fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Menti
     if is_effect {
         return None;
     }
-    let is_passive = at > 0 && tokens[at - 1].is_any(&["be"]);
+    let is_passive = at > 0 && tokens[at - 1].is_any(&["be", "is"]);
     let has = |wanted: &str| {
         fields
             .iter()

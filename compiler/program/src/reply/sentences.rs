@@ -68,7 +68,8 @@ const DENYING: &[&str] = words!(
 /// Words between a name and its sign that change nothing.
 const QUALIFYING: &[&str] = words!(
     "that i recommend propose suggest choose chose chosen selected have i've identified for this step action would use
-    final pixel in image on the cloth of my we move robot gripper fold first next pixels here should used"
+    final pixel in image on the cloth of my we move robot gripper fold first next pixels here should used
+    pull movement motion"
 );
 
 /// Words after `is` that say that a value is not chosen.
@@ -1409,14 +1410,17 @@ impl<'a> Sentences<'a> {
             let joins = token.is_any(&[
                 "as", "is", "for", "becomes", "be", "to", "will", "should", "must",
             ]) || matches!(token.kind, Kind::Sign('→' | '=' | ':'));
+            // `The corner, at (182, 182), is picked up`
+            let closes = token.is_sign(',') && self.tokens[end].is("is") && is_picked;
             if !(is_open
                 || joins
+                || closes
                 || token.is_any(&["the", "my", "a", "our", "chosen", "best", "final"]))
                 || token.gap >= Gap::Line
             {
                 break;
             }
-            joined |= is_open || joins;
+            joined |= is_open || joins || closes;
             end -= 1;
         }
         let field = self.field(mention);

@@ -334,7 +334,9 @@ fn at_point(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
     let mut found = point::read(cursor, context.notation, brackets);
     if matches!(found, PointFound::Nothing) {
         let is_relative = skip_description(cursor, context.clarity);
-        if cursor.at > start.at {
+        // `To find the place points, let us go through the corners:` above a list
+        let heads_list = !is_assigned && cursor.peek().is_some_and(|next| next.gap >= Gap::Item);
+        if cursor.at > start.at && !heads_list {
             found = point::read(cursor, context.notation, Brackets::Needed);
             if is_relative && !matches!(found, PointFound::Nothing) {
                 return Found::Bad("its point is described by another one".to_owned());

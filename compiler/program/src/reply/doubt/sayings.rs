@@ -311,6 +311,7 @@ const PLAIN: &[Row] = &[
     row(Ever, Anything, "gripper|robot|arm was|were|is sent|run|driven with|by|to", "next|then|will", DOUBTED),
     row(Later, Author, "repeated|copied|reused|recycled the|my old|previous|last|earlier", "not", DOUBTED),
     row(Later, Anything, "need|needs|have|has to be reworked|redone|revised|reconsidered|rethought|rechecked|verified|confirmed", "next|then|later", HALTED),
+    row(Later, Anything, "^ leave it|them|everything|this|that alone|$", "", HALTED),
     row(Later, Anything, "leave|leaving|left it|this|that|them|the|choice|decision to|up you|your|someone|somebody", "", DOUBTED),
     row(Later, Anything, "which * you want|prefer|would|like|mean|meant", "", DOUBTED),
     row(Ever, Anything, "pull|step|fold|move|action|command|it already been carried|executed|performed|done|completed", "first|second|third|previous|earlier|last|one|two|half|not", HALTED),

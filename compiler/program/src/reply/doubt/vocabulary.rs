@@ -396,7 +396,7 @@ pub(super) const CONDITIONS: &str = "before the arm|before the robot|than stated
     |if you ask me|if i am honest|not where|rather than this|rather than these|rather than that|might as well|may as well|unless i|until i|until it is|until you|until this|until they|before i";
 
 /// What a report says of an answer that is hardly believed; separated by `|`.
-pub(super) const UNCERTAIN: &str = "low confidence|confidence low|confidence very low|confidence : low|confidence is low|very low confidence|confidence : none|confidence : zero|zero confidence";
+pub(super) const UNCERTAIN: &str = "low confidence|confidence low|confidence very low|confidence : low|confidence is low|very low confidence|confidence : none|confidence : zero|zero confidence|can not decide between|cannot decide between";
 
 /// What the author sees and remembers with.
 pub(super) const FACULTIES: &[&str] = words!(
