@@ -102,8 +102,9 @@ const EXPLAINING: &[&str] = words!(
 );
 
 /// Words that tell what an assigned value does: `0.25 edge keeps it near`.
-const TELLING: &[&str] =
-    words!("keeps brings avoids stays suffices gives leads lands unfolds opens moves fits works");
+const TELLING: &[&str] = words!(
+    "keeps brings takes carries reaches avoids stays suffices gives leads lands unfolds opens moves fits works"
+);
 
 /// Words that change or doubt what stands before them, wherever they stand in its clause.
 const ALTERING: &[&str] = words!(
@@ -1286,8 +1287,14 @@ fn states_other(cursor: Cursor<'_, '_>, context: &Context<'_>, value: &Value) ->
         let found = bare(&mut other, &spoken);
         // `30 mm clears it; 100 mm would raise half the cloth`
         let is_weighed = !goes_on && other.peek().is_some_and(|next| next.is_any(CONDITIONAL));
+        // `takes it to (491, 247), 173 px from the middle`
+        let is_place = !goes_on
+            && other
+                .peek()
+                .is_some_and(|next| next.is_any(&["from", "away"]));
         if adds
             && !is_weighed
+            && !is_place
             && !is_worded
             && (goes_on || !tells_of_word(other, context))
             && found.is_some_and(|(found, _)| found != *value)
