@@ -112,9 +112,6 @@ fn set<'a>(
         }
     }
     (row.call.make)(material, &args);
-    if word.text() == "bending" {
-        bias_fits(&bound, material, context)?;
-    }
     match (row.face, property.text(), property.cited()) {
         (Some(face), Some(text), _) => {
             let rgb = rgb(text, context)?;
@@ -149,32 +146,6 @@ fn set<'a>(
             Err(context.error(diagnostic.help(help)))
         }
     }
-}
-
-/// Reports a bending length on the bias that those of warp and weft do not allow.
-///
-/// A narrow strip on the bias bends along both threads and twists, so `4 / bias^3 > 1 / warp^3 + 1 / weft^3` (an
-/// orthotropic plate, Timoshenko and Woinowsky-Krieger 1959). The simulator has the same bound.
-fn bias_fits(
-    bound: &Bound<'_>,
-    material: &Material,
-    context: &mut Context<'_, '_>,
-) -> Result<(), Reported> {
-    let Directions { warp, weft, bias } = material.bending_length_m;
-    let cube = |length: f64| length * length * length;
-    let most_m = (4.0 / (1.0 / cube(warp) + 1.0 / cube(weft))).cbrt();
-    let Some((_, expr)) = bound.iter().find(|(arg, _)| arg.name == "bias") else {
-        return Ok(());
-    };
-    if bias < most_m {
-        return Ok(());
-    }
-    // A value at the limit has no twist left.
-    let most_mm = (most_m * 10_000.0).floor() / 10.0;
-    let help = format!(
-        "with these along warp and weft, a strip on the bias bends more: expected below `{most_mm}mm`"
-    );
-    Err(out_of_range(*expr, &help, context))
 }
 
 /// Reads `"#ff7100"` as red, green and blue.

