@@ -12,9 +12,9 @@ use crate::planes::Planes;
 use multiversion::multiversion;
 
 // Share of the spacing by which both diagonals of a cell may be too short: those of one whose edges keep their length while
-// it bends by half a radian. Without any, cloth is too stiff on the bias. Without an end of it, cells fold up, and layers
+// it bends by 0.6 radians. Without any, cloth is too stiff on the bias. Without an end of it, cells fold up, and layers
 // pass through each other four times as often.
-const SLACK: f32 = 0.015;
+const SLACK: f32 = 0.02;
 const TINY_M2: f32 = 1e-20;
 
 /// The diagonals of one cloth.
