@@ -1,9 +1,8 @@
 //! `material NAME { weight 420g/m2 from "…" … }`: what a cloth is made of.
 
-use super::arguments::{Bound, bind, form};
+use super::arguments::{bind, form};
 use super::context::Context;
 use super::expressions::{Scope, values};
-use super::quantity::out_of_range;
 use super::short_text::line;
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::material::{self, PROPERTIES};
