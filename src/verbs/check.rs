@@ -9,7 +9,7 @@ use clap::Args;
 use clap::ValueHint;
 use fab_base::wording::counted;
 use fab_compiler::diag::{self, Severity};
-use fab_program::Program;
+use fab_program::{Material, Program};
 use fix::Effect;
 use serde_json::{Value, json};
 
@@ -146,16 +146,38 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// Formats the notes about a task and where its material's values come from, one per line.
+/// Formats the notes about a task, where its material's values come from, and how the simulated cloth differs from it, one
+/// per line.
 fn notes(program: &Program) -> String {
     let notes = program.notes().into_iter();
     let notes = notes.map(|(name, note)| format!("\n  {name}: {note}"));
     let material = program.cloth.material.iter().flat_map(|material| {
         let sources = material.sources.iter();
         let sources = sources.map(|it| format!("\n    {}: {}", it.property, it.from));
-        std::iter::once(format!("\n  made of {}", material.name)).chain(sources)
+        let differs = differs(material, program.cloth.spacing_m);
+        let differs = differs
+            .into_iter()
+            .map(|it| format!("\n    in the simulator, {it}"));
+        std::iter::once(format!("\n  made of {}", material.name))
+            .chain(sources)
+            .chain(differs)
     });
     notes.chain(material).collect()
+}
+
+/// Returns in what the simulated cloth of a material differs from it, and whether it can be simulated at all.
+#[cfg(feature = "runtime")]
+fn differs(material: &Material, spacing_m: f64) -> Vec<String> {
+    match fab_world::material(material).check(spacing_m as f32) {
+        Ok(warnings) => warnings.iter().map(ToString::to_string).collect(),
+        Err(error) => vec![format!("the cloth cannot be laid: {error}")],
+    }
+}
+
+/// Returns nothing: without a simulator no cloth is simulated.
+#[cfg(not(feature = "runtime"))]
+fn differs(_: &Material, _: f64) -> Vec<String> {
+    Vec::new()
 }
 
 /// Lists the variants of a task, which follow it in `following`.

@@ -192,6 +192,8 @@ fn choose<'a>(
     };
     if measure == RehearsalMeasure::Overlap
         && merged.subgoals.is_none()
+        // Without a cloth, the task is there for others to extend, which may have subgoals.
+        && merged.statement("cloth").is_some()
         && merged.missing_base.is_none()
         && !merged.stages.is_empty()
     {

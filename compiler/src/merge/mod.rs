@@ -329,6 +329,7 @@ impl<'a> Merged<'a> {
     fn add_components(&mut self, body: Body<'a>, loaded: &Loaded<'a>, report: &mut Report) {
         self.distinct(body.components().map(|it| it.name()), "component", report);
         let inherited = self.component_names();
+        let left_out = self.removed.clone();
         for name in body.without() {
             self.leave_out(name, loaded, report);
         }
@@ -343,8 +344,15 @@ impl<'a> Merged<'a> {
                     self.joined = Err(report.error(unmarked("component", name, before, help)));
                 }
                 Declares::Override if !is_inherited && self.missing_base.is_none() => {
-                    let reported =
-                        OVERRIDE.impossible("component", name, &inherited, loaded, report);
+                    let is_left_out = left_out.contains(name.text());
+                    let reported = self.not_overridden(
+                        "component",
+                        name,
+                        is_left_out,
+                        &inherited,
+                        loaded,
+                        report,
+                    );
                     self.joined = Err(reported);
                     // One that may be inherited stays, so that its uses are not reported too.
                     if loaded.hidden(name.span().file, name.text()).is_none() {
@@ -563,6 +571,7 @@ impl<'a> Merged<'a> {
         let stated = body.checks().chain(body.override_checks());
         self.distinct(stated.map(|check| check.name()), "check", report);
         let inherited: BTreeSet<&str> = self.check_names().collect();
+        let left_out = self.removed_checks.clone();
         for name in body.without_checks() {
             if self.checks.remove(name.text()).is_some() {
                 self.removed_checks.insert(name.text());
@@ -575,7 +584,9 @@ impl<'a> Merged<'a> {
             if left.contains(check.name().text()) {
                 self.checks.put(check.name().text(), check);
             } else if self.missing_base.is_none() {
-                let reported = OVERRIDE.impossible("check", check.name(), &left, loaded, report);
+                let is_left_out = left_out.contains(check.name().text());
+                let reported =
+                    self.not_overridden("check", check.name(), is_left_out, &left, loaded, report);
                 self.joined = Err(reported);
             }
         }
@@ -590,6 +601,30 @@ impl<'a> Merged<'a> {
             self.removed_checks.remove(name.text());
             self.checks.put(name.text(), check);
         }
+    }
+
+    /// Reports something to override that is not inherited; a variant may override what its task leaves out.
+    fn not_overridden(
+        &self,
+        kind: &str,
+        name: Name<'a>,
+        is_left_out: bool,
+        inherited: &BTreeSet<&str>,
+        loaded: &Loaded<'a>,
+        report: &mut Report,
+    ) -> Reported {
+        let Some(variant) = self.variant.as_ref().filter(|_| is_left_out) else {
+            return OVERRIDE.impossible(kind, name, inherited, loaded, report);
+        };
+        let (task, name_of) = (self.task.name().text(), &variant.name);
+        let message = format!(
+            "`{task}` leaves out the {kind} `{}`, which its variant `{name_of}` overrides",
+            name.text()
+        );
+        let diagnostic = Diagnostic::new(Code::NothingToOverride, name.span(), message);
+        report.error(diagnostic.help(format!(
+            "leave out the variant too: `without variant {name_of}`"
+        )))
     }
 
     /// Reports something to leave out that is not inherited, unless the task that has it is missing.

@@ -63,8 +63,14 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
                 .lines()
                 .next_back()
                 .is_some_and(|line| line.trim_start().starts_with("task "));
-            if is_task && !continues_a_word && found.split_whitespace().count() == 1 {
-                return diagnostic.meant(span, &format!("extends {found}"));
+            if is_task && !continues_a_word && let Some(base) = base_of(found) {
+                return diagnostic.meant(span, &format!("extends {base}"));
+            }
+            if is_task && let Some((second, _)) = found.split_once(" extends ") {
+                return diagnostic.help(format!("a task has one name: remove `{second}`, or the one before it"));
+            }
+            if let Some(condition) = found.strip_prefix("if ") {
+                return diagnostic.meant(span, &format!("when {condition}"));
             }
             if !found.contains(char::is_alphanumeric) {
                 diagnostic.help(format!("remove the `{found}`")).likely(span, "")
@@ -192,4 +198,26 @@ fn unknown_word(span: Span, word: &str, candidates: &[&str], block: Option<&str>
             among(candidates.iter().copied())
         )),
     }
+}
+
+/// Returns the task that other languages' words after the name of a task say it builds on: `inherits folding`, `(folding)`.
+fn base_of(found: &str) -> Option<&str> {
+    let words = found.split(|letter: char| !(letter.is_alphanumeric() || letter == '_'));
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    let (base, before) = words.split_last()?;
+    let says_so = |word: &&str| {
+        [
+            "inherits",
+            "from",
+            "of",
+            "is",
+            "like",
+            "based",
+            "on",
+            "derives",
+            "implements",
+        ]
+        .contains(word)
+    };
+    before.iter().all(says_so).then_some(*base)
 }

@@ -5,7 +5,7 @@
 
 use crate::chance::Chance;
 use crate::common::workspace;
-use fab_compiler::diag::{self, Color};
+use fab_compiler::diag::{self, Color, Diagnostic, Severity};
 use fab_compiler::fix::{self, Fixed};
 use fab_compiler::{Compiled, LoadError, Loader};
 use std::collections::BTreeMap;
@@ -341,6 +341,22 @@ fn a_fixed_task_keeps_every_number_name_and_text_and_its_programs() {
 #[ignore = "long"]
 fn many_fixed_tasks_keep_every_number_name_and_text_and_their_programs() {
     slips_are_fixed_without_harm(10_000);
+}
+
+#[test]
+fn no_shipped_file_has_an_error_or_a_warning() {
+    for folder in ["", "lib/", "real/", "textiles/", "rehearsed/"] {
+        for entry in fs::read_dir(workspace().join(SHIPPED).join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|it| it != "fab") {
+                continue;
+            }
+            let name = format!("{folder}{}", path.file_name().unwrap().to_string_lossy());
+            let found = compiled(&name, &name, &fs::read_to_string(path).unwrap()).diagnostics;
+            let is_note = |it: &Diagnostic| it.severity == Severity::Note;
+            assert!(found.iter().all(is_note), "{name}: {found:?}");
+        }
+    }
 }
 
 /// Fixes shipped files with slips, each kind of slip as often as the others.

@@ -254,6 +254,10 @@ impl<'a> StepView<'a> {
             (Exhausted::Skips, Outcome::AttemptsExhausted | Outcome::MalformedReply) => {
                 Decision::Skip(outcome)
             }
+            (_, Outcome::Interrupted) => Decision::Stop {
+                outcome,
+                why: "it was interrupted before it had decided".to_owned(),
+            },
             _ => Decision::Stop {
                 outcome,
                 why: "no answer could be executed; the attempts say why".to_owned(),

@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 use vary::AxisValues;
 
 pub use external::ExternalWorld;
-pub use simulated::{Look, SimulatedWorld, film};
+pub use simulated::{Look, SimulatedWorld, film, material};
 pub use wrapper::Wrapper;
 
 /// A point in the world frame: right-handed, z up, origin at the table's centre, metres.

@@ -5,11 +5,20 @@
 //! [`Start`], so it cannot hold a world's particles: the only thing that it gets of a world are
 //! pictures and executed motions.
 //!
+//! ```
+//! # use fab_world::twin::{Drawn, Kind, Sighting, Twin};
+//! # fn can(seen: &Sighting, kind: &Kind<'_>, drawn: Drawn) {
+//! let twin = Twin::lay(seen, kind, drawn);
+//! # }
+//! ```
+//!
+//! It is laid from what a camera saw, and from nothing else:
+//!
 //! ```compile_fail,E0308
-//! # fn cannot(world: &dyn fab_world::World, camera: &fab_program::Camera, kind: &fab_world::twin::Kind<'_>) {
+//! # use fab_world::twin::{Drawn, Kind, Sighting, Twin};
+//! # fn cannot(world: &dyn fab_world::World, kind: &Kind<'_>, drawn: Drawn) {
 //! let particles = world.particles().expect("a world that knows them");
-//! // A twin is laid from what a camera saw, and from nothing else.
-//! let twin = fab_world::twin::Twin::lay(&particles, kind);
+//! let twin = Twin::lay(&particles, kind, drawn);
 //! # }
 //! ```
 

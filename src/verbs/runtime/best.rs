@@ -91,7 +91,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = io.interrupt()?;
-    let starts = starts(&program, &beside, arguments, &interrupt, io)?;
+    let starts = starts(arguments)?;
     let out = setting::out_folder(
         arguments.out.as_deref(),
         &format!("best-{}", program.title().replace('/', "-")),
@@ -108,11 +108,18 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         interrupt: &interrupt,
         io,
     };
+    let world = setting::world(&program).map_err(Failure::environment)?;
     let mut all = Vec::new();
-    for (number, start) in starts.into_iter().enumerate() {
-        if interrupt.is_raised() {
+    for (number, start) in starts.iter().enumerate() {
+        if interrupt.is_raised() && !all.is_empty() {
             break;
         }
+        let laid = setting::start(&program, &beside, start, world.as_ref(), &interrupt, io);
+        let start = match laid {
+            // What was found from the starts before is printed.
+            Err(_) if interrupt.is_raised() && !all.is_empty() => break,
+            laid => laid?,
+        };
         match shared.search(number, start)? {
             Some(found) => all.push(found),
             None => break,
@@ -134,20 +141,10 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     })
 }
 
-/// Lays the starts.
-fn starts(
-    program: &Program,
-    beside: &Path,
-    arguments: &BestArguments,
-    interrupt: &Interrupt,
-    io: &Io,
-) -> Result<Vec<Start>, Failure> {
-    let world = setting::world(program).map_err(Failure::environment)?;
-    let lay = |start: &StartArguments| {
-        setting::start(program, beside, start, world.as_ref(), interrupt, io)
-    };
+/// Returns what is known of each start before it is laid.
+fn starts(arguments: &BestArguments) -> Result<Vec<StartArguments>, Failure> {
     if arguments.starts == 1 {
-        return Ok(vec![lay(&arguments.start)?]);
+        return Ok(vec![arguments.start.clone()]);
     }
     let first = match arguments.start.start.as_deref().map(str::parse::<u64>) {
         None => 0,
@@ -162,7 +159,7 @@ fn starts(
         let seed = first.checked_add(number).ok_or_else(|| {
             Failure::usage(format!("the seeds go beyond the largest one, {}", u64::MAX))
         })?;
-        lay(&StartArguments {
+        Ok(StartArguments {
             start: Some(seed.to_string()),
             frame: arguments.start.frame.clone(),
         })

@@ -105,7 +105,8 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
     }
     // Each text ends where a line or an object does, so what follows the first holds what follows the others.
     let rest = found.iter().map(|it| it.span.end).min();
-    if rest.and_then(|at| reply.get(at..)).is_some_and(takes_back) {
+    let rest = rest.and_then(|at| reply.get(at..));
+    if rest.is_some_and(takes_back) || found.iter().any(|it| takes_back(&it.value)) {
         return Err(wrong("Your answer takes back its text.".to_owned()));
     }
     if let Some(why) = doubt(&cleared.text, before, after, &found) {
@@ -117,9 +118,11 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
             false => format!("Your answer has no line that begins with \"{before}\"."),
         }));
     };
-    if found.iter().any(|other| other.value != first.value) {
+    if let Some(other) = found.iter().find(|other| other.value != first.value) {
         return Err(wrong(format!(
-            "Your answer has two different lines that begin with \"{before}\"."
+            "Your answer has two different lines that begin with \"{before}\": `{}` and `{}`.",
+            quoted(&first.value),
+            quoted(&other.value)
         )));
     }
     let length = first.value.chars().count();
@@ -280,12 +283,11 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
             ));
         }
         let mut text = line[label + length..].trim().to_owned();
-        // In a tag or a table, the text ends where they end.
-        for end in ["</", "|"] {
-            let is_there = line[..label].contains(['<', '|']);
-            if let Some(at) = text.find(end).filter(|_| is_there) {
-                text.truncate(at);
-            }
+        text.truncate(before_tag(&text).len());
+        // In a table, the text ends where its cell does.
+        let is_cell = line[..label].contains('|');
+        if let Some(at) = text.find('|').filter(|_| is_cell) {
+            text.truncate(at);
         }
         let mut last = index;
         let mut is_list = false;
@@ -323,8 +325,7 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
                     .any(|(_, line)| is_item(line));
             is_list |= several;
             let piece = following[marks..].trim();
-            let piece = piece.split("</").next().unwrap_or_default();
-            text = format!("{text} {piece}").trim().to_owned();
+            text = format!("{text} {}", before_tag(piece)).trim().to_owned();
             (last, begun) = (next, true);
         }
         if last > index && !repairs.iter().any(|it| it.starts_with("took the line")) {
@@ -340,6 +341,12 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
         });
     }
     found
+}
+
+/// Returns a text up to where a tag closes, `</answer>` or `<|im_end|>`.
+fn before_tag(text: &str) -> &str {
+    let ends = ["</", "<|"].iter().filter_map(|end| text.find(end));
+    &text[..ends.min().unwrap_or(text.len())]
 }
 
 fn has_letters(text: &str) -> bool {
@@ -414,7 +421,7 @@ fn within_lines(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Found
                 continue;
             }
             let mut repairs = vec![format!("found `{before}` inside of a line")];
-            let value = cut(&line[at + length..], after, &mut repairs);
+            let value = cut(before_tag(&line[at + length..]), after, &mut repairs);
             found.push(Found {
                 value,
                 span: start + at..start + line.len(),
@@ -446,6 +453,12 @@ fn takes_back(rest: &str) -> bool {
             "or alternatively",
             "please ignore",
             "ignore this",
+            "this is wrong",
+            "that is wrong",
+            "that's wrong",
+            "alternatively",
+            "i cannot see",
+            "i can't see",
             "on second thought",
             "actually, ",
             "actually no",
@@ -503,6 +516,14 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
         return Some(
             "Your answer holds a remark or a table where the text is expected.".to_owned(),
         );
+    }
+    let orders: Vec<&str> = lower.split(['.', ';', ',']).map(str::trim).collect();
+    let is_forbidden = |order: &&str| {
+        let forbids = ["do not ", "don't ", "never "];
+        !has_letters(order) || forbids.iter().any(|it| order.starts_with(it))
+    };
+    if has_letters(&lower) && orders.iter().all(is_forbidden) {
+        return Some("Your answer only says what not to do.".to_owned());
     }
     if lower.ends_with('?') {
         return Some("Your answer asks something where the text is expected.".to_owned());

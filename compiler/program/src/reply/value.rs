@@ -1305,6 +1305,21 @@ fn states_other(cursor: Cursor<'_, '_>, context: &Context<'_>, value: &Value) ->
     false
 }
 
+/// Returns whether an explanation says which other point a point is: `which is the corner at (344, 245)`.
+fn is_another_point(mut cursor: Cursor<'_, '_>, context: &Context<'_>, value: &Value) -> bool {
+    const IDENTIFYING: &[&str] = words!(
+        "i.e. namely which that is it the its this a corner point vertex tip end middle upper lower top bottom left right
+        back front far near outer leftmost rightmost topmost lowest highest listed marked at"
+    );
+    let spoken = Context {
+        clarity: Clarity::Spoken,
+        ..*context
+    };
+    cursor.skip(IDENTIFYING, &[',']);
+    bare(&mut cursor, &spoken).is_some_and(|(found, _)| found != *value)
+        && cursor.peek().is_none_or(|next| next.kind != Kind::Word)
+}
+
 /// Reads an explanation to the end of the clause; fails if it changes the value, or is none.
 ///
 /// - `is_apart`: whether a comma, a dash or a bracket sets it apart.
@@ -1348,7 +1363,10 @@ fn explanation(
     if goes_further {
         return Ok(());
     }
-    if is_point && rest.iter().any(|token| token.is_any(REFRAMING)) {
+    if is_point
+        && (rest.iter().any(|token| token.is_any(REFRAMING))
+            || is_another_point(cursor, context, value))
+    {
         return failed();
     }
     // `0 deg (measured from north)`

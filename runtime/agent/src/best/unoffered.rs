@@ -85,6 +85,8 @@ pub struct Unoffered {
     pub better: Option<Better>,
     /// Trials of actions that are not offered, and of those that follow.
     pub trials: u32,
+    /// Whether an interrupt ended the trials.
+    pub interrupted: bool,
 }
 
 /// Counts these trials, up to a limit.
@@ -148,6 +150,7 @@ pub fn unoffered(
     Ok(Unoffered {
         better,
         trials: allowance.made,
+        interrupted: search.interrupt.is_raised(),
     })
 }
 

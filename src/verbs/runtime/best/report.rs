@@ -125,8 +125,12 @@ impl Report<'_> {
     fn beyond(&self, at: &AtStart) -> Option<String> {
         let Some(better) = &at.unoffered.better else {
             return (at.unoffered.trials > 0).then(|| {
+                let until = match at.unoffered.interrupted {
+                    true => ", until it was interrupted",
+                    false => "",
+                };
                 format!(
-                    "  none of {} actions that are not offered was found to be better",
+                    "  none of {} actions that are not offered was found to be better{until}",
                     at.unoffered.trials
                 )
             });

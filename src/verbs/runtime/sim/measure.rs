@@ -8,7 +8,7 @@ use crate::verbs::runtime::setting::materials;
 use clap::Args;
 use clap::ValueHint;
 use fab_sim::measure::{Reading, textile_table};
-use fab_sim::{Material, Params};
+use fab_sim::{Grid, Material, Params};
 use fab_world::simulated;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -39,6 +39,8 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
     let material: Material = serde_json::from_value(values)
         .map_err(|error| Failure::environment(format!("`{}`: {error}", arguments.material)))?;
     let spacing_m = (0.001 * arguments.spacing) as f32;
+    Grid::new(2, 2, spacing_m)
+        .map_err(|error| Failure::usage(format!("`--spacing {}`: {error}", arguments.spacing)))?;
     let warnings = material
         .check(spacing_m)
         .map_err(|error| Failure::environment(format!("`{}`: {error}", arguments.material)))?;

@@ -73,7 +73,7 @@ fn chosen<'a>(
 ) -> Result<Answer, PolicyError> {
     let count = rehearsal.choose.map_or(1, |_| stage.candidates());
     let mut best: Option<Candidate<'a>> = None;
-    let mut without = None;
+    let (mut without, mut unusable) = (None, 0);
     for number in 0..count {
         let Asked {
             answer,
@@ -107,6 +107,7 @@ fn chosen<'a>(
             // Only the model's own faults leave the others a chance.
             Answer::None(outcome @ (Outcome::AttemptsExhausted | Outcome::MalformedReply)) => {
                 without.get_or_insert(outcome);
+                unusable += 1;
             }
             // Without rehearsal it would not have been asked, so the answers that came still count.
             Answer::None(outcome) if number > 0 && outcome != Outcome::Interrupted => {
@@ -126,6 +127,12 @@ fn chosen<'a>(
     let Some(mut best) = best else {
         return Ok(Answer::None(without.unwrap_or(Outcome::MalformedReply)));
     };
+    if unusable > 0 {
+        fall_short(
+            exchange,
+            format!("{unusable} of {count} candidates were not usable after all their attempts"),
+        );
+    }
     let revised = revise(&mut best, step, rehearsal, model, texts, exchange, asked)?;
     Ok(match revised {
         Ok(()) => Answer::Action {
