@@ -69,7 +69,7 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             if is_task && let Some((second, _)) = found.split_once(" extends ") {
                 return diagnostic.help(format!("a task has one name: remove `{second}`, or the one before it"));
             }
-            if let Some(condition) = found.strip_prefix("if ") {
+            if !is_task && let Some(condition) = found.strip_prefix("if ") {
                 return diagnostic.meant(span, &format!("when {condition}"));
             }
             if !found.contains(char::is_alphanumeric) {
