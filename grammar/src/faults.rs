@@ -181,14 +181,14 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
     Some(Fault { span, problem })
 }
 
-/// Returns the `[` or `(` that stands directly after the head of a block without `{`.
+/// Returns the `[`, `(` or `:` that stands directly after the head of a block without `{`.
 fn other_bracket(block: Node<'_>) -> Option<Span> {
     let text = block.tree().text();
     // It comes right after the head; blocks may have many children.
     let mut first = block.children().take(8);
     let start = first.find(|it| it.kind() == Kind::NoOpen)?.range().start;
     let start = start + (text[start..].len() - text[start..].trim_start().len());
-    let is_bracket = text[start..].starts_with(['[', '(']);
+    let is_bracket = text[start..].starts_with(['[', '(', ':']);
     is_bracket.then(|| block.tree().span(start..start + 1))
 }
 

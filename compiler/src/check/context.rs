@@ -124,6 +124,14 @@ impl<'a, 'r> Context<'a, 'r> {
         self.report.remark(diagnostic);
     }
 
+    /// Keeps only those findings of a check that are within a place.
+    pub fn within(&mut self, place: Span, check: impl FnOnce(&mut Context<'a, '_>)) {
+        let before = std::mem::take(self.report);
+        check(self);
+        let found = std::mem::replace(self.report, before);
+        self.report.absorb_within(place, found);
+    }
+
     /// Reports that something is missing, unless it may be in a part of the block that did not parse.
     pub fn missing(&mut self, is_damaged: bool, file: FileId, diagnostic: Diagnostic) -> Reported {
         match self.loaded.fault(file).filter(|_| is_damaged) {

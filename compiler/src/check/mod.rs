@@ -44,7 +44,7 @@ use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::load::Loaded;
 use crate::merge;
 use context::Context;
-use fab_grammar::ast::Name;
+use fab_grammar::ast::{Body, Name, Task};
 use fab_grammar::{FileId, Span};
 use fab_program::{Material, Program, Test};
 
@@ -112,6 +112,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
             // Each task has its own report: an inherited error counts against every task that inherits it, but is
             // shown once.
             let mut variants = vec![None];
+            let mut whole_task = None;
             let mut number = 0;
             while number < variants.len() {
                 let mut own = Report::default();
@@ -133,12 +134,27 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                 if number == 0 && is_entry {
                     variants.extend(merged.applicable_variants().map(Some));
                 }
-                let built = task::check(&merged, &stamps, grid, form, loaded, &mut own);
+                let mut built = task::check(&merged, &stamps, grid, form, loaded, &mut own);
+                if let (Some(place), Some(variant), Ok(Some((program, _)))) =
+                    (whole_task, &merged.variant, &mut built)
+                {
+                    let name = program.variant.take();
+                    let change = merged.own_body().map(Body::span);
+                    // What was found in it may be why.
+                    let is_explained = change.is_some_and(|change| own.finds_within(change));
+                    if !is_explained && checked.programs.get(place) == Some(program) {
+                        own.remark(changes_nothing(variant, *task));
+                    }
+                    program.variant = name;
+                }
                 match broken_change(&merged) {
                     Some(place) => report.absorb_within(place, own),
                     None => report.absorb(own),
                 }
                 if let (true, Ok(Some((program, tests)))) = (is_entry, built) {
+                    if number == 0 {
+                        whole_task = Some(checked.programs.len());
+                    }
                     checked.programs.push(program);
                     checked.tests.extend(tests);
                 }
@@ -155,12 +171,26 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
 /// that it changes are checked by themselves.
 fn broken_change(merged: &merge::Merged<'_>) -> Option<Span> {
     let task = merged.task.body();
-    let change = match merged.variant.as_ref().map(|variant| variant.change) {
-        Some(merge::VariantChange::Body(body)) => Some(body),
-        Some(merge::VariantChange::Without(_)) => None,
-        None => Some(task).filter(|_| merged.task.extends().is_some()),
-    }?;
+    if merged.variant.is_none() && merged.task.extends().is_none() {
+        return None;
+    }
+    let change = merged.own_body()?;
     (change.is_damaged() || task.is_damaged()).then(|| change.span())
+}
+
+/// Makes the warning for a variant whose program is that of its task.
+fn changes_nothing(variant: &merge::VariantOf<'_>, task: Task<'_>) -> Diagnostic {
+    let (name, base) = (&variant.name, task.name().text());
+    let message = format!("the variant `{name}` changes nothing: it runs as `{base}` does");
+    let whole = task.body().span();
+    let is_own = variant.span.file == whole.file && whole.range().contains(&variant.span.start);
+    match is_own {
+        true => Diagnostic::new(Code::VariantChangesNothing, variant.span, message)
+            .help("state in it what it changes, or remove it"),
+        false => Diagnostic::new(Code::VariantChangesNothing, task.name().span(), message)
+            .also(variant.span, "declared here")
+            .help(format!("leave it out: `without variant {name}`")),
+    }
 }
 
 fn too_large(name: Name<'_>) -> Diagnostic {

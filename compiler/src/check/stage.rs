@@ -11,7 +11,7 @@ use super::missing_action::{needs_action, needs_last};
 use super::placeholders::{TextPlace, TextScope, template};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::stage::{DRAWINGS, MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
-use crate::merge::{Merged, once, unique};
+use crate::merge::{Merged, Said, once, unique};
 use fab_grammar::Span;
 use fab_grammar::ast::{self, ComponentOrText, Expr, Name, Sayings, Text};
 use fab_program::Depends;
@@ -366,7 +366,8 @@ impl<'a> Builder<'_, 'a> {
             let message = "no annotations are declared";
             let diagnostic = Diagnostic::new(Code::NothingToDraw, show.span(), message);
             let help = "add `annotate { … }`, or write `show scene`";
-            all = Err(context.error(diagnostic.help(help)));
+            let file = show.span().file;
+            all = Err(context.missing(self.merged.is_damaged, file, diagnostic.help(help)));
         }
         all
     }
@@ -509,18 +510,22 @@ impl<'a> Builder<'_, 'a> {
     /// Checks the components that no stage says, and warns of those that the task itself declares.
     fn unused(&mut self, context: &mut Context<'a, '_>) {
         let merged = self.merged;
-        let own: BTreeSet<Span> = merged
-            .task
-            .body()
-            .components()
-            .map(|component| component.name().span())
-            .collect();
+        let own = merged.own_body().into_iter().flat_map(ast::Body::components);
+        let own: BTreeSet<Span> = own.map(|component| component.name().span()).collect();
+        let is_task = merged.variant.is_none();
+        let variants = merged.task.variants().filter(|_| is_task);
+        let variants: Vec<ast::Body<'_>> = variants.map(|variant| variant.body()).collect();
         // If one of these cannot be added, that was reported.
-        let added = merged.task.body().added_sayings();
-        let added: BTreeSet<&str> = added
+        let added = merged.own_body().into_iter().chain(variants.iter().copied());
+        let added = added.flat_map(ast::Body::added_sayings);
+        let mut said: BTreeSet<&str> = added
             .flat_map(|line| line.parts())
             .map(|name| name.text())
             .collect();
+        // What only a variant says is used, too.
+        for stage in variants.iter().flat_map(|variant| variant.stages()) {
+            said.extend(Said::of(stage).names());
+        }
         let can_say = !merged.stages.is_empty() && merged.missing_base.is_none();
         let can_say = can_say && !self.may_say_more();
         for component in merged.components.iter() {
@@ -538,7 +543,7 @@ impl<'a> Builder<'_, 'a> {
             if let Err(reported) = when.and(template) {
                 self.templates.push((name.text().to_owned(), Err(reported)));
             }
-            if can_say && own.contains(&name.span()) && !added.contains(name.text()) {
+            if can_say && own.contains(&name.span()) && !said.contains(name.text()) {
                 let message = format!("the component `{}` is never used", name.text());
                 let diagnostic = Diagnostic::new(Code::SaidNowhere, name.span(), message);
                 // Perhaps the author meant to replace an inherited component.

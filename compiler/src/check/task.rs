@@ -140,11 +140,18 @@ pub(super) fn check<'a>(
     contradictions(&program, merged, context.report)?;
     certainty::check(&program, merged, context);
     effect::check(&program, merged, context);
-    if merged.variant.is_none() {
-        // A variant leaves parts out on purpose, so that runs can be compared.
+    let unsaid = |context: &mut Context<'_, '_>| {
         unspoken::check(&program, merged, context);
         unused::fields(&program, merged, context);
-        unused::whole(merged, context);
+    };
+    match (&merged.variant, merged.own_body()) {
+        (None, _) => {
+            unsaid(context);
+            unused::whole(merged, context);
+        }
+        // A variant leaves parts out on purpose, so that runs can be compared: only what it states itself is judged.
+        (Some(_), Some(own)) => context.within(own.span(), unsaid),
+        (Some(_), None) => {}
     }
     Ok(Some((
         program,

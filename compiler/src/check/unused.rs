@@ -7,19 +7,17 @@ use super::context::Context;
 use crate::diag::{Code, Diagnostic, nearest};
 use crate::lang::actions::{FIELDS, field as moving_field};
 use crate::load::Loaded;
-use crate::merge::{MAX_EXTENDS_DEPTH, Merged, VariantChange};
+use crate::merge::{MAX_EXTENDS_DEPTH, Merged};
 use fab_grammar::ast::{Body, Name, Task};
 use fab_program::{Depends, Program, Uses};
 use std::collections::BTreeSet;
 
 /// Warns of the task's own constants and keypoints that nothing uses and that are named almost like inherited ones.
 pub(crate) fn names(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
-    let variant = merged.variant.as_ref().map(|variant| variant.change);
-    let (own, task) = match variant {
-        None => (merged.task.body(), None),
-        Some(VariantChange::Body(body)) => (body, Some(merged.task)),
-        Some(VariantChange::Without(_)) => return,
+    let Some(own) = merged.own_body() else {
+        return;
     };
+    let task = merged.variant.is_some().then_some(merged.task);
     let above: Vec<Body<'_>> = task
         .into_iter()
         .chain(bases(merged.task, context.loaded))

@@ -304,6 +304,10 @@ codes! {
     "a `verify` drops inherited checks"
     "A task that states `verify` inherits no checks, so answers that the extended task refuses are carried out. To add a check, write `check NAME { … } else \"…\"` in the task, outside of `verify`; to change one, `override check`. If `attempts` or `result` must change too, state the inherited checks again in the `verify`. To drop checks on purpose, name them: `without check NAME`."
 
+    "F0411" VariantChangesNothing Warning
+    "a variant changes nothing"
+    "A run of the variant is a run of the task: it says, shows and checks the same. State in the variant what it changes, such as `without component NAME` or a section of its own, or remove it."
+
     "F0501" NoFolds Error
     "there are no folds"
     "A demonstration, and a sequence of an expert, consists of at least one fold; a list of experts of at least one sequence."

@@ -127,12 +127,15 @@ impl Report {
 
     /// Does the same as [`Report::absorb`] for the findings of one place, and drops the others.
     pub(crate) fn absorb_within(&mut self, place: Span, mut other: Report) {
-        other.found.retain(|it| {
-            let Span { file, start, end } = it.span;
-            file == place.file && place.start <= start && end <= place.end
-        });
+        other.found.retain(|it| is_within(it.span, place));
         other.files_with_errors.retain(|file| *file == place.file);
         self.absorb(other);
+    }
+
+    /// Returns whether there is a finding in a place.
+    pub(crate) fn finds_within(&self, place: Span) -> bool {
+        let mut found = self.found.iter();
+        found.any(|it| is_within(it.span, place))
     }
 
     /// Returns the findings by file and position.
@@ -141,4 +144,8 @@ impl Report {
             .sort_by_key(|diagnostic| (diagnostic.span, diagnostic.code));
         self.found
     }
+}
+
+fn is_within(span: Span, place: Span) -> bool {
+    span.file == place.file && place.start <= span.start && span.end <= place.end
 }

@@ -164,6 +164,25 @@ pub(crate) fn declared_twice(kind: &str, name: &str, first: Span, again: Span) -
     Diagnostic::new(Code::DuplicateName, again, message).also(first, "declared here first")
 }
 
+/// Reports names that are left out twice.
+pub(crate) fn left_out_once<'a>(
+    names: impl IntoIterator<Item = Name<'a>>,
+    report: &mut Report,
+) -> Result<(), Reported> {
+    let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
+    let mut all = Ok(());
+    for name in names {
+        if let Some(first) = seen.get(name.text()) {
+            let message = format!("`{}` is left out twice", name.text());
+            let diagnostic = Diagnostic::new(Code::Repeated, name.span(), message);
+            all = Err(report.error(diagnostic.also(*first, "left out here first")));
+        } else {
+            seen.insert(name.text(), name.span());
+        }
+    }
+    all
+}
+
 /// A change to an inherited part, by name. It is an error if no such part is inherited.
 pub(super) struct Change {
     code: Code,

@@ -15,7 +15,7 @@ mod lists;
 mod said;
 
 pub(crate) use lists::{
-    DuplicateNames, FirstStatement, Indexed, declared_twice, once, repeated, unique,
+    DuplicateNames, FirstStatement, Indexed, declared_twice, left_out_once, once, repeated, unique,
 };
 
 use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
@@ -287,6 +287,12 @@ impl<'a> Merged<'a> {
             }
             self.stages.put(name, stage);
         }
+        for names in [
+            body.without().collect::<Vec<Name<'_>>>(),
+            body.without_checks().collect(),
+        ] {
+            self.joined = self.joined.and(left_out_once(names, report));
+        }
         self.add_components(body, loaded, report);
         self.is_damaged |= body.is_damaged();
         self.add_sayings(body, report);
@@ -332,6 +338,7 @@ impl<'a> Merged<'a> {
         let left_out = self.removed.clone();
         for name in body.without() {
             self.leave_out(name, loaded, report);
+            self.left_out_already("component", name, &left_out, report);
         }
         for component in body.components() {
             let name = component.name();
@@ -578,6 +585,7 @@ impl<'a> Merged<'a> {
             } else if !self.removed_checks.contains(name.text()) {
                 self.not_left_out("check", name, &inherited, loaded, report);
             }
+            self.left_out_already("check", name, &left_out, report);
         }
         let left: BTreeSet<&str> = self.check_names().collect();
         for check in body.override_checks() {
@@ -636,9 +644,46 @@ impl<'a> Merged<'a> {
         loaded: &Loaded<'a>,
         report: &mut Report,
     ) {
-        if self.missing_base.is_none() {
-            let reported = LEAVE_OUT.impossible(kind, name, inherited, loaded, report);
-            self.joined = Err(reported);
+        if self.missing_base.is_some() {
+            return;
+        }
+        let text = name.text();
+        let kinds = [
+            ("component", self.components.get(text).is_some()),
+            ("check", self.checks.get(text).is_some()),
+            ("variant", self.variants.iter().any(|it| it.name == text)),
+        ];
+        self.joined = Err(match kinds.iter().find(|(_, has)| *has) {
+            Some((other, _)) => {
+                let message = format!("there is no {kind} `{text}` to leave out");
+                let diagnostic = Diagnostic::new(Code::NothingToRemove, name.span(), message);
+                report.error(diagnostic.help(format!(
+                    "`{text}` is a {other}: write `without {other} {text}`"
+                )))
+            }
+            None => LEAVE_OUT.impossible(kind, name, inherited, loaded, report),
+        });
+    }
+
+    /// Reports something to leave out that an extended task leaves out already.
+    ///
+    /// A variant may leave out what its task leaves out: an inherited one cannot know.
+    ///
+    /// - `before`: what the extended tasks leave out.
+    fn left_out_already(
+        &mut self,
+        kind: &str,
+        name: Name<'a>,
+        before: &BTreeSet<&str>,
+        report: &mut Report,
+    ) {
+        if self.variant.is_none() && before.contains(name.text()) {
+            let message = format!(
+                "an extended task leaves out the {kind} `{}` already",
+                name.text()
+            );
+            let diagnostic = Diagnostic::new(Code::NothingToRemove, name.span(), message);
+            self.joined = Err(report.error(diagnostic.help("drop this name")));
         }
     }
 
@@ -654,11 +699,17 @@ impl<'a> Merged<'a> {
         let left_out: Vec<Name<'a>> = task.without_variants().collect();
         let names: BTreeSet<String> = self.variants.iter().map(|it| it.name.clone()).collect();
         let inherited: BTreeSet<&str> = names.iter().map(String::as_str).collect();
+        let before = self.removed_variants.clone();
+        self.joined = self
+            .joined
+            .and(left_out_once(left_out.iter().copied(), report));
         for name in &left_out {
             if inherited.contains(name.text()) {
                 self.removed_variants.insert(name.text());
             } else if !self.removed_variants.contains(name.text()) {
                 self.not_left_out("variant", *name, &inherited, loaded, report);
+            } else {
+                self.left_out_already("variant", *name, &before, report);
             }
         }
         let removed: BTreeSet<&str> = left_out.iter().map(|name| name.text()).collect();
@@ -718,6 +769,15 @@ impl<'a> Merged<'a> {
     }
 
     // ---- queries ---------------------------------------------------------------------------------
+
+    /// Returns what the task adds to those it extends, or the variant to its task; `None` if that is only left out.
+    pub fn own_body(&self) -> Option<Body<'a>> {
+        match self.variant.as_ref().map(|variant| variant.change) {
+            None => Some(self.task.body()),
+            Some(VariantChange::Body(body)) => Some(body),
+            Some(VariantChange::Without(_)) => None,
+        }
+    }
 
     /// Returns the statement that begins with `word`.
     pub fn statement(&self, word: &str) -> Option<Statement<'a>> {

@@ -19,6 +19,8 @@ const IN_A_STAGE: &str = "it belongs in a `stage`; to change it, state the stage
 const IN_VERIFY: &str = "it belongs in `verify`; a `verify` of this task's own replaces the inherited one, so state the inherited checks in it too";
 const AS_IT_IS: &str = "a new part needs no word before it: write `component NAME \"…\"`, `check NAME { … } else \"…\"`, or `say NAME in STAGE after NAME`";
 
+const LEFT_OUT: &str = "write `without component NAME`, `without check NAME` or `without variant NAME`; another section is stated again to change it";
+
 const BEHIND_ELSE: &str =
     "the message of a check is behind `else`: write `check NAME { … } else \"…\"`";
 
@@ -40,6 +42,11 @@ const MISPLACED: &[Misplaced] = &[
     misplaced("task", "insert", AS_IT_IS),
     misplaced("task", "new", AS_IT_IS),
     misplaced("task", "extend", AS_IT_IS),
+    misplaced("task", "remove", LEFT_OUT),
+    misplaced("task", "delete", LEFT_OUT),
+    misplaced("task", "drop", LEFT_OUT),
+    misplaced("task", "omit", LEFT_OUT),
+    misplaced("task", "exclude", LEFT_OUT),
     misplaced(
         "subgoals",
         "fold",
@@ -92,9 +99,11 @@ pub(super) fn help(
         let row = rows.find(|row| row.word == found && row.help == AS_IT_IS)?;
         return Some(row.help.to_owned());
     }
-    if expected == ["`,`"] && fab_grammar::is_keyword(found) {
-        let mut rows = MISPLACED.iter();
-        let row = rows.find(|row| (row.block, row.word) == ("task", found))?;
+    let mut rows = MISPLACED.iter();
+    if expected == ["`,`"]
+        && fab_grammar::is_keyword(found)
+        && let Some(row) = rows.find(|row| (row.block, row.word) == ("task", found))
+    {
         return Some(row.help.to_owned());
     }
     if line == "override" && expects("`component`") {
@@ -128,6 +137,18 @@ pub(super) fn help(
         return Some(format!(
             "write `{line} after NAME`, or `before NAME`, with a component that the stage says"
         ));
+    }
+    if expects("a name") && found.starts_with('"') {
+        let help = "name the component that it goes beside: the stage's `say` lists them";
+        return Some(help.to_owned());
+    }
+    if found == "when" {
+        let part = said.rsplit([',', ' ']).next().unwrap_or_default();
+        let help = match is_name(part) {
+            true => format!("a part of `say` has no condition; write it where the text is declared: `component {part} when … \"…\"`"),
+            false => "a part of `say` has no condition; declare the text with one, `component NAME when … \"…\"`, and name it here".to_owned(),
+        };
+        return Some(help);
     }
     if said.ends_with(" in") && found == "stage" {
         return Some("write the stage's name alone, such as `in plan`".to_owned());

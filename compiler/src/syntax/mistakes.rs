@@ -91,6 +91,9 @@ pub(super) fn recognise(
         "!" if !rest.starts_with("!=") => word("!", "not"),
         "&" => word("&", "and"),
         "|" => word("|", "or"),
+        ":" if expects("`{`") => {
+            usual().help("a block is between braces: write `{` here, and `}` where it ends")
+        }
         "[" | "(" if expects("`{`") => usual().help("write `{`").likely(span, "{"),
         "=" if is_in_condition(before) => fault(span, "`=` is not a comparison".to_owned())
             .help("write `<`, `<=`, `>` or `>=`; words and counts may also be compared with `==`"),

@@ -266,7 +266,7 @@ const ADDITIONS: &str = r#"
         check few { count(corners) < 20 } else "Too many."
     }
     task stated_again extends child {
-        without variant wordy, calm
+        without variant wordy
         stage plan { model text say bye read action }
     }
 "#;
