@@ -14,6 +14,7 @@ use fab_program::verify::Verdict;
 use fab_program::{Extractor, Program, Response};
 use fab_world::Look;
 use fab_world::start::Start;
+use serde_json::Value;
 
 const WORDS: &str = "Instructions: fold the back left corner onto the front left corner.\nExplanation: the arrow says so.";
 
@@ -121,6 +122,59 @@ fn a_good_answer_is_executed_after_two_questions() {
     assert!(
         prompt.contains("fold the back left corner onto the front left corner"),
         "{prompt}"
+    );
+}
+
+#[test]
+fn the_record_says_what_was_read_and_each_repair() {
+    let corners = offered_corners();
+    let [pick, place] = [&corners[0], &corners[1]];
+    let bare = |corner: &str| corner.trim_matches(['(', ')']).to_owned();
+    let played = play(
+        &[&format!(
+            "**Instructions:** {}",
+            &WORDS["Instructions: ".len()..]
+        )],
+        &[&format!(
+            "Pick Point: {}\nPlace Point = {place}",
+            bare(pick)
+        )],
+    );
+    let recorded: Vec<Value> = played
+        .findings
+        .iter()
+        .map(|finding| serde_json::to_value(finding).unwrap())
+        .collect();
+    let told = &recorded[0]["stated"][0];
+    assert_eq!(told["field"], "instruction");
+    let text = told["text"].as_str().unwrap();
+    assert!(
+        text.starts_with("**Instructions:** fold the back left"),
+        "{text}"
+    );
+    assert_eq!(told["at"], 0);
+    let action = &recorded[1];
+    let stated = |field: usize| {
+        (
+            &action["stated"][field]["field"],
+            &action["stated"][field]["text"],
+        )
+    };
+    assert_eq!(
+        stated(0),
+        (
+            &"pick".into(),
+            &format!("Pick Point: {}", bare(pick)).into()
+        )
+    );
+    assert_eq!(
+        stated(1),
+        (&"place".into(), &format!("Place Point = {place}").into())
+    );
+    let repairs = action["repairs"].as_array().unwrap();
+    assert!(
+        repairs.len() == 1 && repairs[0].as_str().unwrap().contains(&bare(pick)),
+        "{repairs:?}"
     );
 }
 

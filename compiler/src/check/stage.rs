@@ -510,13 +510,19 @@ impl<'a> Builder<'_, 'a> {
     /// Checks the components that no stage says, and warns of those that the task itself declares.
     fn unused(&mut self, context: &mut Context<'a, '_>) {
         let merged = self.merged;
-        let own = merged.own_body().into_iter().flat_map(ast::Body::components);
+        let own = merged
+            .own_body()
+            .into_iter()
+            .flat_map(ast::Body::components);
         let own: BTreeSet<Span> = own.map(|component| component.name().span()).collect();
         let is_task = merged.variant.is_none();
         let variants = merged.task.variants().filter(|_| is_task);
         let variants: Vec<ast::Body<'_>> = variants.map(|variant| variant.body()).collect();
         // If one of these cannot be added, that was reported.
-        let added = merged.own_body().into_iter().chain(variants.iter().copied());
+        let added = merged
+            .own_body()
+            .into_iter()
+            .chain(variants.iter().copied());
         let added = added.flat_map(ast::Body::added_sayings);
         let mut said: BTreeSet<&str> = added
             .flat_map(|line| line.parts())

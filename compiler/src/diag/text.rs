@@ -170,7 +170,10 @@ fn line_end(text: &str, byte: usize) -> Option<usize> {
     let found = text.as_bytes()[byte..far]
         .iter()
         .position(|byte| *byte == b'\n');
-    found
+    let end = found
         .map(|at| byte + at)
-        .or_else(|| (far == text.len()).then_some(far))
+        .or_else(|| (far == text.len()).then_some(far))?;
+    // A carriage return belongs to the line break.
+    let is_cut = end > byte && text[byte..end].ends_with('\r');
+    Some(end - usize::from(is_cut))
 }

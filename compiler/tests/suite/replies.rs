@@ -19,6 +19,7 @@ use fab_program::reply::{self, MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed};
 use fab_program::space;
 use fab_program::{PixelPoint, Program, Value};
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
@@ -84,6 +85,50 @@ fn every_reply_is_read_as_its_fixture_says() {
         n_misread * 40 <= n_others,
         "{n_misread} of {n_others} answers are read that are no right ones"
     );
+}
+
+/// Begins of the names of fixtures that are about numbers or words, so that two may differ in those alone.
+const ABOUT_VALUES: [&str; 5] = ["direction_", "distance_", "names_", "values_", "words_"];
+
+#[test]
+fn no_two_replies_differ_only_in_their_numbers() {
+    let mut seen: BTreeMap<[String; 3], String> = BTreeMap::new();
+    let mut alike = Vec::new();
+    let numbers = |text: &str| {
+        let mut plain = String::new();
+        for piece in text.split_inclusive(|it: char| !it.is_ascii_digit() && it != '.') {
+            let last = piece.chars().next_back().filter(|it| !it.is_ascii_digit());
+            plain.extend(
+                piece
+                    .starts_with(|it: char| it.is_ascii_digit())
+                    .then_some('0'),
+            );
+            plain.extend(last);
+        }
+        plain
+    };
+    let folder = common::workspace().join("tests/fixtures/replies");
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if ABOUT_VALUES.iter().any(|begin| name.starts_with(begin)) {
+            continue;
+        }
+        let text = fs::read_to_string(&path).unwrap();
+        let (head, reply) = text.split_once("---\n").unwrap();
+        let (kind, expected) = head.split_once('\n').unwrap();
+        let mut words = expected.split_whitespace();
+        // The other words of a refusal are a message.
+        let verdict = match words.next() {
+            Some("malformed" | "refused") => words.next().unwrap_or_default().to_owned(),
+            _ => numbers(expected).replacen("means ", "is ", 1),
+        };
+        if let Some(other) = seen.insert([kind.to_owned(), verdict, numbers(reply)], name.clone()) {
+            alike.push(format!("{other} and {name}"));
+        }
+    }
+    assert!(seen.len() > 1500);
+    assert!(alike.is_empty(), "\n{}", alike.join("\n"));
 }
 
 #[test]
@@ -219,6 +264,24 @@ const FORMS: [fn(&str, &str) -> String; 9] = [
     |name, value| format!("{name}:\n{value}"),
 ];
 
+/// What a first stage may say.
+const TEXTS: [&str; 4] = [
+    "Fold the back left corner onto the front left corner.",
+    "Fold the back left corner onto the front right corner.",
+    "Carry the right edge to the left.",
+    "Bring every corner to the center.",
+];
+
+/// Ways to state a text, on a line of its own.
+const TEXT_FORMS: [fn(&str) -> String; 6] = [
+    |text| format!("Instructions: {text}"),
+    |text| format!("**Instructions:** {text}"),
+    |text| format!("- instructions: {text}"),
+    |text| format!("## Instructions:\n{text}"),
+    |text| format!("Instructions: \"{text}\""),
+    |text| format!("{{\"instructions\": \"{text}\"}}"),
+];
+
 /// What may stand between two statements.
 const BETWEEN: [&str; 5] = [
     "\n",
@@ -304,6 +367,23 @@ proptest! {
         let answer = format!("{}{between}{}\n{}", statement(forms.0, first), statement(forms.1, other), rest.join("\n"));
         let read = reply::read_action(&program, &answer);
         prop_assert!(read.is_err(), "{}\n{:?}", answer, read);
+    }
+
+    #[test]
+    fn two_different_texts_are_never_accepted(
+        first in 0..TEXTS.len(), other in 1..TEXTS.len(), forms in (0..TEXT_FORMS.len(), 0..TEXT_FORMS.len()), between in prop::sample::select(BETWEEN.to_vec()),
+    ) {
+        let [first, other] = [first, (first + other) % TEXTS.len()].map(|it| TEXTS[it]);
+        let answer = format!("{}{between}{}\n", TEXT_FORMS[forms.0](first), TEXT_FORMS[forms.1](other));
+        match reply::read_text("Instructions:", "", &answer) {
+            Err(refused) => for text in [first, other] {
+                prop_assert!(refused.message.contains(text), "{}\n{}", answer, refused.message);
+            },
+            Ok(reading) => prop_assert!(false, "{}\n{:?}", answer, reading),
+        }
+        let twice = format!("{}{between}{}\n", TEXT_FORMS[forms.0](first), TEXT_FORMS[forms.1](first));
+        let reading = reply::read_text("Instructions:", "", &twice).map_err(|refused| TestCaseError::fail(format!("{twice}\n{}", refused.message)))?;
+        prop_assert_eq!(reading.value, first, "{}", twice);
     }
 
     #[test]
