@@ -105,7 +105,10 @@ macro_rules! blocks {
                 /// Returns whether something directly in it does not parse; a missing part may be there.
                 pub fn is_damaged(self) -> bool {
                     self.node.children().any(|child| {
-                        child.kind().is_junk() || matches!(child.kind(), Kind::NoOpen | Kind::NoClose)
+                        let head = child.child(Kind::Head).filter(|_| child.kind().needs_name());
+                        child.kind().is_junk()
+                            || matches!(child.kind(), Kind::NoOpen | Kind::NoClose)
+                            || head.is_some_and(|head| head.child(Kind::Name).is_none())
                     })
                 }
             }

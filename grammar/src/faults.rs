@@ -156,7 +156,7 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
             return Some(unexpected(node.tree(), rest, vec!["a condition"]));
         }
         Kind::LoneBraces => {
-            if let Some(fault) = misspelt_in_placeholder(node) {
+            if let Some(fault) = wrong_in_placeholder(node) {
                 return Some(fault);
             }
             (node.span(), Problem::LoneBraces)
@@ -221,16 +221,7 @@ fn robbed(outer: Node<'_>) -> Option<Node<'_>> {
 fn lacking(node: Node<'_>) -> Option<Fault> {
     let needs_name = match node.kind() {
         Kind::Extends => true,
-        Kind::Head => matches!(
-            node.parent()?.kind(),
-            Kind::Task
-                | Kind::Stage
-                | Kind::Rehearse
-                | Kind::Check
-                | Kind::Experts
-                | Kind::Material
-                | Kind::Variant
-        ),
+        Kind::Head => node.parent()?.kind().needs_name(),
         _ => false,
     };
     if needs_name && node.child(Kind::Name).is_none() {
@@ -272,13 +263,15 @@ fn misspelt_in_head(head: Node<'_>, surplus: Node<'_>) -> Option<Fault> {
     misspelt(tree, strict, piece, trimmed(surplus).start)
 }
 
-/// Finds a misspelt word between the two braces of a placeholder and their `}}` on the same line.
-fn misspelt_in_placeholder(braces: Node<'_>) -> Option<Fault> {
+/// Finds a misspelt word, or what is wrong in a call, between the two braces of a placeholder and their `}}` on the
+/// same line.
+fn wrong_in_placeholder(braces: Node<'_>) -> Option<Fault> {
     let (tree, start) = (braces.tree(), braces.range().end);
     let line = tree.text()[start..].split(['\n', '\r', '{']).next()?;
     let piece = tree.span(start..start + line.find("}}")?);
-    let failed = measure(tree, Rule::only_expr, piece)?.span.start;
-    misspelt_expr(tree, piece, failed)
+    let fault = measure(tree, Rule::only_expr, piece)?;
+    let is_open = tree.text()[start..fault.span.start].contains('(');
+    misspelt_expr(tree, piece, fault.span.start).or(is_open.then_some(fault))
 }
 
 fn misspelt_expr(tree: &Tree, piece: Span, failed: usize) -> Option<Fault> {

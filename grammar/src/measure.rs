@@ -90,6 +90,9 @@ pub(crate) fn token_at(text: &str, range: Range<usize>) -> &str {
             .next()
             .unwrap_or(rest);
     }
+    if rest.starts_with("\"\"\"") {
+        return &rest[..3];
+    }
     if first == '"' {
         let line = rest.split(['\n', '\r']).next().unwrap_or(rest);
         return line[1..]

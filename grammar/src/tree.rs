@@ -63,6 +63,20 @@ macro_rules! kinds {
         }
 
         impl Kind {
+            /// Returns whether the head of such a block has a name.
+            pub(crate) fn needs_name(self) -> bool {
+                matches!(
+                    self,
+                    Kind::Task
+                        | Kind::Stage
+                        | Kind::Rehearse
+                        | Kind::Check
+                        | Kind::Experts
+                        | Kind::Material
+                        | Kind::Variant
+                )
+            }
+
             /// Returns whether it is text that does not parse.
             pub fn is_junk(self) -> bool {
                 matches!(

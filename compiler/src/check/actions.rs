@@ -10,7 +10,7 @@ use crate::proof::MAX_FIELDS;
 use fab_grammar::Span;
 use fab_grammar::ast::{Actions, Expr, Field, Name};
 use fab_program::exact::vector_of;
-use fab_program::units::Dimension;
+use fab_program::units::{self, Dimension};
 use fab_program::vocabulary::Range;
 use fab_program::{ActionField, Choices, Direction, KeypointShape, LengthChoice, LengthUnit};
 use std::collections::BTreeMap;
@@ -140,6 +140,13 @@ fn listed<'a>(
         );
         let diagnostic = Diagnostic::new(Code::MixedChoices, list[other].span(), message);
         let label = format!("this is one of {}", kind.noun());
+        let diagnostic = match list[other] {
+            Expr::Name(name) if units::find(name.text()).is_some() => diagnostic.help(format!(
+                "`{0}` is a unit: write a number before it, such as `1{0}`",
+                name.text()
+            )),
+            _ => diagnostic,
+        };
         return Err(context.error(diagnostic.also(first.span(), label)));
     }
     offers(row, kind, first.span(), context)?;

@@ -770,7 +770,19 @@ fn direction_field(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Result<Stri
         context.may_be_hidden(name.text())?;
     }
     let diagnostic = context.unexpected(Code::WrongExpression, expr, "a field that is a direction");
-    Err(context.error(diagnostic))
+    let fields = context.actions.right();
+    let fields = fields.filter(|it| matches!(it.choices, Choices::Directions { .. }));
+    let fields: Vec<String> = fields.map(|it| it.name.clone()).collect();
+    let fields = || fields.iter().map(String::as_str);
+    let meant = match expr {
+        Expr::Name(name) => nearest(name.text(), fields()),
+        _ => None,
+    };
+    Err(context.error(match (meant, fields().next()) {
+        (Some(meant), _) => diagnostic.meant(expr.span(), meant),
+        (None, Some(_)) => diagnostic.help(format!("there is {}", among(fields()))),
+        (None, None) => diagnostic.help("no field of this task is a direction"),
+    }))
 }
 
 // ---- values --------------------------------------------------------------------------------------

@@ -140,8 +140,18 @@ pub(super) fn not_whole(expr: Expr<'_>, help: &str, context: &mut Context<'_, '_
 /// Reports a number outside of its range.
 pub(super) fn out_of_range(expr: Expr<'_>, help: &str, context: &mut Context<'_, '_>) -> Reported {
     let written = context.written(expr.span());
-    let message = format!("`{written}` is out of range");
-    context.error(Diagnostic::new(Code::OutOfRange, expr.span(), message).help(help))
+    let stated = match expr {
+        Expr::Name(name) => context.constants.get(name.text()),
+        _ => None,
+    };
+    let Some(Ok(stated)) = stated else {
+        let message = format!("`{written}` is out of range");
+        return context.error(Diagnostic::new(Code::OutOfRange, expr.span(), message).help(help));
+    };
+    let place = stated.span();
+    let message = format!("`{written}` is `{}`, out of range", context.written(place));
+    let diagnostic = Diagnostic::new(Code::OutOfRange, expr.span(), message);
+    context.error(diagnostic.also(place, "stated here").help(help))
 }
 
 /// Which numbers are accepted. A length on the table is hardly ever a whole number of pixels.

@@ -533,7 +533,8 @@ impl<'a> Builder<'_, 'a> {
             said.extend(Said::of(stage).names());
         }
         let can_say = !merged.stages.is_empty() && merged.missing_base.is_none();
-        let can_say = can_say && !self.may_say_more();
+        let may_say_more = self.may_say_more() || variants.iter().any(|it| it.is_damaged());
+        let can_say = can_say && !may_say_more;
         for component in merged.components.iter() {
             let name = component.name();
             if self.last_use.contains_key(name.text()) {
@@ -616,7 +617,8 @@ impl<'a> Builder<'_, 'a> {
             "write `{{{{ {name} }}}}` in a text of the stage that shows it"
         ));
         let diagnostic = unnamed.fold(diagnostic, |it, name| it.also(name.span(), "nor this one"));
-        all = Err(context.error(diagnostic));
+        // A placeholder that did not parse may name it.
+        all = Err(context.missing(true, first.span().file, diagnostic));
         all
     }
 }

@@ -52,6 +52,7 @@ const MISPLACED: &[Misplaced] = &[
         "fold",
         "write `demonstrate { fold A -> B }`, with all folds between its braces",
     ),
+    misplaced("verify", "else", BEHIND_ELSE),
     misplaced("verify", "then", BEHIND_ELSE),
     misplaced("verify", "otherwise", BEHIND_ELSE),
     misplaced("verify", "message", BEHIND_ELSE),

@@ -3,6 +3,20 @@
 use crate::diag::{Code, Diagnostic};
 use fab_grammar::Span;
 
+/// Words that a name follows, and what to write if it is missing.
+const NAMED: [(&str, &str); 4] = [
+    (
+        "component",
+        "the component has no name: write `component NAME \"…\"`",
+    ),
+    ("const", "the constant has no name: write `const NAME = …`"),
+    (
+        "demos",
+        "name the stage that is told them: `demos STAGE from \"…\"`",
+    ),
+    ("model", "write `model vision` or `model text`"),
+];
+
 /// Makes the diagnostic for the text at `span` if it is a common mistake.
 ///
 /// - `found`: the text there.
@@ -56,11 +70,22 @@ pub(super) fn recognise(
     if rest.starts_with("//") {
         return Some(written("//", "#"));
     }
+    let is_word = |first: char| first.is_alphanumeric() || first == '_';
+    let named = last_word(before).filter(|_| expects("a name"));
+    let mut rows = NAMED.iter();
+    if let Some((_, help)) = named.and_then(|(_, word)| rows.find(|(row, _)| *row == word))
+        && (!found.starts_with(is_word) || fab_grammar::is_keyword(found))
+    {
+        return Some(usual().help(*help));
+    }
     if let Some(diagnostic) = comma_missing(found, span, expected, text) {
         return Some(diagnostic);
     }
     Some(match found {
         ":" if expects("`=`") && rest.starts_with(":=") => written(":=", "="),
+        ":" if expects("an argument") && before.ends_with(',') => {
+            usual().help("write the argument's name before the `:`, or remove the `:`")
+        }
         ":" if rest.starts_with(":=") && !expected.is_empty() => {
             let message = format!("expected {}, found `:=`", listed(expected));
             fault(sign(":="), message)
@@ -116,6 +141,11 @@ pub(super) fn recognise(
                 .help("a condition compares values; remove it if it always holds")
         }
         "." if rest[1..].starts_with(|next: char| next.is_ascii_digit())
+            && last_word(&text[..span.start]).is_some() =>
+        {
+            return None;
+        }
+        "." if rest[1..].starts_with(|next: char| next.is_ascii_digit())
             && text[..span.start].ends_with(|last: char| last.is_ascii_digit()) =>
         {
             fault(span, "a number has one decimal point".to_owned())
@@ -151,6 +181,12 @@ pub(super) fn recognise(
             fault(span, "a number is written without `_`".to_owned())
                 .help(format!("write `{}{}`", last_number(before), &found[1..]))
                 .edit(span, &found[1..])
+        }
+        _ if found.starts_with('_') && text[..span.start].ends_with(is_word) => {
+            let word = &text[before.trim_end_matches(is_word).len()..span.end];
+            let start = span.end - word.len();
+            fault(Span { start, ..span }, format!("`{word}` is not a number with a unit"))
+                .help("a unit has letters alone, such as `10px`; a name begins with a letter")
         }
         _ if found.starts_with(|first: char| first.is_ascii_digit() || "+-".contains(first))
             && text[..span.start].ends_with(['e', 'E'])
@@ -200,6 +236,25 @@ pub(super) fn recognise(
                 .help("an argument's name is followed by `:`")
                 .likely(end, ":")
         }
+        _ if expects("`)`")
+            && expects("`,`")
+            && found.starts_with(is_word)
+            && !fab_grammar::is_keyword(found)
+            && before.ends_with(|last: char| is_word(last) || last == ')') =>
+        {
+            let end = Span {
+                start: before.len(),
+                end: before.len(),
+                ..span
+            };
+            usual().help("write `,` before it").likely(end, ",")
+        }
+        _ if expects("a value")
+            && rest[found.len()..].starts_with(':')
+            && last_open(before).is_some() =>
+        {
+            usual().help("an argument with a name belongs to a call: the call's name is missing before the `(`")
+        }
         _ if expects("`of`") && matches!(found, "from" | "to" | "off" | "at" | "in" | "on") => {
             usual().meant(span, "of")
         }
@@ -222,7 +277,7 @@ pub(super) fn recognise(
         "[" | "]" => {
             usual().help("lists have no brackets; write the parts with commas between them")
         }
-        _ if fab_grammar::is_keyword(found) && expects("a name") => usual().help(format!(
+        _ if fab_grammar::is_keyword(found) && expected == ["a name"] => usual().help(format!(
             "`{found}` is a word of the language; {}",
             match before.ends_with(',') {
                 true => "choose another name, or remove the comma before it",

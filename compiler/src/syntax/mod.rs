@@ -7,7 +7,7 @@ mod mistakes;
 
 use crate::diag::{Code, Diagnostic, among, keeps_content, nearest};
 use fab_grammar::Span;
-use fab_grammar::{Fault, Problem};
+use fab_grammar::{Fault, Kind, Problem};
 use mistakes::listed;
 
 /// Makes the diagnostic for a fault of `text`, a whole file.
@@ -26,7 +26,7 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
         Problem::Unexpected { found, expected, is_surplus } => {
             let diagnostic = unexpected(span, found.as_deref(), expected, text);
             match found.as_deref() {
-                Some(sign @ (":" | "=")) if *is_surplus && diagnostic.edits.is_empty() => {
+                Some(sign @ (":" | "=")) if *is_surplus && diagnostic.edits.is_empty() && diagnostic.help.is_empty() => {
                     diagnostic.help(format!("remove the `{sign}`")).likely(span, "")
                 }
                 _ => diagnostic,
@@ -192,6 +192,9 @@ fn unknown_word(span: Span, word: &str, candidates: &[&str], block: Option<&str>
     }
     let mut blocks = fab_grammar::blocks().iter();
     match blocks.find(|block| block.words().contains(&word)) {
+        Some(block) if block.kind() == Kind::File => {
+            diagnostic.help("it stands outside of tasks, at the beginning of the file")
+        }
         Some(block) => diagnostic.help(format!("it belongs in `{}`", block.name())),
         None => diagnostic.help(format!(
             "a line here begins with {}",

@@ -7,7 +7,7 @@
 use crate::chance::Chance;
 use crate::common::{Changed, workspace};
 use fab_compiler::Compiled;
-use fab_compiler::diag::{self, Color, Diagnostic, Severity};
+use fab_compiler::diag::{self, Code, Color, Diagnostic, Severity};
 use fab_grammar::{Kind, Sources};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -173,7 +173,24 @@ fn misspell_keywords(cases: &[Case], every: usize) -> BTreeMap<String, Tally> {
             .iter()
             .map(|it| (it.code, it.message.as_str()))
             .collect();
+        let torn = [Code::MissingBrace, Code::StrayBrace, Code::UnclosedText];
+        if before.diagnostics.iter().any(|it| torn.contains(&it.code)) {
+            continue;
+        }
+        // Beside another error, a second one may be hidden: on its line, or on the next one.
+        let line_of = |byte: usize| fab_compiler::line_and_column(&case.text, byte).0;
+        let errors = before.diagnostics.iter().filter(|it| {
+            it.severity == Severity::Error && before.sources.get(it.span.file).name == case.name
+        });
+        let broken: BTreeSet<usize> = errors.map(|it| line_of(it.span.start)).collect();
         for (word, range) in keywords(case) {
+            let line = line_of(range.start);
+            let is_code = |text: &&str| !text.trim().is_empty() && !text.trim().starts_with('#');
+            let above = case.text.lines().take(line - 1).collect::<Vec<&str>>();
+            let above = above.iter().rposition(is_code).map_or(0, |at| at + 1);
+            if broken.contains(&line) || broken.contains(&above) {
+                continue;
+            }
             for typo in misspelt(word, &mut chance) {
                 number += 1;
                 if number % every != 0 {
@@ -219,6 +236,18 @@ fn share_named(tallies: &BTreeMap<String, Tally>) -> f64 {
     (tried - missed) as f64 / tried as f64
 }
 
+/// The least slips in one word that say something of that word.
+const ENOUGH_OF_A_WORD: usize = 20;
+
+/// Returns the words of three letters or more that are named too seldom.
+fn seldom_named(tallies: &BTreeMap<String, Tally>) -> Vec<&String> {
+    let seldom = tallies.iter().filter(|(word, tally)| {
+        let share = 1.0 - tally.missed.len() as f64 / tally.tried as f64;
+        word.len() >= 3 && tally.tried >= ENOUGH_OF_A_WORD && share < LEAST_NAMED
+    });
+    seldom.map(|(word, _)| word).collect()
+}
+
 /// The least share of misspelt keywords that the first finding must name. Before such words were looked for, it was 0.72.
 const LEAST_NAMED: f64 = 0.95;
 
@@ -235,8 +264,11 @@ fn a_misspelt_keyword_is_named_wherever_it_stands() {
 fn many_misspelt_keywords_are_named_wherever_they_stand() {
     let mut cases = shipped();
     cases.extend(files("tests/fixtures/faults"));
-    let share = share_named(&misspell_keywords(&cases, 3));
+    let tallies = misspell_keywords(&cases, 2);
+    let share = share_named(&tallies);
     assert!(share >= LEAST_NAMED, "{share}");
+    let seldom = seldom_named(&tallies);
+    assert!(seldom.is_empty(), "{seldom:?}");
 }
 
 // ---- tokens --------------------------------------------------------------------------------------
@@ -343,7 +375,7 @@ fn a_missing_closing_quote_is_reported_at_its_opening() {
 // ---- messages that were read and judged ----------------------------------------------------------
 
 /// Decides which slips are drawn.
-const JUDGED_SEED: u64 = 20_261_128;
+const JUDGED_SEED: u64 = 20_261_205;
 
 /// The number of slips whose messages were read.
 const JUDGED: usize = 60;
