@@ -99,9 +99,9 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
             let calls = u64::from(per_step) * u64::from(program.horizon);
             if !arguments.json && program.variant.is_none() {
                 io.data(&format!(
-                    "{named}: task `{}` has no errors; at most {per_step} model calls per step, {calls} in {} steps{}{}",
+                    "{named}: task `{}` has no errors; at most {per_step} model calls per step, {calls} in {}{}{}",
                     program.task,
-                    program.horizon,
+                    counted(program.horizon as usize, "step"),
                     notes(program),
                     variants(&compiled.programs[number + 1..])
                 ));
@@ -162,7 +162,24 @@ fn notes(program: &Program) -> String {
             .chain(sources)
             .chain(differs)
     });
-    notes.chain(material).collect()
+    let twin = twin_too_stiff(program).map(|why| format!("\n  its twins: {why}"));
+    notes.chain(material).chain(twin).collect()
+}
+
+/// Returns why the smallest twin of a rehearsal cannot be laid, if it cannot.
+#[cfg(feature = "runtime")]
+fn twin_too_stiff(program: &Program) -> Option<String> {
+    let twin = &program.rehearsal.as_ref()?.twin;
+    let material = fab_world::material(twin.material.as_ref()?);
+    let smallest_m = fab_world::twin::least_spacing_m(twin) as f32;
+    let error = material.check(smallest_m).err()?;
+    Some(format!("the smallest cannot be laid: {error}"))
+}
+
+/// Returns nothing: without a simulator nothing is rehearsed.
+#[cfg(not(feature = "runtime"))]
+fn twin_too_stiff(_: &Program) -> Option<String> {
+    None
 }
 
 /// Returns in what the simulated cloth of a material differs from it, and whether it can be simulated at all.

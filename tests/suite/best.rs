@@ -1,5 +1,6 @@
 //! `fabc best`: the search for the best actions, its journal, and what it prints.
 
+use super::pty::Session;
 use super::support::{Fabc, ProjectFiles, bring_library, fabc, finish};
 use fab_agent::best::journal::{Identity, TRIALS_FILE, TrialJournal};
 use fab_agent::best::{self, Found, Limits, Search};
@@ -244,6 +245,57 @@ fn a_search_that_was_stopped_has_what_it_found_and_goes_on_from_there() {
         (resumed.best, resumed.trials),
         (expected.best, expected.trials)
     );
+}
+
+#[test]
+#[ignore = "long"]
+fn several_starts_get_means_with_intervals_and_a_curve() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, found) = run(folder.path(), ANYWHERE, "--trials 16 --starts 3");
+    assert!(code == 0 || code == 3, "{found:#}");
+    let starts = found["starts"].as_array().unwrap();
+    let seeds: Vec<_> = starts.iter().map(|start| &start["seed"]).collect();
+    assert_eq!(seeds, [0, 1, 2]);
+    let mean = |of: &dyn Fn(&Value) -> f64| starts.iter().map(of).sum::<f64>() / 3.0;
+    let curve = found["after"].as_array().unwrap();
+    assert_eq!(curve.len(), 2);
+    for (count, point) in curve.iter().enumerate() {
+        let value = point["value"].as_f64().unwrap();
+        let expected = mean(&|start| start["after"][count].as_f64().unwrap());
+        assert!((value - expected).abs() < 1e-9, "{point}");
+        let ends = [0, 1].map(|end| point["ci95"][end].as_f64().unwrap());
+        assert!(ends[0] <= value && value <= ends[1], "{point}");
+    }
+    let best = &found["rows"][0];
+    assert_eq!(
+        (&best["row"], &best["rollouts"]),
+        (&"best".into(), &3.into())
+    );
+    let value = best["value"].as_f64().unwrap();
+    assert!((value - mean(&|start| start["value"].as_f64().unwrap())).abs() < 1e-9);
+}
+
+#[test]
+#[ignore = "long"]
+#[cfg(target_os = "linux")]
+fn a_search_shows_how_far_it_is_and_prints_what_it_found_when_it_is_interrupted() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = "--trials 5000 --starts 2 --threads 1 --out kept";
+    let mut session = Session::in_window(&command(folder.path(), ANYWHERE, arguments).process());
+    session.until("[--------------------] start 1 of 2: 8 of 5000 trials, at most ");
+    session.until(" left");
+    session.send("\u{3}");
+    let (code, shown) = session.end();
+    assert_eq!(code, Some(130), "{shown}");
+    let document = &shown[shown.find("{\n").expect(&shown)..];
+    let found: Value = serde_json::from_str(document).expect(document);
+    let start = &found["starts"][0];
+    let trials = start["trials"].as_u64().unwrap();
+    assert!(start["interrupted"] == true && trials >= 8, "{start:#}");
+    assert!(!start["best"].is_null() || !start["under_way"].as_array().unwrap().is_empty());
+    let begun = "--trials 24 --starts 1 --threads 1 --out kept";
+    let (_, more) = run(folder.path(), ANYWHERE, begun);
+    assert_eq!(more["starts"][0]["known"], trials.min(24));
 }
 
 #[test]

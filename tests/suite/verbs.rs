@@ -28,6 +28,50 @@ fn check_says_how_often_a_model_can_be_asked() {
 }
 
 #[test]
+fn check_says_what_the_simulator_cannot_do_with_a_material() {
+    let folder = tempfile::tempdir().unwrap();
+    bring_library(folder.path());
+    let text = "\
+use \"lib/folding.fab\"
+use \"lib/materials.fab\"
+material board {
+    weight    180g/m2 from \"a scale\"
+    thickness 0.5mm from \"a stack\"
+    bending   warp: 90mm, weft: 90mm, bias: 90mm from \"a ruler\"
+    recovery  80deg from \"a protractor\"
+    stretch   warp: 0.02, weft: 0.02, bias: 0.08 from \"a pull\"
+    friction  table: 0.4, itself: 0.6 from \"a tilted table\"
+}
+task stiff extends folding {
+    cloth grid(55, 44, material: silk)
+    goal  particle_distance < 8mm
+    keypoints { cloth = mask(depth < 649.9mm) }
+    subgoals { demonstrate { fold corner(back_left) -> corner(front_right) } }
+    stage plan {
+        model text, temperature 0.7, candidates 4
+        say \"{{ instruction }} {{ corners }} {{ center }} {{ actions.format }}\"
+        read action
+    }
+    rehearse plan {
+        twin(material: board, size: 0.6 to 1.05, friction: 0.4 to 0.9)
+        choose most overlap
+        trust overlap > 0.8
+    }
+}
+";
+    std::fs::write(folder.path().join("stiff.fab"), text).unwrap();
+    let said = finish(fabc(folder.path()).args(["check", "stiff.fab"]));
+    assert_eq!(said.code, 0, "{}{}", said.stdout, said.stderr);
+    for line in [
+        "\n    in the simulator, layers keep `0.001` m apart and not the thickness of `0.0001` m",
+        "\n  its twins: the smallest cannot be laid: a cloth with a bending length of up to `0.09` m needs ",
+        " in 1 step\n",
+    ] {
+        assert!(said.stdout.contains(line), "{line}\n{}", said.stdout);
+    }
+}
+
+#[test]
 fn check_reports_every_file_and_exits_with_1() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(

@@ -34,7 +34,7 @@ pub(crate) fn check<'a>(
     );
     let stage = stage(part, merged, prompts, context);
     let asked = stage.as_ref().ok().and_then(|it| it.as_ref());
-    let twin = twins.first.map(|it| twin(it, context)).transpose();
+    let twin = twins.first.map(|it| twin(it, context));
     let choose = choices
         .first
         .map(|it| choose(it, asked, merged, context))
@@ -47,11 +47,15 @@ pub(crate) fn check<'a>(
         .first
         .map(|it| read(it.above(), &TRUST.range, context))
         .transpose();
+    if let (Some(Ok(twin)), Ok(Some(above)), Some(line)) = (&twin, &trust_above, trusts.first) {
+        never_trusted(twin, *above, line, context);
+    }
     let refuses = trusts.first.and_then(Trust::else_refuse).is_some();
     lines.into_iter().collect::<Result<(), _>>()?;
     lacks?;
     let (choose, revisions) = (choose?, revisions?);
-    let (Some(twin), Some(trust_above), Some(stage)) = (twin?, trust_above?, stage?) else {
+    let (Some(twin), Some(trust_above), Some(stage)) = (twin.transpose()?, trust_above?, stage?)
+    else {
         return Ok(None);
     };
     Ok(Some(Rehearsal {
@@ -142,6 +146,23 @@ fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges,
         }
     }
     Ok(twin)
+}
+
+/// Warns of twins that are so much larger or smaller than the cloth that none is trusted where both lie flat.
+///
+/// Two silhouettes overlap by at most the ratio of their areas.
+fn never_trusted(twin: &TwinRanges, above: f64, line: Trust<'_>, context: &mut Context<'_, '_>) {
+    let [low, high] = twin.size;
+    let nearest = 1.0_f64.clamp(low, high);
+    let most = nearest.min(1.0 / nearest).powi(2);
+    if most <= above {
+        let message = format!(
+            "twins of {low} to {high} of the cloth's size overlap the flat cloth by at most {most:.2}, and are trusted above {above}"
+        );
+        let diagnostic = Diagnostic::new(Code::TwinNeverTrusted, line.span(), message);
+        let help = "let the range of sizes contain 1, or trust a smaller overlap";
+        context.remark(diagnostic.help(help));
+    }
 }
 
 fn name_of(twin: &TwinRanges) -> Option<&str> {

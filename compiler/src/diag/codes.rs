@@ -424,6 +424,10 @@ codes! {
     "a twin is made of what the cloth is made of"
     "In the simulator, such a twin has the physics of the cloth that is judged, which no camera shows, so a gain says nothing about other cloths. Name another material, and let the ranges of size and friction say what is not known."
 
+    "F0619" TwinNeverTrusted Warning
+    "a twin is too large or too small to be trusted"
+    "A twin is trusted while its silhouette overlaps the camera's by more than `trust overlap` states. Two silhouettes overlap by at most the ratio of their areas, so at the start, where both lie flat, a twin of 0.8 of the size overlaps by at most 0.64. Let the range of `size` contain 1, or trust a smaller overlap."
+
     "F0701" MissingField Error
     "an action lacks a field"
     "An action has a `pick` and a `place`, or a `pick`, a `direction` and a `distance`. The message says which of them is missing."

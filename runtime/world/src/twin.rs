@@ -145,6 +145,11 @@ pub struct Twin {
     table_m: f64,
 }
 
+/// Returns about the least distance between a twin's particles, metres: that of the smallest one.
+pub fn least_spacing_m(ranges: &TwinRanges) -> f64 {
+    ranges.size[0] * SPACING_M
+}
+
 /// A twin as its camera sees it.
 pub struct TwinView {
     /// The picture.

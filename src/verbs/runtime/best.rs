@@ -33,6 +33,9 @@ use std::time::Instant;
 /// The most trials of a start. The states of a search of that size fit in memory.
 const MOST_TRIALS: i64 = 1_000_000;
 
+/// A start may take as many trials again, divided by this, of actions that are not offered.
+const BEYOND: u32 = 2;
+
 /// Arguments of `best`.
 #[derive(Args)]
 pub struct BestArguments {
@@ -107,6 +110,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         cache: &cache,
         interrupt: &interrupt,
         io,
+        begun: Instant::now(),
     };
     let world = setting::world(&program).map_err(Failure::environment)?;
     let mut all = Vec::new();
@@ -178,6 +182,7 @@ struct Shared<'a> {
     cache: &'a Cache,
     interrupt: &'a Interrupt,
     io: &'a Io,
+    begun: Instant,
 }
 
 impl Shared<'_> {
@@ -215,16 +220,23 @@ impl Shared<'_> {
             subgoals: subgoals.digest(),
         };
         let journal = TrialJournal::open(&folder, &identity).map_err(failure)?;
-        let begun = Instant::now();
         let most = arguments.trials;
-        let progress = |trials: u32| {
-            let took_s = begun.elapsed().as_secs_f64();
-            let left_s = took_s / f64::from(trials.max(1)) * f64::from(most.saturating_sub(trials));
-            io.progress(&format!(
-                "{}: {trials} of at most {most} trials, at most {} left",
-                start.name,
-                report::duration(left_s)
-            ));
+        let beyond = most / BEYOND;
+        let (of, before) = (arguments.starts, number as u32);
+        // What a start may take at most counts for each, so the time left is never too short.
+        let bar = Bar {
+            io,
+            begun: self.begun,
+            of: u64::from(of) * u64::from(most + beyond),
+        };
+        let of_start = |trials: u32, what: &str| {
+            let done = u64::from(before) * u64::from(most + beyond) + u64::from(trials);
+            bar.show(done, &format!("start {} of {of}: {what}", before + 1));
+        };
+        let progress = |trials: u32| of_start(trials, &format!("{trials} of {most} trials"));
+        let progress_beyond = |trials: u32| {
+            let what = format!("{trials} of {beyond} not offered");
+            of_start(most + trials, &what);
         };
         let unhinted = Search {
             program: &program,
@@ -260,11 +272,13 @@ impl Shared<'_> {
         let Some((found, tree)) = searched.map_err(failure)? else {
             return Ok(None);
         };
-        let quiet = Search {
-            progress: &|_| {},
+        let search = Search {
+            progress: &progress_beyond,
             ..search
         };
-        let beyond = unoffered(&quiet, &tree, &found, arguments.trials / 2).map_err(failure)?;
+        let beyond = unoffered(&search, &tree, &found, beyond);
+        io.progress("");
+        let beyond = beyond.map_err(failure)?;
         drop(tree);
         let mut rows = vec![playing.best(&found)?];
         rows.extend(policies);
@@ -275,6 +289,29 @@ impl Shared<'_> {
             start,
             program,
         }))
+    }
+}
+
+/// How far the whole command is.
+struct Bar<'a> {
+    io: &'a Io,
+    begun: Instant,
+    /// The most trials that it makes.
+    of: u64,
+}
+
+impl Bar<'_> {
+    /// Shows a bar, what is under way, and the most time that is left, on one line.
+    fn show(&self, done: u64, what: &str) {
+        const CELLS: usize = 20;
+        let share = done as f64 / self.of.max(1) as f64;
+        let full = (share * CELLS as f64) as usize;
+        let left_s = self.begun.elapsed().as_secs_f64() * (1.0 / share.max(1e-6) - 1.0);
+        self.io.progress(&format!(
+            "[{:-<CELLS$}] {what}, at most {} left",
+            "#".repeat(full.min(CELLS)),
+            report::duration(left_s)
+        ));
     }
 }
 

@@ -88,7 +88,7 @@ fn in_step(
                 .zip(tree.aim.behind(positions, step)))
         },
     )?;
-    allowance.spend(done.iter().flatten().count());
+    allowance.spend(done.iter().flatten().count(), search);
     let (measure, offered) = (tree.aim.measure, &tree.nodes[after]);
     let best = candidates
         .into_iter()

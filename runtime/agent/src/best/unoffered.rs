@@ -102,9 +102,10 @@ impl Allowance {
         self.most.saturating_sub(self.made) as usize
     }
 
-    /// Notes that so many were made; at most [`Allowance::left`].
-    pub fn spend(&mut self, trials: usize) {
+    /// Notes that so many were made, at most [`Allowance::left`], and reports it.
+    pub fn spend(&mut self, trials: usize, search: &Search<'_>) {
         self.made = self.made.saturating_add(trials as u32);
+        (search.progress)(self.made);
     }
 
     /// Returns whether no more are to be made.
@@ -131,7 +132,7 @@ struct Candidate {
 
 /// Tries actions that are not offered in the steps of the best actions, with at most `trials` trials.
 ///
-/// After an interrupt, what was found until then is returned.
+/// After an interrupt, what was found until then is returned. `search.progress` is called with the number of these trials.
 pub fn unoffered(
     search: &Search<'_>,
     tree: &Tree,
@@ -279,7 +280,7 @@ impl StepAt<'_> {
                 Ok((tree.aim.behind(&end.state.positions, step), end))
             },
         )?;
-        allowance.spend(done.iter().flatten().count());
+        allowance.spend(done.iter().flatten().count(), search);
         let least_gain = tree.aim.measure.least_gain();
         let mut promising: Vec<(f64, usize, TrialEnd)> = done
             .into_iter()
@@ -367,11 +368,12 @@ impl StepAt<'_> {
                 beam: BEAM,
                 ..search.limits
             },
+            progress: &|_| {},
             ..*search
         };
         let mut tree = Tree::from(root, Arc::clone(&tree.aim), tree.first.clone());
         tree.widen(&follow, allowance.left() as u32)?;
-        allowance.spend(tree.trials as usize);
+        allowance.spend(tree.trials as usize, search);
         Ok(tree.best_end().map(|end| tree.nodes[end].value))
     }
 
