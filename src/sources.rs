@@ -106,7 +106,7 @@ struct Tried {
 
 /// Returns what `fabc subgoals` found of a task's demonstration. A file that cannot be read counts as none: a rollout
 /// draws such pictures anew.
-fn pinned_trial(folder: &Path, title: &str) -> Option<Trial> {
+pub fn pinned_trial(folder: &Path, title: &str) -> Option<Trial> {
     let path = folder.join(pins_folder(title)).join(PINS_FILE);
     let bytes = read_bounded(&inside(folder, &path).ok()?).ok()?;
     serde_json::from_slice::<Tried>(&bytes).ok()?.tried

@@ -12,6 +12,7 @@ use fab_compiler::diag::{self, Severity};
 use fab_program::{Material, Program};
 use fix::Effect;
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// Arguments of `check`.
 #[derive(Args)]
@@ -68,6 +69,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     }
     for (file, found) in arguments.files.iter().zip(found) {
         let named = diag::visible(file);
+        let beside = sources::folder_of(found.as_deref().unwrap_or(file));
         let compiled = found.and_then(|file| match arguments.json {
             true => fix::judged(&file),
             false => sources::compile_looking(&file),
@@ -102,7 +104,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
                     "{named}: task `{}` has no errors; at most {per_step} model calls per step, {calls} in {}{}{}",
                     program.task,
                     counted(program.horizon as usize, "step"),
-                    notes(program),
+                    notes(program, &beside),
                     variants(&compiled.programs[number + 1..])
                 ));
             }
@@ -148,9 +150,17 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
 
 /// Formats the notes about a task, where its material's values come from, and how the simulated cloth differs from it, one
 /// per line.
-fn notes(program: &Program) -> String {
+///
+/// - `beside`: the task's folder.
+fn notes(program: &Program, beside: &Path) -> String {
     let notes = program.notes().into_iter();
     let notes = notes.map(|(name, note)| format!("\n  {name}: {note}"));
+    let wanted = program.demonstration_hash();
+    let tried = sources::pinned_trial(beside, &program.title());
+    let untried = wanted.zip(tried).filter(|(wanted, it)| it.of != *wanted);
+    let untried = untried.map(|_| {
+        "\n  its pictures are of another cloth, picker or demonstration: `fabc subgoals` draws them anew, and tells whether each step changes the cloth".to_owned()
+    });
     let material = program.cloth.material.iter().flat_map(|material| {
         let sources = material.sources.iter();
         let sources = sources.map(|it| format!("\n    {}: {}", it.property, it.from));
@@ -163,7 +173,7 @@ fn notes(program: &Program) -> String {
             .chain(differs)
     });
     let twin = twin_too_stiff(program).map(|why| format!("\n  its twins: {why}"));
-    notes.chain(material).chain(twin).collect()
+    notes.chain(untried).chain(material).chain(twin).collect()
 }
 
 /// Returns why the smallest twin of a rehearsal cannot be laid, if it cannot.
