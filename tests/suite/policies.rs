@@ -181,7 +181,7 @@ fn particles_are_there_only_for_who_asks_for_them() {
         let request = std::fs::read_to_string(run.join(request.as_ref().unwrap())).unwrap();
         assert_eq!(request.contains("\"particles\""), sees);
         assert_eq!(run.join("step_2/particles.npy").exists(), sees);
-        assert_eq!(ended.policy.contains("sees true particles"), sees);
+        assert_eq!(ended.policy.contains("oracle: sees true particles"), sees);
     }
 }
 

@@ -146,7 +146,7 @@ impl Description {
             ""
         };
         let sight = match self.sees_particles {
-            true => " (sees true particles)",
+            true => " (oracle: sees true particles)",
             false => "",
         };
         format!("{}{stand_in}{sight}", self.name)

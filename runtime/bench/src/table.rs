@@ -360,7 +360,7 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
             model.".to_owned());
     }
     if rows.iter().any(|row| row.sees_particles) {
-        lines.push("A policy that sees true particles knows what no camera shows: its results are an upper reference \
+        lines.push("An oracle sees true particles and knows what no camera shows: its results are an upper reference \
             and do not compete with the others.".to_owned());
     }
     if rows.iter().any(|row| !row.quoted && row.repeats == Some(1)) {
