@@ -48,7 +48,7 @@ pub fn standing(reply: &str) -> Standing {
 }
 
 /// Phrases that take back what stands before them.
-const TURNS: [&str; 17] = [
+const TURNS: [&str; 19] = [
     "oops",
     "no wait",
     "no , wait",
@@ -63,6 +63,8 @@ const TURNS: [&str; 17] = [
     "use these instead",
     "revised answer",
     "corrected answer",
+    "corrected final answer",
+    "corrected , final answer",
     "let me correct",
     "let me revise",
     "let me reconsider",

@@ -110,6 +110,10 @@ fn placed(cursor: &mut Cursor<'_, '_>, notation: &Notation, brackets: Brackets) 
         // `{"point": `, `<point `
         let behind = *cursor;
         while cursor.eat_any(NOUNS) || (cursor.is_joined() && cursor.eat_number() == Some("2")) {}
+        // `<point>(10, 20)</point>`
+        if bracket == '<' && cursor.at > behind.at {
+            cursor.eat_sign('>');
+        }
         if bracket != '<' && cursor.at > behind.at && cursor.eat_signs(&[':', '=', '→']).is_none()
         {
             *cursor = behind;

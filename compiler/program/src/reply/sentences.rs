@@ -231,6 +231,9 @@ impl<'a> Sentences<'a> {
             cursor.eat_word("up");
         }
         let named = cursor.at;
+        if self.is_remark_above(mention, named) {
+            return None;
+        }
         let mut hint = None;
         if is_point {
             if let Some(order) = point::echo(&mut cursor)
@@ -325,9 +328,15 @@ impl<'a> Sentences<'a> {
             .tokens
             .get(start)
             .is_some_and(|it| it.kind == Kind::Number);
+        // `Grip: A very firm one would leave marks`
+        let is_article = self
+            .tokens
+            .get(start)
+            .is_some_and(|it| it.is_any(&["a", "an", "the"]));
+        let n_ahead = 1 + usize::from(is_number) + 3 * usize::from(is_article);
         let words = self.tokens[start..limit].iter().skip(1);
         let is_supposed = words
-            .take(1 + usize::from(is_number))
+            .take(n_ahead)
             .any(|it| it.is_any(&["would", "could", "might"]) && it.gap < Gap::Line);
         if is_supposed || was.is_some_and(|at| self.is_weighed(mention.at, at)) {
             return None;
@@ -394,6 +403,22 @@ impl<'a> Sentences<'a> {
             self.tokens[mention.at].at..end,
             claimed,
         ))
+    }
+
+    /// Returns whether a name only explains what is before it, above a list or a line: `Let go at the center (place):`.
+    fn is_remark_above(&self, mention: Mention, end: usize) -> bool {
+        let [.., before, open] = &self.tokens[..mention.at] else {
+            return false;
+        };
+        let [close, colon, next, ..] = &self.tokens[end.min(self.tokens.len())..] else {
+            return false;
+        };
+        before.kind == Kind::Word
+            && open.is_sign('(')
+            && open.gap < Gap::Line
+            && close.is_sign(')')
+            && colon.is_sign(':')
+            && next.gap >= Gap::Line
     }
 
     /// Returns whether a tag's attribute names the field: `<parameter name="pick">`, `<parameter=pick>`.
@@ -961,7 +986,15 @@ impl<'a> Sentences<'a> {
             let sentence = self.sentence(at);
             let mut cursor = Cursor::at(&self.tokens[..sentence.end], at + 1);
             cursor.skip(&["the", "a", "an", "about"], &[]);
-            let is_unreal = self.tokens[sentence].iter().any(|it| it.is_any(UNREAL));
+            // `I use 10 mm, and keep the long pull for later`
+            let clause_end = self.tokens[at..sentence.end]
+                .iter()
+                .position(|it| it.is_sign(',') || it.is_sign(';'));
+            let clause = sentence.start..clause_end.map_or(sentence.end, |end| at + end);
+            let is_unreal = self.tokens[clause].iter().any(|it| it.is_any(UNREAL))
+                || self.tokens[sentence]
+                    .iter()
+                    .any(|it| it.is_any(&["if", "unless", "when", "before", "after"]));
             if !quantity::begins(cursor) || is_unreal || self.is_denied(at, Clarity::Spoken, false)
             {
                 return None;

@@ -45,7 +45,7 @@ const BETWEEN: &[&str] =
     words!("of the two three four five possible offered available allowed listed all and very");
 
 /// What links a noun to an adjective behind it: `the pull is kept short`.
-const LINKING: &[&str] = words!("is be stays stay kept keep remains");
+const LINKING: &[&str] = words!("is be stays stay kept keep remains remain");
 
 /// What follows a length that is no choice: `a short distance from the center`, `the largest distance that is allowed`.
 const LIMITING: &[&str] = words!(

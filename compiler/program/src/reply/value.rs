@@ -381,6 +381,11 @@ fn skip_description(cursor: &mut Cursor<'_, '_>, clarity: Clarity) -> bool {
         } else {
             MAX_SPOKEN_DESCRIPTION
         };
+        // `the best pick on this side, as (482, 310) is a fold`
+        let is_reason = token.is("as")
+            && cursor.at > 0
+            && cursor.tokens[cursor.at - 1].is_sign(',')
+            && cursor.ahead(1).is_some_and(|next| next.kind != Kind::Word);
         let is_other = token.kind == Kind::Word
             && cursor.at - start < most
             && !(clarity == Clarity::Spoken && token.is_any(SUBORDINATING))
@@ -392,7 +397,10 @@ fn skip_description(cursor: &mut Cursor<'_, '_>, clarity: Clarity) -> bool {
             && cursor.at > start
             && cursor.tokens[cursor.at - 1].is_any(&["corner", "keypoint", "vertex"])
             && token.text.len() <= 2;
-        if is_paragraph || !(is_joint || is_other || numbers_corner || token.is_any(DESCRIBING)) {
+        if is_paragraph
+            || is_reason
+            || !(is_joint || is_other || numbers_corner || token.is_any(DESCRIBING))
+        {
             break;
         }
         let is_article = token.is_any(&["the", "a", "point", "pixel"]);
@@ -1038,7 +1046,12 @@ fn own_words(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) {
             cursor.eat_word("away");
             let is_from = cursor.eat_word("from");
             cursor.skip(&["the", "cloth's", "its"], &[]);
-            if !(is_from && cursor.eat_any(&["center", "centre", "middle"])) {
+            let is_center = cursor.eat_any(&["center", "centre", "middle"]);
+            let is_point = matches!(
+                point::read(cursor, context.notation, Brackets::Needed),
+                PointFound::Pixel(..)
+            );
+            if !(is_from && (is_center || is_point)) {
                 *cursor = behind;
             }
         }
