@@ -74,8 +74,12 @@ const QUALIFYING: &[&str] = words!(
 
 /// Words after `is` that say that a value is not chosen.
 const UNFIT: &[&str] = words!(
-    "unnecessary reserved excessive overkill too not never risky unsuitable unneeded needless inappropriate"
+    "unnecessary reserved excessive overkill too not never risky unsuitable unneeded needless inappropriate insufficient
+    inadequate likely bound prone apt weak"
 );
+
+/// The most tokens from a point to `this is the pick point`.
+const MAX_POINTED: usize = 40;
 
 /// The most tokens after a name that may state the field.
 const MAX_CLAUSE: usize = 400;
@@ -293,7 +297,7 @@ impl<'a> Sentences<'a> {
         }
         if sign == Sign::None
             && !is_alone
-            && let Some(claim) = self.before(index)
+            && let Some(claim) = self.before(index).or_else(|| self.pointed_at(mention))
         {
             return Some(claim);
         }
@@ -419,6 +423,53 @@ impl<'a> Sentences<'a> {
             && close.is_sign(')')
             && colon.is_sign(':')
             && next.gap >= Gap::Line
+    }
+
+    /// Reads the point before `so this is the pick point` or `which is the pick point`, in the same sentence or the one before.
+    fn pointed_at(&self, mention: Mention) -> Option<Claim> {
+        if mention.form != Form::Name || !self.field(mention).is_point() {
+            return None;
+        }
+        let mut end = mention.at;
+        while end > 0 && self.tokens[end - 1].is_any(&["the", "my", "our"]) {
+            end -= 1;
+        }
+        let [.., this, is] = &self.tokens[..end] else {
+            return None;
+        };
+        if !(this.is_any(&["this", "that", "which"]) && is.is("is")) {
+            return None;
+        }
+        let end = end - 2;
+        let mut start = self.sentence(end).start;
+        let begins = self.tokens[start..end]
+            .iter()
+            .all(|it| it.is_any(&["so", "hence", "thus"]));
+        if begins && start > 0 && self.tokens[start].gap < Gap::Item {
+            start = self.sentence(start - 1).start;
+        }
+        let begin = (start.max(end.saturating_sub(MAX_POINTED))..end)
+            .rev()
+            .find(|begin| {
+                let mut cursor = Cursor::at(&self.tokens[..end], *begin);
+                let found = point::read(&mut cursor, self.reader.notation, Brackets::Needed);
+                matches!(found, PointFound::Pixel(..))
+            })?;
+        if self.is_denied(begin, Clarity::Spoken, false)
+            || self.is_denied(mention.at, Clarity::Spoken, false)
+            || self.is_weighed(begin, mention.end)
+        {
+            return None;
+        }
+        let mut cursor = Cursor::at(&self.tokens[..end], begin);
+        match point::read(&mut cursor, self.reader.notation, Brackets::Needed) {
+            PointFound::Pixel(point, note) => Some(self.claim_in(
+                mention.field,
+                begin..mention.end,
+                Claimed::Value(Value::Point(point), note),
+            )),
+            PointFound::Bad(_) | PointFound::Nothing => None,
+        }
     }
 
     /// Returns whether a tag's attribute names the field: `<parameter name="pick">`, `<parameter=pick>`.
@@ -1444,7 +1495,9 @@ impl<'a> Sentences<'a> {
                 "as", "is", "for", "becomes", "be", "to", "will", "should", "must",
             ]) || matches!(token.kind, Kind::Sign('→' | '=' | ':'));
             // `The corner, at (182, 182), is picked up`
-            let closes = token.is_sign(',') && self.tokens[end].is("is") && is_picked;
+            let closes = token.is_sign(',')
+                && self.tokens[end].is("is")
+                && (is_picked || self.field(mention).is_point());
             if !(is_open
                 || joins
                 || closes
