@@ -492,6 +492,15 @@ fn take_linear_time(length: usize, every: usize) {
         "{\"to\":1,",
         "I take 45 deg ",
         "take the lower left corner ",
+        "a ",
+        "the ",
+        "so ",
+        "of ",
+        "not ",
+        "this is the pick ",
+        "(1, 2) ",
+        "point ",
+        "very ",
     ];
     let compass = spaces::space("paper");
     for piece in pieces.iter().rev().step_by(every) {

@@ -3,6 +3,7 @@
 //! In: an answer. Out: claims, in order. Objects and tables are read as data, everything else as sentences. Thoughts,
 //! quotations, examples and negations claim nothing.
 
+use super::around;
 use super::aside::{self, Aside, Cleared};
 use super::claim::{Claim, Claimed};
 use super::data;
@@ -141,13 +142,19 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
                 end: end.unwrap_or(first),
             }
         });
+    if let Some(stated) = stated {
+        let others = around::remarks(reader, &text, &tokens, &claims, stated);
+        claims.extend(others);
+    }
     let at = reply.len();
     let judged = restart.map_or(0, |turn| tokens.partition_point(|token| token.at <= turn));
     let above = match (restart, claims.iter().find(|claim| !is_worded(claim))) {
         (Some(_), Some(first)) => tokens.partition_point(|token| token.at < first.span.start),
         _ => 0,
     };
-    let doubt = remarks::doubt_in(&tokens[..above], None, Place::Before, prose)
+    let heading = stated.and_then(|stated| around::heading(&tokens, stated.first));
+    let doubt = heading
+        .or_else(|| remarks::doubt_in(&tokens[..above], None, Place::Before, prose))
         .or_else(|| remarks::doubt_in(&tokens[judged..], stated, Place::Before, prose))
         .or_else(|| remarks::doubt_beside(&beside));
     let beside = lexer::tokens(&beside.said);

@@ -57,9 +57,11 @@ impl<'a, 't> Cursor<'a, 't> {
         is_there
     }
 
-    /// Skips all words and signs that are among these.
+    /// Skips words and signs that are among these, up to a number that no sentence has: this is tried at every token.
     pub fn skip(&mut self, words: &[&str], signs: &[char]) {
-        while self.eat_any(words) || self.eat_signs(signs).is_some() {}
+        const MOST: usize = 40;
+        let most = self.at + MOST;
+        while self.at < most && (self.eat_any(words) || self.eat_signs(signs).is_some()) {}
     }
 
     /// Skips these words if all follow one another.

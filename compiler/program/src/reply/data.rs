@@ -141,6 +141,21 @@ fn aside_members(is_field: &dyn Fn(&str) -> bool, node: &Node, depth: usize, bes
             Shape::Object(_) if depth < MAX_STRINGS => {
                 aside_members(is_field, value, depth + 1, beside);
             }
+            // `"image_size": [1000, 1000]`
+            Shape::List(items)
+                if !items.is_empty()
+                    && items
+                        .iter()
+                        .all(|item| matches!(item.shape, Shape::Bare(_))) =>
+            {
+                let bare = items.iter().filter_map(|item| match &item.shape {
+                    Shape::Bare(text) => Some(text.as_str()),
+                    _ => None,
+                });
+                let numbers = bare.collect::<Vec<&str>>().join(" x ");
+                let key = key.replace('_', " ").to_lowercase();
+                beside.said.push_str(&format!("{key}: {numbers}\n\n"));
+            }
             // `"warnings": ["do not execute"]`
             Shape::List(items) => {
                 for item in items {

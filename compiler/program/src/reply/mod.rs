@@ -5,6 +5,7 @@
 //! allowed.
 
 mod action;
+mod around;
 mod aside;
 mod choice;
 mod claim;

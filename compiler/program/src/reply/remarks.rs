@@ -114,6 +114,11 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_UNIT, &["grid|patches|cells", "column|columns|row|rows|cell", "name|count|divided|number"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["not in pixels|not pixels|not px|not in px|not pixel", POINTS], ""),
     anywhere(Pixels, OTHER_ORDER, &["row before the column|rows before columns|row before column|is the vertical one|row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
+    anywhere(Pixels, OTHER_UNIT, &["0 - 1000 scale|0 - 1000 range|0 to 1000 scale|scale of 0 to 1000|range 0 - 1000|range of 0 to 1000|0 - 999 scale|scale 0 - 1000|on a 0 - 1000|in 0 - 1000"], NOT),
+    anywhere(Pixels, OTHER_UNIT, &["^ unit :|^ units :|^ scale :", "normalized|normalised|relative|percent|fraction|mm|cm|inch|inches|thousandths"], NOT),
+    anywhere(Pixels, OTHER_FRAME, &["^ frame :|^ origin :|^ coordinate system :|^ coordinate frame :|^ reference frame :", "bottom|lower|center|centre|middle|robot|world|base|table|cloth"], NOT),
+    anywhere(Pixels, OTHER_ORDER, &["given as y , x|written as y , x|listed as y , x|height first|row first|rows first|vertical first|vertical coordinate first"], NOT),
+    anywhere(Pixels, OTHER_ORDER, &["swap x and y|swap the x and y|exchange x and y|x and y are swapped|x and y swapped|swap the coordinates|swap pick and place|exchange pick and place"], NOT),
     anywhere(Pixels, OTHER_ORDER, &["yx|y , x|row_col|rowcol", "order|coordinate_order|format|convention|coordinates"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], "not|no|without|isn't|aren't|haven't|from a crease|from the crease|from a wrinkle|from an old crease"),
@@ -126,6 +131,8 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_PICTURE, &["relative to|refer to|based on|measured in|measured on|read from|read in|are in the", "version of|copy of|thumbnail|resized|downscaled|downsampled"], NOT),
     anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "angle|angles|direction|directions|measured|measure|counted|count"], "mistake|mistakes|attempt|corners|outline|right angle|right angles|counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
     anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "from the top|from top|from up|from north|from 12"], "corner|corners|counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
+    anywhere(Directions, OTHER_ANGLE, &["angle|angles|direction|directions|degrees", "measured from|counted from|start at|starts at|starting from|starting at", "top|up|north|vertical|bottom|left"], "not|right|x - axis|horizontal"),
+    anywhere(Directions, OTHER_ANGLE, &["positive is clockwise|clockwise is positive|positive clockwise|clockwise positive|positive = clockwise"], "counter|not"),
     anywhere(Directions, OTHER_ANGLE, &["0 deg|0 degrees|0 °|zero degrees", "is up|points up|pointing up|means up|pointing upwards|is straight up|means straight up|pointing straight up|is north|at the top|straight down"], "not|right|tip comes|comes from"),
     anywhere(Directions, OTHER_ANGLE, &["90 deg|90 degrees|90 °", "points to the bottom|points down|pointing down|is down|means down"], "not|270"),
     anywhere(Directions, OTHER_ANGLE, &["compass bearing|a bearing|right towards the bottom|right toward the bottom|right to the bottom|angle of the fold line|from the vertical"], NOT),
@@ -145,6 +152,10 @@ const ROWS: &[Row] = &[
     anywhere(Action, UNSEEN, &["no access to|not have access|without access to|without having seen|no image|no picture|no photo|without the image|without an image|not given the image|without seeing the image|without seeing the cloth|image failed|image was not|no cloth in|cloth not detected|didn't come through|did not come through", "picture|photo|attached|came|come|provided|received|through|cannot|can't|given|was|available|determine|load|opinion|image|returning"], ""),
     anywhere(Action, WITHDRAWN, &["status : error|valid : false|success : false|error : true|no further action"], ""),
     anywhere(Action, WITHDRAWN, &["executable : false|safe : false|usable : false|approved : false|verified : false|ready : false|reliable : false|accepted : false|execute : false|feasible : false|certain : false|confirmed : false|final : false"], ""),
+    anywhere(Action, SAMPLE, &["^ dry run : true|^ example : true|^ sample : true|^ test : true|^ simulation : true|^ simulated : true|^ placeholder : true|^ preview : true|^ confidence : 0|^ confidence : 0.0|^ certainty : 0|^ probability : 0"], ""),
+    anywhere(Action, WITHDRAWN, &["^ action : none|^ action : noop|^ action : no op|^ action : null|^ action : skip|^ action : abort|^ action : stop|^ action : wait|^ action : no action"], ""),
+    anywhere(Action, CHANGED, &["^ corrected|^ revised|^ alternative|^ updated|^ improved|^ actual", "pick :|place :|direction :|distance :|point :|angle :|grip :"], ""),
+    after("the answer holds only under a condition", &["^ only if|^ unless|^ only when|^ provided that"], "slips|otherwise"),
     anywhere(Action, WITHDRAWN, &["^ error :|, error :"], "error : null|error : false|error : none|error : no|error : 0|error : ,"),
     anywhere(Action, "the answer calls itself a draft", &["not my final|not the final|not final|isn't final"], ""),
     after(WITHDRAWN, &["cancel that|cancel this|cancel it|never mind|undo this|undo that|undo it|undo these|start again|start over|start anew"], NOT),
@@ -463,7 +474,7 @@ fn another_size(sentence: &[Token<'_>], notation: &Notation) -> Option<String> {
             .iter()
             .rev()
             .take(8)
-            .find(|token| !(token.is_any(&JOINING) || matches!(token.kind, Kind::Sign(','))))
+            .find(|token| !(token.is_any(&JOINING) || matches!(token.kind, Kind::Sign(',' | ':'))))
             .is_some_and(is_picture);
         (( named_after || named_before) && [width, height] != asked).then(|| {
             format!("the answer refers to a picture of {width} by {height} pixels, and this one has {} by {}", asked[0], asked[1])

@@ -156,7 +156,7 @@ impl Reader<'_> {
         }
     }
 
-    fn context<'a>(
+    pub(super) fn context<'a>(
         &'a self,
         field: usize,
         whole: &'a str,

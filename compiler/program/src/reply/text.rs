@@ -3,6 +3,7 @@
 //! The words stand at the start of a line, in a heading, in a tag, in a table or as a key of an object. Two different
 //! texts are refused, as two values of a field are.
 
+use super::around;
 use super::aside;
 use super::data;
 use super::doubt::{Place, Prose};
@@ -92,6 +93,15 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
     found.retain(|it| !is_placeholder(&it.value));
     if cleared.is_cut_off {
         return Err(wrong("Your answer ends inside of its thoughts.".to_owned()));
+    }
+    let first = found.iter().map(|it| it.span.start).min();
+    let first = first.and_then(|at| cleared.text.get(..at));
+    let line = first.map(|above| above.rfind('\n').map_or(0, |at| at + 1));
+    let heading = line.and_then(|at| around::heading(&lexer::tokens(&cleared.text), at));
+    if heading.is_some() {
+        return Err(wrong(
+            "The line above your text says that it is no answer.".to_owned(),
+        ));
     }
     if found.iter().any(|it| it.is_list) {
         let why = format!("Your answer lists several texts below \"{before}\".");

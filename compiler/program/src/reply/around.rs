@@ -1,0 +1,187 @@
+//! What stands directly above and below an answer, and makes it another one.
+//!
+//! In: the tokens of an answer, and where its claims are. Out: a heading that makes the lines below it no answer
+//! (`What not to do:`), and values of other fields' kinds that a short remark states without a name (`Better: 180 deg.`).
+
+use super::claim::{Claim, Claimed};
+use super::lexer::{Gap, Kind, Token};
+use super::remarks::Stated;
+use super::sentences::Reader;
+use super::value::{self, Clarity};
+use super::wordlist::{says, words};
+use crate::data::actions::{ActionField, Choices, Value};
+
+/// The most tokens of a heading, and of a remark that only states a value.
+const MAX_SHORT: usize = 24;
+
+/// How much of a length may be lost when it is converted.
+const ROUNDED: f64 = 0.03;
+
+/// What makes the lines below a heading no answer: it is denied, supposed, one of several, or another's.
+const NO_ANSWER: &str = "there is no|would not|wouldn't|will not|won't|must not|mustn't|do not|don't|does not|not to do|not what|never|\
+    avoid|except|anything but|opposite of|reverse of|contrary of|incorrect|wrong|mistake|counterexample|counter - example|naive|\
+    suppose|supposing|suppose we|imagine|what if|say we|say i|let us say|pretend|hypothetically|option a|option b|alternative|\
+    alternatively|possible answer|possible action|possible solution|one possibility|the format is|template|\
+    previously|first attempt|earlier attempt|previous attempt|last attempt|first try|my earlier|gpt - 4|gpt|gemini|claude|\
+    according to the last|according to the previous|different cloth|another cloth|different picture|another picture|\
+    different image|another image|rotated by|mirrored|flipped|upside down|asked for this format";
+
+/// What keeps such words from that: `what I will not do again, so here is the answer:`.
+const ANSWER: &str = "here is|here's|final|instead|corrected|therefore|so|thus|hence|avoid this|to avoid|to avoid that";
+
+/// The words of a remark that only states a value.
+const STATING: &[&str] = words!(
+    "answer chosen choice final summary short in so thus hence therefore result better correct corrected best is are be the an a
+    angle direction distance length point pull move use using take choose go goes to should must please change from robot gripper
+    on second thought thoughts reflection with by and then it its place pick at of deg degrees degree ° edge edges mm px pixel
+    pixels overall conclusion decision action output value values my i'd i'll that's"
+);
+
+/// Returns why the lines below the heading directly above an answer are none.
+///
+/// - `first`: where the answer begins, bytes.
+pub(super) fn heading(tokens: &[Token<'_>], first: usize) -> Option<&'static str> {
+    let first = tokens.partition_point(|token| token.at < first);
+    let begins_line = tokens.get(first).is_some_and(|it| it.gap >= Gap::Line);
+    if first == 0 || !begins_line {
+        return None;
+    }
+    let line = (0..first).rev().find(|at| tokens[*at].gap >= Gap::Line);
+    let line = &tokens[line.unwrap_or(0)..first];
+    let sentence = (0..line.len() - 1).rev();
+    let sentence = sentence
+        .map(|at| at + 1)
+        .find(|at| value::ends_sentence(line, at - 1));
+    let line = &line[sentence.unwrap_or(0)..];
+    let is_whole = value::ends_sentence(line, line.len() - 1);
+    let has_number = line
+        .iter()
+        .any(|token| token.kind == Kind::Number && token.text.len() > 2);
+    if line.len() > MAX_SHORT || is_whole || has_number {
+        return None;
+    }
+    let spoken = spoken(line);
+    let is_format = matches!(line[0], first if line.len() <= 2 && first.is("format"));
+    (is_format || says(&spoken, NO_ANSWER) && !says(&spoken, ANSWER))
+        .then_some("the line above it says that it is no answer")
+}
+
+/// Returns claims of values that short remarks below the last claim state, and that no field has.
+pub(super) fn remarks(
+    reader: &Reader<'_>,
+    text: &str,
+    tokens: &[Token<'_>],
+    claims: &[Claim],
+    stated: Stated,
+) -> Vec<Claim> {
+    let mut found = Vec::new();
+    let has_value = |field: usize| {
+        let mut own = claims.iter().filter(|claim| claim.field == field);
+        own.any(|claim| matches!(claim.claimed, Claimed::Value(..)))
+    };
+    let first = claims.iter().filter(|it| it.span.start <= stated.settled);
+    let whole = first
+        .map(|claim| claim.span.end)
+        .max()
+        .unwrap_or(stated.end);
+    let end = tokens.partition_point(|token| token.at < whole);
+    // `(chosen from 0.1 edge | 0.25 edge)` belongs to the claim.
+    let start = (end..tokens.len())
+        .find(|at| tokens[*at].gap >= Gap::Line || *at > 0 && value::ends_sentence(tokens, at - 1));
+    let Some(mut start) = start.filter(|_| (0..reader.fields.len()).all(has_value)) else {
+        return found;
+    };
+    for at in start..tokens.len() {
+        let goes_on = tokens
+            .get(at + 1)
+            .is_some_and(|next| next.gap < Gap::Line && !value::ends_sentence(tokens, at));
+        if goes_on {
+            continue;
+        }
+        let sentence = &tokens[start..=at];
+        start = at + 1;
+        // `0.25 edge?` asks.
+        let states = |token: &Token<'_>| match token.kind {
+            Kind::Word => token.is_any(STATING),
+            Kind::Number => true,
+            Kind::Sign(sign) => sign != '?',
+        };
+        if sentence.len() <= MAX_SHORT && sentence.iter().all(states) {
+            found.extend(others(reader, text, sentence, claims));
+        }
+    }
+    found
+}
+
+/// Returns a claim for each value of a sentence that is of a field's kind, but of no field.
+fn others(reader: &Reader<'_>, text: &str, sentence: &[Token<'_>], claims: &[Claim]) -> Vec<Claim> {
+    let is_stated = |value: &Value| {
+        claims.iter().any(|claim| match &claim.claimed {
+            Claimed::Value(stated, _) => is_about(stated, value),
+            _ => false,
+        })
+    };
+    let fields = reader.fields.iter().enumerate();
+    let mut kinds: Vec<(usize, &ActionField)> = Vec::new();
+    for (index, field) in fields {
+        let is_alike = |(_, other): &(usize, &ActionField)| {
+            std::mem::discriminant(&other.choices) == std::mem::discriminant(&field.choices)
+        };
+        let is_kind = field.is_point()
+            || matches!(
+                field.choices,
+                Choices::Directions { .. } | Choices::Lengths { .. }
+            );
+        if is_kind && !kinds.iter().any(is_alike) {
+            kinds.push((index, field));
+        }
+    }
+    let has_place = reader.fields.iter().any(|field| field.name == "place");
+    let mut found = Vec::new();
+    for (index, field) in kinds {
+        let context = reader.context(index, text, None, Clarity::Spoken);
+        let mut at = 0;
+        while at < sentence.len() {
+            let mut cursor = super::cursor::Cursor::at(sentence, at);
+            // Only numbers: words such as `right` mean too much.
+            let is_number = matches!(sentence[at].kind, Kind::Number | Kind::Sign('(' | '['));
+            let value = value::bare(&mut cursor, &context).filter(|_| is_number);
+            let Some((value, _)) = value else {
+                at += 1;
+                continue;
+            };
+            let tokens = &sentence[at..cursor.at.max(at + 1)];
+            let leads =
+                field.is_point() && sentence[..at].iter().any(|it| it.is_any(&["to", "place"]));
+            if !is_stated(&value) && (has_place || !leads) {
+                let span = tokens[0].at..tokens[tokens.len() - 1].end();
+                found.push(Claim::new(index, span, Claimed::Value(value, None)));
+            }
+            at = cursor.at.max(at + 1);
+        }
+    }
+    found
+}
+
+/// Returns whether two values are the same up to rounding: `0.75 edge, 253 mm`.
+fn is_about(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Length { length: a }, Value::Length { length: b }) => {
+            (a - b).abs() <= ROUNDED * a.abs()
+        }
+        (Value::Direction { deg: a }, Value::Direction { deg: b }) => {
+            let apart = (a - b).rem_euclid(360.0);
+            apart.min(360.0 - apart) < 1.0
+        }
+        _ => a == b,
+    }
+}
+
+/// Writes tokens in lower case, with a blank around each.
+fn spoken(tokens: &[Token<'_>]) -> String {
+    let words = tokens.iter().map(|token| match token.kind {
+        Kind::Sign(sign) => sign.to_string(),
+        Kind::Word | Kind::Number => token.text.to_lowercase().replace('’', "'"),
+    });
+    words.fold(" ".to_owned(), |text, word| format!("{text}{word} "))
+}
