@@ -69,9 +69,7 @@ fn the_recorded_cloth_has_no_bending_length() {
         let points = cloth.positions();
         let [edge, tip] = [8, 4 * (rows + 2)].map(|i| points[i].map(f64::from));
         let angle = (edge[2] - tip[2]).atan2(edge[1] - tip[1]);
-        let length =
-            rows as f64 * f64::from(SPACING_M) * ((0.5 * angle).cos() / (8.0 * angle.tan())).cbrt();
-        length
+        rows as f64 * f64::from(SPACING_M) * ((0.5 * angle).cos() / (8.0 * angle.tan())).cbrt()
     });
     assert!(shown[1] > 1.2 * shown[0], "{shown:?}");
 }
