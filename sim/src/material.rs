@@ -28,8 +28,8 @@ const SLACK_BIAS: f32 = 1.1;
 // Bending length on the bias of a cloth without twist, by the declared one, from which on it is warned of.
 const SOFT_BIAS: f32 = 1.05;
 // Loads of the extensions E100 and EB5 of FAST, newtons per metre of width.
-const THREAD_LOAD_N_M: f64 = 98.1;
-const BIAS_LOAD_N_M: f64 = 4.905;
+pub(crate) const THREAD_LOAD_N_M: f64 = 98.1;
+pub(crate) const BIAS_LOAD_N_M: f64 = 4.905;
 
 /// What was measured of a woven or knitted cloth. Each value is what a laboratory reports, in SI units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -230,15 +230,14 @@ impl Material {
                 spacing_m: limit,
             });
         }
-        let [warp, weft, _] = self.cubes();
-        let shown = (BIAS_LOAD_N_M / (4.0 * self.most_shear_n_m(spacing_m))) as f32;
+        let shown = self.least_bias_stretch(spacing_m);
         if shown > SLACK_BIAS * self.stretch.bias {
             warnings.push(MaterialWarning::Shear {
                 declared: self.stretch.bias,
                 shown,
             });
         }
-        let least_m = (0.25 * (warp + weft)).cbrt() as f32;
+        let least_m = self.least_bias_m();
         if least_m > SOFT_BIAS * bias {
             warnings.push(MaterialWarning::SoftBias {
                 bias_m: bias,
@@ -295,6 +294,17 @@ impl Material {
     fn most_shear_n_m(&self, spacing_m: f32) -> f64 {
         let per_s = self.substeps_per_s(spacing_m);
         f64::from(MOST_SHEAR) * per_s * per_s * self.mass_kg(spacing_m)
+    }
+
+    /// Returns how little the cloth can give on the bias, as a share of its length.
+    pub(crate) fn least_bias_stretch(&self, spacing_m: f32) -> f32 {
+        (BIAS_LOAD_N_M / (4.0 * self.most_shear_n_m(spacing_m))) as f32
+    }
+
+    /// Returns the bending length on the bias of the threads alone, metres.
+    pub(crate) fn least_bias_m(&self) -> f32 {
+        let [warp, weft, _] = self.cubes();
+        (0.25 * (warp + weft)).cbrt() as f32
     }
 
     /// Returns the mass of a particle.

@@ -5,10 +5,16 @@
 //! simulator. A particle stands for a square patch of cloth of one spacing a side, so that the cloth goes on for half a
 //! spacing beyond the last one.
 
+mod sliding;
+mod table;
+
+pub use sliding::{limp, patch_on_sheet, self_friction, table_friction};
+pub use table::{Reading, textile_table};
+
 use crate::error::{SimError, StartError};
 use crate::grid::{Grid, GridError};
 use crate::mask::{Mask, MaskError};
-use crate::material::{Directions, Material};
+use crate::material::{BIAS_LOAD_N_M, Directions, Material, THREAD_LOAD_N_M};
 use crate::mesh;
 use crate::params::Params;
 use crate::simulator::{RestShortcut, Simulator};
@@ -270,6 +276,17 @@ impl Loop {
             Loop::Ring => 0.0,
         }
     }
+
+    /// Returns the depth of a loop of about six bending lengths by the elastica, in bending lengths as `length` is.
+    ///
+    /// A line through the depths of 5.5 to 6.5 bending lengths, within 1 % of them (Plaut 2015).
+    pub fn depth(self, length: f64) -> f64 {
+        let [depth, slope] = match self {
+            Loop::Heart => [1.366, 0.436],
+            Loop::Ring => [2.192, 0.465],
+        };
+        depth + slope * (length - 6.0)
+    }
 }
 
 /// Measures how far a loop of a strip along the warp hangs below its clamp, without internal friction, metres.
@@ -350,6 +367,12 @@ pub struct Fold {
     pub height_m: f64,
     /// Distance between the layers where they lie flat, metres.
     pub gap_m: f64,
+}
+
+/// Returns the height of a free fold over a gap by the elastica, both in bending lengths, within 1 % for gaps of up to 0.3 (Plaut
+/// 2015).
+pub fn fold_height(gap: f64) -> f64 {
+    0.906 + 0.128 * gap
 }
 
 /// Measures a free fold of a strip along the warp, without internal friction.
@@ -536,132 +559,107 @@ pub fn crease_recovery_deg(
     Ok(if angle < -90.0 { angle + 360.0 } else { angle })
 }
 
-/// Measures the friction on the table: a patch on a slope slides with `g (sin - friction cos)`.
-pub fn table_friction(material: &Material, at: impl Into<Fineness>) -> Result<f64, MeasureError> {
+/// Measures how much the cloth gives under the load of FAST, as a share of its length: along its threads under 98.1 N/m
+/// (E100), along their diagonal under 4.9 N/m (EB5).
+///
+/// A sheet is held by one edge and drawn by its own weight: away from the edge, by ten times gravity, for threads; along the
+/// edge for the diagonal, whose extension is a quarter of what shear of that load makes (FAST: 123 / EB5).
+pub fn extension(
+    material: &Material,
+    cut: Cut,
+    at: impl Into<Fineness>,
+) -> Result<f64, MeasureError> {
+    const LONG: usize = 32;
     let at = at.into();
-    let spacing_m = at.spacing_m;
-    let grid = Grid::new(6, 6, spacing_m)?;
-    let params = Params {
-        substeps: at.substeps,
-        ..on_slope(material, material.table_friction)
+    // A sheared sheet has one cell less along the edge than particles to carry.
+    let sheared = 0.25 * (LONG - 1) as f64 / LONG as f64;
+    let ([dimx, dimy], gravity_m_s2, load_n_m) = match cut {
+        Cut::Warp => ([LONG, 6], [98.0, 0.0, 0.0], THREAD_LOAD_N_M),
+        Cut::Weft => ([6, LONG], [0.0, -98.0, 0.0], THREAD_LOAD_N_M),
+        Cut::Bias => ([LONG, 10], [9.8, 0.0, 0.0], BIAS_LOAD_N_M * sheared),
     };
-    let mut cloth = Simulator::flat(grid, &params);
-    slide(&mut cloth, &params, 0..36)
+    let grid = Grid::new(dimx, dimy, at.spacing_m)?;
+    let params = Params {
+        gravity_m_s2,
+        ..calm(&frictionless(material), at)
+    };
+    let mut start = grid.flat_positions(&params);
+    for point in &mut start {
+        point[2] = HIGH_M;
+    }
+    // By particle, its row from the held edge on.
+    let (rows, row): (usize, fn(usize, usize) -> usize) = match cut {
+        Cut::Warp => (dimx, |i, dimx| i % dimx),
+        Cut::Weft | Cut::Bias => (dimy, |i, dimx| i / dimx),
+    };
+    let of_row = |wanted: usize| (0..dimx * dimy).filter(move |&i| row(i, dimx) == wanted);
+    let mut cloth = Simulator::from_positions(grid, &start, &params)?;
+    cloth.hold(&of_row(0).collect::<Vec<_>>())?;
+    settle(&mut cloth, 4.0)?;
+    let points = cloth.positions();
+    let moved = |wanted: usize| {
+        let sum: f64 = of_row(wanted)
+            .map(|i| f64::from((points[i][0] - start[i][0]) + (start[i][1] - points[i][1])))
+            .sum();
+        sum * rows as f64 / (dimx * dimy) as f64
+    };
+    let spacing_m = f64::from(at.spacing_m);
+    let gives = moved(rows - 1) / spacing_m;
+    // The weight of all rows beyond each pair.
+    let rows_beyond = (rows * (rows - 1) / 2) as f64;
+    let gravity = f64::from(gravity_m_s2[0] - gravity_m_s2[1]);
+    let weight_n_m = f64::from(material.weight_kg_m2) * gravity * spacing_m * rows_beyond;
+    Ok(gives / weight_n_m * load_n_m)
 }
 
-/// Returns parameters under which the table slopes towards +X, by more than a friction holds.
-fn on_slope(material: &Material, friction: f32) -> Params {
-    let slope = friction + 0.4;
-    let per = 1.0 / (1.0 + slope * slope).sqrt();
-    Params {
-        gravity_m_s2: [9.8 * slope * per, 0.0, -9.8 * per],
+/// Height of a tumbling cloth, metres: just above the table's reach, since positions are rounded by their size.
+const MIDDLE_M: f32 = 0.1;
+
+/// Measures by which share the momentum of a cloth changes that tumbles and bends for 0.4 s without weight: the greater of the
+/// changes of linear and angular momentum.
+pub fn momentum_change(material: &Material, at: impl Into<Fineness>) -> Result<f64, MeasureError> {
+    let at = at.into();
+    let grid = Grid::new(12, 12, at.spacing_m)?;
+    let params = Params {
+        gravity_m_s2: [0.0; 3],
         damping_per_s: 0.0,
+        substeps: at.substeps,
         material: Some(material.clone()),
         ..Params::default()
-    }
-}
-
-/// Lets a patch slide down and returns the friction that its acceleration shows.
-fn slide(
-    cloth: &mut Simulator,
-    params: &Params,
-    patch: std::ops::Range<usize>,
-) -> Result<f64, MeasureError> {
-    let speed = |cloth: &Simulator| {
-        let velocities = cloth.velocities();
-        let sum: f64 = patch.clone().map(|i| f64::from(velocities[i][0])).sum();
-        sum / patch.len() as f64
     };
-    for _ in 0..10 {
+    let mut start = grid.flat_positions(&params);
+    for point in &mut start {
+        point[2] = MIDDLE_M;
+    }
+    let mut cloth = Simulator::from_positions(grid, &start, &params)?;
+    // It turns about X and is bent meanwhile.
+    let spin: Vec<[f32; 3]> = start
+        .iter()
+        .map(|p| [0.1, 0.0, 4.0 * p[1] + 60.0 * p[0] * p[0]])
+        .collect();
+    cloth.set_velocities(&spin)?;
+    let momenta = |cloth: &Simulator| {
+        let mut sums = [[0.0f64; 3]; 2];
+        for (p, v) in cloth.positions().iter().zip(&cloth.velocities()) {
+            let (p, v) = (
+                [p[0], p[1], p[2] - MIDDLE_M].map(f64::from),
+                v.map(f64::from),
+            );
+            for axis in 0..3 {
+                let [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
+                sums[0][axis] += v[axis];
+                sums[1][axis] += p[next] * v[last] - p[last] * v[next];
+            }
+        }
+        sums
+    };
+    let before = momenta(&cloth);
+    for _ in 0..40 {
         cloth.step()?;
     }
-    let before = speed(cloth);
-    const STEPS: u32 = 15;
-    for _ in 0..STEPS {
-        cloth.step()?;
-    }
-    let secs = f64::from(params.step_secs) * f64::from(STEPS);
-    let acceleration = (speed(cloth) - before) / secs;
-    let [along, _, down] = params.gravity_m_s2.map(f64::from);
-    Ok((along - acceleration) / -down)
-}
-
-/// One line of the textile table.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Reading {
-    /// What was measured.
-    pub what: &'static str,
-    /// How, by whose method.
-    pub method: &'static str,
-    /// Unit of both values; nothing for a plain number.
-    pub unit: &'static str,
-    /// What the material declares; `None` for what it says nothing of.
-    pub declared: Option<f64>,
-    /// What the simulated cloth shows.
-    pub measured: f64,
-}
-
-/// Measures all that a material declares and that a specimen shows, and its drape.
-///
-/// Takes some seconds of computing. Fails on a material that cannot be simulated at this spacing.
-pub fn textile_table(
-    material: &Material,
-    at: impl Into<Fineness>,
-) -> Result<Vec<Reading>, MeasureError> {
-    let at = at.into();
-    let mut readings = Vec::new();
-    let names = [
-        "bending length, warp",
-        "bending length, weft",
-        "bending length, bias",
-    ];
-    for (what, cut) in names.into_iter().zip(Cut::ALL) {
-        readings.push(Reading {
-            what,
-            method: "cantilever, ASTM D1388 A",
-            unit: "mm",
-            declared: Some(1000.0 * f64::from(cut.of(material.bending_length_m))),
-            measured: 1000.0 * cantilever(material, cut, at)?.bending_length_m,
-        });
-    }
-    let names = ["crease recovery, warp", "crease recovery, weft"];
-    for (what, cut) in names.into_iter().zip([Cut::Warp, Cut::Weft]) {
-        readings.push(Reading {
-            what,
-            method: "ISO 2313",
-            unit: "deg",
-            declared: Some(f64::from(material.crease_recovery_deg)),
-            measured: crease_recovery_deg(material, cut, Crease::Row, at)?,
-        });
-    }
-    readings.push(Reading {
-        what: "friction on the table",
-        method: "slope",
-        unit: "",
-        declared: Some(f64::from(material.table_friction)),
-        measured: table_friction(material, at)?,
+    let length = |v: [f64; 3]| v.map(|value| value * value).iter().sum::<f64>().sqrt();
+    let changes = before.iter().zip(momenta(&cloth)).map(|(before, after)| {
+        length([0, 1, 2].map(|axis| after[axis] - before[axis])) / length(*before)
     });
-    let fold = free_fold(material, at)?;
-    readings.push(Reading {
-        what: "gap between layers",
-        method: "free fold",
-        unit: "mm",
-        declared: Some(1000.0 * f64::from(material.thickness_m)),
-        measured: 1000.0 * fold.gap_m,
-    });
-    readings.push(Reading {
-        what: "height of a free fold",
-        method: "Plaut 2015",
-        unit: "mm",
-        declared: None,
-        measured: 1000.0 * fold.height_m,
-    });
-    readings.push(Reading {
-        what: "drape coefficient",
-        method: "Cusick, 30 cm on 18 cm",
-        unit: "",
-        declared: None,
-        measured: drape_coefficient(material, at)?,
-    });
-    Ok(readings)
+    Ok(changes.fold(0.0, f64::max))
 }

@@ -299,6 +299,14 @@ fn a_material_is_measured_by_its_name() {
         let [declared, measured] = of("friction on the table");
         assert!((declared - friction).abs() < 1e-6, "{name}: {declared}");
         assert!((measured - friction).abs() < 0.02, "{name}: {measured}");
+        // Nothing declares it, and the elastica says what it should be.
+        let ring = readings
+            .iter()
+            .find(|it| it["what"] == "depth of a ring loop");
+        let ring = ring.unwrap();
+        let expected = ring["expected"].as_f64().unwrap();
+        assert!(ring["declared"].is_null(), "{ring}");
+        assert!((1.9..2.6).contains(&(expected / bending_mm)), "{ring}");
         assert_ne!(value["params"], fab_sim::Params::default().hash());
         // What so few particles cannot show is null, and said.
         let without = readings.iter().filter(|it| it["measured"].is_null());
@@ -309,10 +317,17 @@ fn a_material_is_measured_by_its_name() {
             assert!(said.stderr.contains(&words), "{}", said.stderr);
         }
     }
-    let said = said(folder.path(), &["measure", "own.fab:min"]);
-    assert_eq!(said.code, 64);
-    let why = "there is no material `min`; did you mean `mine`; `own.fab` declares `mine`";
-    assert!(said.stderr.contains(why), "{}", said.stderr);
+    for (name, why) in [
+        (
+            "own.fab:min",
+            "there is no material `min`; did you mean `mine`; `own.fab` declares `mine`",
+        ),
+        ("pyflex", "each overhang shows another"),
+    ] {
+        let said = said(folder.path(), &["measure", name]);
+        assert_eq!(said.code, 64);
+        assert!(said.stderr.contains(why), "{}", said.stderr);
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod crumple;
 mod crumple_recorded;
 mod dropping;
 mod laws;
+mod manners;
 mod mask;
 mod mesh;
 mod recorded;

@@ -47,6 +47,33 @@ fn cantilevers_show_it_in_all_directions_at_both_spacings() {
     meets(&of_length(10.6), Cut::Bias, 0.004, 0.1);
 }
 
+/// The recorded scene's cloth shows another bending length with each overhang, so no table is printed of it.
+///
+/// Measured: 37.5 mm hang at 78 degrees, as a strip of 10.4 mm would; 75 mm at 85 degrees, as one of 14.7 mm.
+#[test]
+fn the_recorded_cloth_has_no_bending_length() {
+    // No rules that stand for static friction.
+    let free = Params {
+        damping_per_s: 12.0,
+        sleep_speed_m_s: 0.0,
+        rest_speed_m_s: 0.0,
+        ..Params::default()
+    };
+    let shown = [6, 12].map(|rows| {
+        let grid = Grid::new(4, rows + 3, SPACING_M).unwrap();
+        let start = grid.flat_positions(&free).into_iter();
+        let start: Vec<_> = start.map(|[x, y, _]| [x, y, 0.5]).collect();
+        let mut cloth = Simulator::from_positions(grid, &start, &free).unwrap();
+        cloth.hold(&(0..12).collect::<Vec<_>>()).unwrap();
+        run(&mut cloth, 300);
+        let points = cloth.positions();
+        let [edge, tip] = [8, 4 * (rows + 2)].map(|i| points[i].map(f64::from));
+        let angle = (edge[2] - tip[2]).atan2(edge[1] - tip[1]);
+        rows as f64 * f64::from(SPACING_M) * ((0.5 * angle).cos() / (8.0 * angle.tan())).cbrt()
+    });
+    assert!(shown[1] > 1.2 * shown[0], "{shown:?}");
+}
+
 #[test]
 fn every_material_shows_its_bending_lengths() {
     for (name, material) in materials() {
@@ -85,33 +112,69 @@ fn the_elastica_agrees_with_peirce() {
 
 /// Depth of a loop whose ends are clamped together, in bending lengths, by the elastica of the same length.
 ///
-/// Measured: heart 1.364 of 1.339, ring 2.177 of 2.163 bending lengths of 20 mm at 6.25 mm.
+/// Measured at 6.25 mm, heart and ring, as a share of it: silk 1.049 and 0.992, cotton 1.025 and 1.006, towel 1.005 and 1.019,
+/// denim 1.002 and 1.004, 20 mm 1.018 and 1.007.
 #[test]
 fn hanging_loops_are_as_deep_as_the_elastica() {
-    let material = of_length(20.0);
-    for shape in [Loop::Heart, Loop::Ring] {
-        let [length, depth] = measure::hanging_loop(&material, shape, 0.12, SPACING_M).unwrap();
-        let expected = 0.02 * elastica::loop_depth(shape.clamp_rad(), length / 0.02);
-        assert!(
-            (depth / expected - 1.0).abs() < 0.1,
-            "{shape:?}: {depth} m of {expected} m"
-        );
+    for (name, material) in materials()
+        .into_iter()
+        .chain([("of 20 mm", of_length(20.0))])
+    {
+        for shape in [Loop::Heart, Loop::Ring] {
+            let c = material.bending_length_m.warp;
+            let [length, depth] =
+                measure::hanging_loop(&material, shape, 6.0 * c, SPACING_M).unwrap();
+            let c = f64::from(c);
+            let expected = c * elastica::loop_depth(shape.clamp_rad(), length / c);
+            assert!(
+                (depth / expected - 1.0).abs() < 0.1,
+                "{name}, {shape:?}: {depth} m of {expected} m"
+            );
+        }
     }
 }
 
 /// Height of a fold whose both layers are flat at its ends, by the elastica: 0.91 bending lengths (Plaut 2015).
 ///
-/// Measured: 0.895 at 20 mm and 0.922 at 30 mm.
+/// Measured, as a share of it: silk 0.973, cotton 0.973, towel 0.988, denim 0.998.
 #[test]
 fn a_free_fold_is_as_high_as_the_elastica() {
-    for millimetres in [20.0, 30.0] {
-        let material = of_length(millimetres);
-        let c = 0.001 * f64::from(millimetres);
+    for (name, material) in materials()
+        .into_iter()
+        .chain([("of 30 mm", of_length(30.0))])
+    {
+        let c = f64::from(material.bending_length_m.warp);
         let height = measure::free_fold(&material, SPACING_M).unwrap().height_m;
         let expected = c * elastica::fold_height(f64::from(material.gap_m()) / c);
         assert!(
             (height / expected - 1.0).abs() < 0.1,
-            "{height} m of {expected} m"
+            "{name}: {height} m of {expected} m"
+        );
+    }
+}
+
+/// The values that `fabc sim measure` prints beside loops and folds are lines through the elastica.
+#[test]
+fn printed_expectations_are_within_one_percent_of_the_elastica() {
+    let near = |got: f64, exact: f64, what: &str| {
+        assert!((got / exact - 1.0).abs() < 0.01, "{what}: {got} of {exact}");
+    };
+    for length in [5.5, 5.75, 6.0, 6.25, 6.5] {
+        for shape in [Loop::Heart, Loop::Ring] {
+            let exact = elastica::loop_depth(shape.clamp_rad(), length);
+            near(
+                shape.depth(length),
+                exact,
+                &format!("{shape:?} of {length}"),
+            );
+        }
+    }
+    for gap in [0.02, 0.1, 0.2, 0.3] {
+        let exact = elastica::fold_height(gap);
+        near(
+            measure::fold_height(gap),
+            exact,
+            &format!("fold over {gap}"),
         );
     }
 }
@@ -148,10 +211,23 @@ fn readings(material: &Material, at: Fineness) -> Vec<(&'static str, f64, f64)> 
             1.0 + measure::table_friction(material, at).unwrap(),
             0.01,
         ),
+        (
+            "friction on itself",
+            measure::self_friction(material, at).unwrap(),
+            0.1,
+        ),
+        (
+            "stretch, warp",
+            measure::extension(material, Cut::Warp, at).unwrap(),
+            0.01,
+        ),
     ]
 }
 
 /// Halving the spacing, and halving the substep, each alone, changes no reading of any material by more than its tolerance.
+///
+/// Friction on itself may change by 10 %, and not by the 6 % of its own test: half the substep lowers it by 3 % (silk, towel), 5 %
+/// (cotton) and 7 % (denim), half the spacing changes it by up to 4 %. Stretch on the bias is left out, which the substep bounds.
 ///
 /// The drape coefficient has none but the order of the cloths, which stays. It changes most, since the substep bounds the
 /// resistance to shear: silk 0.21 and 0.29, cotton 0.35 and 0.39.

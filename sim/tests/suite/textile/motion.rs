@@ -1,7 +1,8 @@
 //! The laws of moving bodies, for every material.
 
 use super::*;
-use fab_sim::{Mask, RestShortcut, measure};
+use fab_sim::MaterialWarning;
+use fab_sim::measure::{self, Cut};
 
 const G: f64 = 9.8;
 
@@ -34,52 +35,15 @@ fn every_material_falls_freely() {
     }
 }
 
-/// Without gravity and contact, momentum stays, to the rounding of positions half a metre above the table: 6e-8 m in each
-/// of 800 substeps of each of 144 particles add up to 0.02 m/s, and to the error of crease directions that are kept for
-/// some substeps.
+/// Without gravity and contact, momentum stays.
+///
+/// Measured: the linear one within 0.02 %, by rounding; the angular one about the middle is 0.2 to 0.3 % less after 0.4 s, since
+/// crease directions are kept for some substeps.
 #[test]
 fn a_tumbling_cloth_keeps_its_momentum() {
-    let grid = Grid::new(12, 12, SPACING_M).unwrap();
     for (name, material) in materials() {
-        let weightless = Params {
-            gravity_m_s2: [0.0; 3],
-            ..undamped(&material)
-        };
-        let start = at_height(grid, 0.5);
-        let mut cloth = Simulator::from_positions(grid, &start, &weightless).unwrap();
-        // It turns about X and is bent meanwhile.
-        let spin: Vec<[f32; 3]> = start
-            .iter()
-            .map(|p| [0.1, 0.0, 4.0 * p[1] + 60.0 * p[0] * p[0]])
-            .collect();
-        cloth.set_velocities(&spin).unwrap();
-        let momenta = |cloth: &Simulator| {
-            let (points, velocities) = (cloth.positions(), cloth.velocities());
-            let mut sums = [0.0f64; 6];
-            for (p, v) in points.iter().zip(&velocities) {
-                let (p, v) = (p.map(f64::from), v.map(f64::from));
-                let spin = [
-                    p[1] * v[2] - p[2] * v[1],
-                    p[2] * v[0] - p[0] * v[2],
-                    p[0] * v[1] - p[1] * v[0],
-                ];
-                for axis in 0..3 {
-                    sums[axis] += v[axis];
-                    sums[3 + axis] += spin[axis];
-                }
-            }
-            sums
-        };
-        let before = momenta(&cloth);
-        run(&mut cloth, 40);
-        let after = momenta(&cloth);
-        for (k, (before, after)) in before.into_iter().zip(after).enumerate() {
-            let within = if k < 3 { 0.05 } else { 0.1 };
-            assert!(
-                (before - after).abs() < within,
-                "{name}, part {k}: {before} and {after}"
-            );
-        }
+        let change = measure::momentum_change(&material, SPACING_M).unwrap();
+        assert!(change < 0.005, "{name}: {change}");
     }
 }
 
@@ -127,11 +91,13 @@ fn a_hanging_cloth_hardly_stretches() {
     }
 }
 
-/// A strip without bending stiffness to speak of, held at both ends, hangs in a catenary `z = a cosh(x / a)`.
+/// A strip that is held at both ends, and hardly resists bending, hangs in a catenary `z = a cosh(x / a)`.
 ///
-/// Measured: the farthest particle 0.5 mm away, of a strip of 0.3 m.
+/// What it resists smooths the curve: by some per cent of the cube of the bending length over `a^2`, which is 5 mm for denim.
+/// Measured: the farthest particle 0.05 mm away for a bending length of 3 mm, silk 0.13, cotton 0.21, towel 0.24, denim 0.47,
+/// of a strip of 0.3 m.
 #[test]
-fn a_soft_strip_hangs_in_a_catenary() {
+fn a_strip_of_every_material_hangs_in_a_catenary() {
     const LENGTH_M: f64 = 0.3;
     const SPAN_M: f64 = 0.2;
     const PARTICLES: usize = 49;
@@ -159,44 +125,36 @@ fn a_soft_strip_hangs_in_a_catenary() {
             ]
         })
         .collect();
-    let soft = Params {
-        damping_per_s: 5.0,
-        ..params(&Material {
-            crease_recovery_deg: 180.0,
-            ..of_length(3.0)
-        })
-    };
-    let mut cloth = Simulator::from_positions(grid, &start, &soft).unwrap();
-    cloth
-        .hold(&[0, PARTICLES - 1, PARTICLES, 2 * PARTICLES - 1])
-        .unwrap();
-    run(&mut cloth, 200);
-    let most = cloth
-        .positions()
-        .iter()
-        .enumerate()
-        .map(|(i, point)| {
-            let x = a * (along(i) * LENGTH_M / 2.0 / a).asinh();
-            let z = 0.5 + a * (x / a).cosh() - a * (SPAN_M / (2.0 * a)).cosh();
-            (f64::from(point[0]) - x).hypot(f64::from(point[2]) - z)
-        })
-        .fold(0.0, f64::max);
-    assert!(most < 2e-3, "{most} m");
+    for (name, material) in materials().into_iter().chain([("of 3 mm", of_length(3.0))]) {
+        let calm = Params {
+            damping_per_s: 5.0,
+            ..params(&Material {
+                crease_recovery_deg: 180.0,
+                ..material.clone()
+            })
+        };
+        let mut cloth = Simulator::from_positions(grid, &start, &calm).unwrap();
+        cloth
+            .hold(&[0, PARTICLES - 1, PARTICLES, 2 * PARTICLES - 1])
+            .unwrap();
+        run(&mut cloth, 200);
+        let most = cloth
+            .positions()
+            .iter()
+            .enumerate()
+            .map(|(i, point)| {
+                let x = a * (along(i) * LENGTH_M / 2.0 / a).asinh();
+                let z = 0.5 + a * (x / a).cosh() - a * (SPAN_M / (2.0 * a)).cosh();
+                (f64::from(point[0]) - x).hypot(f64::from(point[2]) - z)
+            })
+            .fold(0.0, f64::max);
+        assert!(most < 1e-3, "{name}: {most} m");
+    }
 }
-
-/// Columns and rows of a sheet, the rows of a slack band at its front edge, and the sides of a patch at the band's end.
-const SHEET: usize = 24;
-const BAND: usize = 12;
-const PATCH: usize = 12;
 
 /// Lays a patch on a sheet that is held, both parts of one cloth, under gravity that is tilted by `slope` towards
 /// `way`; returns how far the patch has moved after 0.5 s and after 2 s, metres.
 fn slid(material: &Material, slope: f32, way: [f32; 2]) -> [f32; 2] {
-    let soft = Material {
-        crease_recovery_deg: 180.0,
-        bending_length_m: of_length(3.0).bending_length_m,
-        ..material.clone()
-    };
     let per = 1.0 / (1.0 + slope * slope).sqrt();
     let params = Params {
         gravity_m_s2: [
@@ -204,44 +162,10 @@ fn slid(material: &Material, slope: f32, way: [f32; 2]) -> [f32; 2] {
             9.8 * slope * per * way[1],
             -9.8 * per,
         ],
-        ..params(&soft)
+        ..params(&measure::limp(material))
     };
-    let grid = Grid::new(SHEET, SHEET + BAND + PATCH, SPACING_M).unwrap();
-    let is_patch = |ix: usize, iy: usize| iy >= SHEET + BAND && (6..18).contains(&ix);
-    let mask = Mask::from_fn(grid, |ix, iy| {
-        iy < SHEET || (iy < SHEET + BAND && (11..13).contains(&ix)) || is_patch(ix, iy)
-    })
-    .unwrap();
-    let gap = soft.gap_m() / SPACING_M;
-    let place = |i: usize| {
-        let (ix, iy) = ((i % SHEET) as f32, i / SHEET);
-        let [x, y, z] = if iy < SHEET {
-            [ix, -(iy as f32), 0.5 * gap]
-        } else if iy < SHEET + BAND {
-            // An arc from the sheet's edge to the patch, 13 spacings long over 6 of table.
-            let share = (iy - SHEET + 1) as f32 / (BAND + 1) as f32;
-            let turn = 2.02 * (2.0 * share - 1.0);
-            let radius = 13.0 / 4.04;
-            let rise = radius * (turn.cos() - 2.02f32.cos());
-            [
-                ix + 0.3 * share,
-                -20.0 + radius * turn.sin(),
-                rise + gap * (0.5 + share),
-            ]
-        } else {
-            // Aside of the sheet's particles, so that they do not lie in rows.
-            [ix + 0.3, (iy - SHEET - BAND) as f32 - 16.8, 1.5 * gap]
-        };
-        [x, y, z].map(|value| value * SPACING_M)
-    };
-    let start: Vec<[f32; 3]> = (0..grid.particle_count()).map(place).collect();
-    let mut cloth = Simulator::from_positions(&mask, &start, &params).unwrap();
-    cloth.set_rest_shortcut(RestShortcut::Compute);
-    let held = (0..grid.particle_count()).filter(|&i| mask.has(i) && i / SHEET < SHEET + BAND - 4);
-    cloth.hold(&held.collect::<Vec<_>>()).unwrap();
-    let patch: Vec<usize> = (0..grid.particle_count())
-        .filter(|&i| is_patch(i % SHEET, i / SHEET))
-        .collect();
+    let (mut cloth, patch) = measure::patch_on_sheet(&params, SPACING_M).unwrap();
+    let start = cloth.positions();
     [50, 150].map(|steps| {
         run(&mut cloth, steps);
         let points = cloth.positions();
@@ -250,6 +174,47 @@ fn slid(material: &Material, slope: f32, way: [f32; 2]) -> [f32; 2] {
         });
         moved.sum::<f32>() / patch.len() as f32
     })
+}
+
+/// A patch on a sheet that slopes accelerates with `g (sin - friction cos)`.
+///
+/// Measured: silk 0.296 of 0.3, cotton 0.593 of 0.6, towel 0.859 of 0.9, denim 0.601 of 0.6. The patch hops over the sheet's
+/// particles, and presses less meanwhile.
+#[test]
+fn every_material_slides_on_itself_by_its_friction() {
+    for (name, material) in materials() {
+        let friction = measure::self_friction(&material, SPACING_M).unwrap();
+        let declared = f64::from(material.self_friction);
+        assert!(
+            (friction / declared - 1.0).abs() < 0.06,
+            "{name}: {friction} of {declared}"
+        );
+    }
+}
+
+/// A sheet that its own weight draws or shears gives as much as declared, or on the bias as [`Material::check`] warns.
+///
+/// Measured: threads within 0.7 %, the bias within 3.3 %, since threads give a little in shear too.
+#[test]
+fn every_material_gives_under_load_as_declared() {
+    for (name, material) in materials() {
+        let shown = material.check(SPACING_M).unwrap().into_iter();
+        let shown = shown.fold(material.stretch.bias, |declared, warning| match warning {
+            MaterialWarning::Shear { shown, .. } => shown,
+            _ => declared,
+        });
+        for (cut, expected, within) in [
+            (Cut::Warp, material.stretch.warp, 0.01),
+            (Cut::Weft, material.stretch.weft, 0.01),
+            (Cut::Bias, shown, 0.05),
+        ] {
+            let gives = measure::extension(&material, cut, SPACING_M).unwrap();
+            assert!(
+                (gives / f64::from(expected) - 1.0).abs() < within,
+                "{name}, {cut:?}: {gives} of {expected}"
+            );
+        }
+    }
 }
 
 /// Cloth on cloth that friction holds does not creep: by at most 0.05 mm in a second at nine tenths of the friction, and

@@ -83,6 +83,11 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
 
 /// Returns the values of the material that the command line names.
 fn named(name: &str, io: &Io) -> Result<Value, Failure> {
+    if name == "pyflex" {
+        return Err(Failure::usage(
+            "`pyflex` is the recorded scene's cloth of springs: it declares no value of a textile, and has no bending length, since each overhang shows another",
+        ));
+    }
     if !name.ends_with(".json") {
         let declared = materials::find(name, io)?;
         return serde_json::to_value(simulated::material(&declared)).map_err(Failure::environment);
@@ -127,8 +132,8 @@ fn replace(values: &mut Value, change: &str) -> Result<(), Failure> {
 
 fn table(readings: &[Reading]) -> String {
     let mut lines = vec![format!(
-        "{:<24} {:>9} {:>9}  {:<4} method",
-        "", "declared", "measured", ""
+        "{:<24} {:>9} {:>9} {:>9}  {:<4} method",
+        "", "declared", "expected", "measured", ""
     )];
     lines.extend(readings.iter().map(|reading| {
         let digits = if reading.unit.is_empty() { 3 } else { 1 };
@@ -136,10 +141,10 @@ fn table(readings: &[Reading]) -> String {
             Some(value) => format!("{value:.digits$}"),
             None => "-".to_owned(),
         };
-        let declared = value(reading.declared);
+        let [declared, expected] = [reading.declared, reading.expected].map(value);
         let measured = value(Some(reading.measured).filter(|it| it.is_finite()));
         format!(
-            "{:<24} {declared:>9} {measured:>9}  {:<4} {}",
+            "{:<24} {declared:>9} {expected:>9} {measured:>9}  {:<4} {}",
             reading.what, reading.unit, reading.method
         )
     }));
