@@ -153,6 +153,7 @@ const ROWS: &[Row] = &[
     anywhere(Action, WITHDRAWN, &["status : error|valid : false|success : false|error : true|no further action"], ""),
     anywhere(Action, WITHDRAWN, &["executable : false|safe : false|usable : false|approved : false|verified : false|ready : false|reliable : false|accepted : false|execute : false|feasible : false|certain : false|confirmed : false|final : false"], ""),
     anywhere(Action, SAMPLE, &["^ dry run : true|^ example : true|^ sample : true|^ test : true|^ simulation : true|^ simulated : true|^ placeholder : true|^ preview : true|^ confidence : 0|^ confidence : 0.0|^ certainty : 0|^ probability : 0"], ""),
+    anywhere(Action, WITHDRAWN, &["would not do this|wouldn't do this|would not do that|would not execute this|would not carry this out"], ""),
     anywhere(Action, WITHDRAWN, &["^ action : none|^ action : noop|^ action : no op|^ action : null|^ action : skip|^ action : abort|^ action : stop|^ action : wait|^ action : no action"], ""),
     anywhere(Action, CHANGED, &["^ corrected|^ revised|^ alternative|^ updated|^ improved|^ actual", "pick :|place :|direction :|distance :|point :|angle :|grip :"], ""),
     after("the answer holds only under a condition", &["^ only if|^ unless|^ only when|^ provided that"], "slips|otherwise"),
@@ -461,6 +462,15 @@ fn another_size(sentence: &[Token<'_>], notation: &Notation) -> Option<String> {
     (0..sentence.len().saturating_sub(1)).find_map(|at| {
         let width = side(sentence[at].text)?;
         let joint = &sentence[at + 1];
+        // `in a 512-pixel frame`
+        let mut behind = sentence[at + 1..].iter().skip_while(|it| it.is_sign('-'));
+        let in_pixels = behind.next().is_some_and(|it| it.is_any(&["pixel", "px"]));
+        if in_pixels && behind.next().is_some_and(is_picture) && !asked.contains(&width) {
+            return Some(format!(
+                "the answer refers to a picture of {width} pixels, and this one has {} by {}",
+                asked[0], asked[1]
+            ));
+        }
         // `640x480` and `640 x 480`
         let (height, end) = match joint.text.strip_prefix('x').and_then(side) {
             Some(height) => (height, at + 2),
