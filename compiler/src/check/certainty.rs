@@ -1,14 +1,24 @@
 //! Warns of checks that can never pass or never fail, and of components whose condition never or always holds.
 
-use super::context::Context;
 use crate::diag::{Code, Diagnostic};
 use crate::merge::Merged;
 use crate::proof::certain::{never, reason};
 use fab_grammar::Span;
 use fab_program::{Condition, Program};
+use std::collections::BTreeSet;
 
-/// Warns of the conditions of a program whose result is certain.
-pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+/// Returns where the conditions of a task's checks and components are stated.
+pub(super) fn conditions(merged: &Merged<'_>) -> BTreeSet<Span> {
+    let checks = merged.checks.iter();
+    let checks = checks.flat_map(|check| [check.when(), check.condition()]);
+    let components = merged.components.iter().map(|component| component.when());
+    let all = checks.chain(components).flatten();
+    all.map(|expr| expr.span()).collect()
+}
+
+/// Returns a warning for each condition of a program whose result is certain.
+pub(super) fn check(program: &Program, merged: &Merged<'_>) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
     for check in &program.verify.checks {
         let Some(part) = merged.checks.get(&check.name) else {
             continue;
@@ -23,34 +33,31 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
         let name = format!("the check `{}`", check.name);
         match (when, guard, condition) {
             (Some(when), Some(span), _) if never(&[(when, true)], program) => {
-                warn(
+                found.push(warning(
                     format!("{name} never applies"),
                     (when, true),
                     span,
                     "correct the condition after `when`, or remove the check",
                     program,
-                    context,
-                );
+                ));
             }
             (_, _, Some(span)) if never(&both(true), program) => {
-                warn(
+                found.push(warning(
                     format!("{name} can never pass"),
                     (holds, true),
                     span,
                     "every answer would be refused; correct the condition, or remove the check",
                     program,
-                    context,
-                );
+                ));
             }
             (_, _, Some(span)) if never(&both(false), program) => {
-                warn(
+                found.push(warning(
                     format!("{name} can never fail"),
                     (holds, false),
                     span,
                     "no answer would be refused; correct the condition, or remove the check",
                     program,
-                    context,
-                );
+                ));
             }
             _ => {}
         }
@@ -63,38 +70,36 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
         };
         let name = format!("the component `{}`", template.name);
         if never(&[(when, true)], program) {
-            warn(
+            found.push(warning(
                 format!("{name} is never said"),
                 (when, true),
                 guard.span(),
                 "correct the condition, or remove the component",
                 program,
-                context,
-            );
+            ));
         } else if never(&[(when, false)], program) {
-            warn(
+            found.push(warning(
                 format!("{name} is always said"),
                 (when, false),
                 guard.span(),
                 "correct the condition, or remove it together with `when`",
                 program,
-                context,
-            );
+            ));
         }
     }
+    found
 }
 
-fn warn(
+fn warning(
     what: String,
     condition: (&Condition, bool),
     span: Span,
     help: &str,
     program: &Program,
-    context: &mut Context<'_, '_>,
-) {
+) -> Diagnostic {
     let message = match reason(condition, program) {
         Some(reason) => format!("{what}: {reason}"),
         None => what,
     };
-    context.remark(Diagnostic::new(Code::CertainCondition, span, message).help(help));
+    Diagnostic::new(Code::CertainCondition, span, message).help(help)
 }

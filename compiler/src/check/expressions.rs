@@ -436,7 +436,7 @@ pub(super) fn pixel<'a>(
 }
 
 /// Reads a pixel in the camera's picture.
-fn pixel_in_picture<'a>(
+pub(super) fn pixel_in_picture<'a>(
     expr: Expr<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<PixelPoint, Reported> {

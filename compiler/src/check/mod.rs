@@ -113,6 +113,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
             // shown once.
             let mut variants = vec![None];
             let mut whole_task = None;
+            let mut certain = Vec::new();
             let mut number = 0;
             while number < variants.len() {
                 let mut own = Report::default();
@@ -134,18 +135,24 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                 if number == 0 && is_entry {
                     variants.extend(merged.applicable_variants().map(Some));
                 }
-                let mut built = task::check(&merged, &stamps, grid, form, loaded, &mut own);
+                let built = task::check(&merged, &stamps, grid, form, loaded, &mut own);
+                if let (true, Ok(Some((program, _)))) = (is_entry, &built) {
+                    let found = certainty::check(program, &merged);
+                    match &merged.variant {
+                        None => certain = found,
+                        Some(_) => open_in_variant(&mut certain, found, &merged, &mut own),
+                    }
+                }
                 if let (Some(place), Some(variant), Ok(Some((program, _)))) =
-                    (whole_task, &merged.variant, &mut built)
+                    (whole_task, &merged.variant, &built)
                 {
-                    let name = program.variant.take();
                     let change = merged.own_body().map(Body::span);
                     // What was found in it may be why.
                     let is_explained = change.is_some_and(|change| own.finds_within(change));
-                    if !is_explained && checked.programs.get(place) == Some(program) {
+                    let task_program = checked.programs.get(place);
+                    if !is_explained && task_program.is_some_and(|it| runs_alike(it, program)) {
                         own.remark(changes_nothing(variant, *task));
                     }
-                    program.variant = name;
                 }
                 match broken_change(&merged) {
                     Some(place) => report.absorb_within(place, own),
@@ -160,7 +167,12 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                 }
                 number += 1;
             }
+            certain.into_iter().for_each(|it| report.remark(it));
         }
+    }
+    // Otherwise an error may be why.
+    if report.has_errors().is_ok() {
+        experts::unused(loaded, report);
     }
     checked
 }
@@ -176,6 +188,42 @@ fn broken_change(merged: &merge::Merged<'_>) -> Option<Span> {
     }
     let change = merged.own_body()?;
     (change.is_damaged() || task.is_damaged()).then(|| change.span())
+}
+
+/// Drops those conditions of a task that are certain in it, but not in a variant.
+///
+/// - `found`: the certain conditions of the variant; those that it states itself are reported.
+fn open_in_variant(
+    certain: &mut Vec<Diagnostic>,
+    found: Vec<Diagnostic>,
+    merged: &merge::Merged<'_>,
+    report: &mut Report,
+) {
+    let stated = certainty::conditions(merged);
+    certain
+        .retain(|it| !stated.contains(&it.span) || found.iter().any(|here| here.span == it.span));
+    let mut all = Report::default();
+    found.into_iter().for_each(|it| all.remark(it));
+    if let Some(own) = merged.own_body() {
+        report.absorb_within(own.span(), all);
+    }
+}
+
+/// Returns whether two programs differ at most in their variant and in where their texts are declared.
+fn runs_alike(one: &Program, other: &Program) -> bool {
+    let [one, other] = [one, other].map(|program| {
+        let mut program = program.clone();
+        program.variant = None;
+        for template in &mut program.templates {
+            (template.declared_in, template.line) = (String::new(), 0);
+        }
+        let examples = program.stages.iter_mut().flat_map(|it| &mut it.examples);
+        for text in examples.flat_map(|it| it.say.iter_mut().chain([&mut it.reply])) {
+            (text.declared_in, text.line) = (String::new(), 0);
+        }
+        program
+    });
+    one == other
 }
 
 /// Makes the warning for a variant whose program is that of its task.

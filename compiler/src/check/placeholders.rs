@@ -15,7 +15,7 @@ use crate::lang::conditions::UNREACHABLE;
 use fab_grammar::Span;
 use fab_grammar::ast::{Expr, Name, Path, Piece, Text};
 use fab_program::Depends;
-use fab_program::measures::Measure;
+use fab_program::measures::{MEASURES, Measure};
 use fab_program::render::Jinja;
 use fab_program::space::{self, DECIMALS};
 use fab_program::units::{self, Unit};
@@ -126,34 +126,53 @@ pub(crate) fn template<'a>(
     })
 }
 
-/// Warns about `{name}` if the name has a value: the second brace was probably forgotten.
+/// Warns about `{name}` and `{measure(…)}` if they have a value: the second brace was probably forgotten.
 fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
     const LONGEST: usize = 64;
     let span = text.span();
     let source = context.loaded.written(span);
     for (at, _) in source.match_indices('{') {
         let rest = &source[at + 1..];
-        let Some(length) = rest.bytes().take(LONGEST).position(|byte| byte == b'}') else {
+        let mut bytes = rest.bytes().take(LONGEST);
+        let Some(length) = bytes.position(|byte| matches!(byte, b'}' | b'\n')) else {
             continue;
         };
-        let name = rest[..length].trim_matches(' ');
-        let is_value = context.names.get(name).is_some()
-            || context.constants.contains_key(name)
-            || context.layers.contains_key(name)
-            || [FORMAT, POINTS].contains(&name)
-            || FACES.iter().any(|(face, _)| *face == name);
-        // Two braces are a placeholder, or the quotes are wrong and that was reported already.
-        let is_double = source[..at].ends_with('{') || rest[length + 1..].starts_with('}');
-        if !is_value || is_double {
+        let value = rest[..length].trim_matches(' ');
+        let closing = rest[length..]
+            .bytes()
+            .take_while(|byte| *byte == b'}')
+            .count();
+        // After two braces the quotes are wrong, or one is missing at the end, and that was reported already.
+        let is_double = source[..at].ends_with('{');
+        if closing == 0 || is_double || !may_be_value(value, context) {
             continue;
         }
-        let range = at..at + length + 2;
+        let range = at..at + 1 + length + closing.min(2);
         let written = &source[range.clone()];
-        let message = format!("`{written}` is literal text, not the value `{name}`");
+        let message = format!("`{written}` is literal text, not the value `{value}`");
         let span = Span::new(span.file, span.start + range.start..span.start + range.end);
         let diagnostic = Diagnostic::new(Code::SingleBraces, span, message);
-        context.remark(diagnostic.help(format!("write `{{{{ {name} }}}}` for the value")));
+        context.remark(diagnostic.help(format!("write `{{{{ {value} }}}}` for the value")));
     }
+}
+
+/// Returns whether a text looks like what a placeholder may have: a name or a measure, and perhaps its unit.
+fn may_be_value(text: &str, context: &Context<'_, '_>) -> bool {
+    let is_part = |letter: char| letter.is_ascii_alphanumeric() || "_.".contains(letter);
+    let end = text.find(|letter| !is_part(letter)).unwrap_or(text.len());
+    let (word, rest) = text.split_at(end);
+    if rest.starts_with('(') {
+        return MEASURES.iter().any(|row| row.signature.name == word);
+    }
+    let is_field = |name: &str| context.names.get(name) == Some(Meaning::Field);
+    let is_value = context.names.get(word).is_some()
+        || context.constants.contains_key(word)
+        || context.layers.contains_key(word)
+        || [FORMAT, POINTS, UNREACHABLE, "step"].contains(&word)
+        || FACES.iter().any(|(face, _)| *face == word)
+        || word.strip_prefix("last.").is_some_and(is_field)
+        || word.strip_suffix(".choices").is_some_and(is_field);
+    is_value && (rest.is_empty() || rest.starts_with(" in "))
 }
 
 // ---- placeholders --------------------------------------------------------------------------------

@@ -6,8 +6,8 @@
 use super::context::{Context, Declared};
 use super::names::Names;
 use super::{
-    actions, annotate, camera, certainty, cloth, demos, effect, experts, goal, horizon, keypoints,
-    picker, rehearse, stage, subgoals, test, unspoken, unused, verify,
+    actions, annotate, camera, cloth, demos, effect, experts, goal, horizon, keypoints, picker,
+    rehearse, stage, subgoals, test, unspoken, unused, verify,
 };
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::sections::{RequiredFor, SECTIONS};
@@ -82,8 +82,12 @@ pub(super) fn check<'a>(
         .rehearse
         .map(|part| rehearse::check(part, merged, &prompts, context));
     let candidates = rehearse::candidates(merged, &prompts, context);
+    let bounds = test::Bounds {
+        keypoints: keypoints.as_deref().unwrap_or_default(),
+        horizon: horizon.unwrap_or_default(),
+    };
     let tests = match merged.variant {
-        None => test::check(merged, &prompts, context),
+        None => test::check(merged, &prompts, &bounds, context),
         Some(_) => Vec::new(),
     };
     let actions = std::mem::take(&mut context.actions.list);
@@ -138,17 +142,14 @@ pub(super) fn check<'a>(
     };
     program.format = program.oldest_format();
     contradictions(&program, merged, context.report)?;
-    certainty::check(&program, merged, context);
     effect::check(&program, merged, context);
     let unsaid = |context: &mut Context<'_, '_>| {
         unspoken::check(&program, merged, context);
         unused::fields(&program, merged, context);
+        unused::whole(merged, context);
     };
     match (&merged.variant, merged.own_body()) {
-        (None, _) => {
-            unsaid(context);
-            unused::whole(merged, context);
-        }
+        (None, _) => unsaid(context),
         // A variant leaves parts out on purpose, so that runs can be compared: only what it states itself is judged.
         (Some(_), Some(own)) => context.within(own.span(), unsaid),
         (Some(_), None) => {}

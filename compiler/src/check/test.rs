@@ -8,10 +8,11 @@ use super::quantity::read_whole;
 use super::stage::{Prompts, number_of};
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::test::{EXPECTATIONS, GIVEN, STEP};
-use crate::merge::{Merged, once, repeated};
+use crate::merge::{Merged, declared_twice, once, repeated};
+use crate::proof::certain::most_points;
 use fab_grammar::ast::{self, Expr, Name, Reply};
 use fab_program::verify::OFFERED;
-use fab_program::{Expect, Given, KeypointShape, PixelPoint, Read, Stage, Test};
+use fab_program::{Expect, Given, Keypoint, KeypointShape, PixelPoint, Read, Stage, Test};
 use std::collections::BTreeMap;
 
 /// The most tests of a task.
@@ -20,10 +21,19 @@ const MAX_TESTS: usize = 1000;
 /// The most points that a test gives for one keypoint.
 const MAX_POINTS: usize = 1000;
 
+/// What bounds the values that a test may give.
+pub(crate) struct Bounds<'p> {
+    /// Those of the task, as far as they have no error.
+    pub keypoints: &'p [Keypoint],
+    /// The most steps; `None` in a base.
+    pub horizon: Option<u32>,
+}
+
 /// Builds the tests of a task.
 pub(crate) fn check<'a>(
     merged: &Merged<'a>,
     prompts: &Prompts,
+    bounds: &Bounds<'_>,
     context: &mut Context<'a, '_>,
 ) -> Vec<Result<Test, Reported>> {
     let beyond = merged
@@ -35,10 +45,19 @@ pub(crate) fn check<'a>(
     if let Err(reported) = within {
         return vec![Err(reported)];
     }
-    let tests = merged.task.tests();
-    tests
-        .filter_map(|test| one(test, merged, prompts, context).transpose())
-        .collect()
+    let mut seen = BTreeMap::new();
+    let mut all = Vec::new();
+    for test in merged.task.tests() {
+        if let Some(text) = test.name()
+            && let Some(name) = text.plain()
+            && let Some(first) = seen.insert(name.clone(), text.span())
+        {
+            let diagnostic = declared_twice("test", &name, first, text.span());
+            all.push(Err(context.error(diagnostic)));
+        }
+        all.extend(one(test, merged, prompts, bounds, context).transpose());
+    }
+    all
 }
 
 /// Builds one test; `None` in a base without a stage that a reply could answer.
@@ -46,6 +65,7 @@ fn one<'a>(
     test: ast::Test<'a>,
     merged: &Merged<'a>,
     prompts: &Prompts,
+    bounds: &Bounds<'_>,
     context: &mut Context<'a, '_>,
 ) -> Declared<Test> {
     let reply = once(test.replies(), "reply", Reply::span, context.report);
@@ -55,8 +75,15 @@ fn one<'a>(
     let reply = required(reply.first, "`reply`", test, context);
     let expect = required(expect.first, "`expect`", test, context);
 
-    let name = name.and_then(|name| plain(name, context));
-    let given = self::given(test, context);
+    let name = name.and_then(|text| match plain(text, context)? {
+        name if name.trim().is_empty() => Err(context.fault(
+            Code::TestIncomplete,
+            text.span(),
+            "the test's name is empty",
+        )),
+        name => Ok(name),
+    });
+    let given = self::given(test, bounds, context);
     let answer = reply.and_then(|reply| plain(reply.text(), context));
     let stage = reply.and_then(|reply| answered(reply, merged, prompts, context));
     let expect =
@@ -116,7 +143,11 @@ fn answered<'p>(
 /// Pick and place of the previous action, where given.
 type Last = [Option<Result<PixelPoint, Reported>>; 2];
 
-fn given<'a>(test: ast::Test<'a>, context: &mut Context<'a, '_>) -> Result<Given, Reported> {
+fn given<'a>(
+    test: ast::Test<'a>,
+    bounds: &Bounds<'_>,
+    context: &mut Context<'a, '_>,
+) -> Result<Given, Reported> {
     let mut given = Given {
         step: 1,
         ..Given::default()
@@ -130,9 +161,17 @@ fn given<'a>(test: ast::Test<'a>, context: &mut Context<'a, '_>) -> Result<Given
             all = Err(context.error(repeated(name.text(), first, name.span())));
             continue;
         }
-        if let Err(reported) = give(part, &mut given, &mut last, context) {
+        if let Err(reported) = give(part, &mut given, &mut last, bounds, context) {
             all = Err(reported);
         }
+    }
+    if let (Some(step), [Some(_), _] | [_, Some(_)], Ok(())) = (seen.get("step"), &last, all)
+        && given.step == 1
+    {
+        let message = "no action comes before the first step";
+        let diagnostic = Diagnostic::new(Code::OutOfRange, *step, message);
+        let help = "give a later step, or leave `last.pick` and `last.place` out";
+        all = Err(context.error(diagnostic.help(help)));
     }
     given.last = match last {
         [None, None] => None,
@@ -157,6 +196,7 @@ fn give<'a>(
     part: ast::Given<'a>,
     given: &mut Given,
     last: &mut Last,
+    bounds: &Bounds<'_>,
     context: &mut Context<'a, '_>,
 ) -> Result<(), Reported> {
     use KeypointShape::{Box, Mask, Outline, Point, Points};
@@ -165,7 +205,14 @@ fn give<'a>(
     match (name.text(), context.names.get(name.text())) {
         ("last.pick", _) => last[0] = Some(point(part, context)),
         ("last.place", _) => last[1] = Some(point(part, context)),
-        ("step", _) => given.step = read_whole(single(part, context)?, &STEP, context)? as u32,
+        ("step", _) => {
+            let value = single(part, context)?;
+            given.step = read_whole(value, &STEP, context)? as u32;
+            let horizon = bounds.horizon.unwrap_or(given.step);
+            context.bounded((given.step > horizon).then(|| value.span()), || {
+                format!("the task has at most {horizon} steps")
+            })?;
+        }
         (_, Some(Meaning::DuplicateNames(reported))) => return Err(reported),
         (_, Some(Meaning::Text { .. })) => {
             let text_given = part
@@ -174,10 +221,18 @@ fn give<'a>(
             given.texts.push((text, plain(text_given, context)?));
         }
         (_, Some(Meaning::Keypoint(Some(Points)))) => {
+            let most = most_points(&text, bounds.keypoints);
+            let mut values = part.values().enumerate();
+            let beyond = values.find(|(before, _)| *before as f64 >= most);
+            context.bounded(beyond.map(|(_, value)| value.span()), || {
+                format!("`{text}` has at most {most} points")
+            })?;
             given.points.push((text, points(part, context)?));
         }
         (_, Some(Meaning::Keypoint(Some(Point)))) => {
-            given.points.push((text, vec![point(part, context)?]));
+            given
+                .points
+                .push((text, vec![shown(single(part, context)?, part, context)?]));
         }
         (_, Some(Meaning::Keypoint(Some(Mask | Box)))) => {
             given.regions.push((text, rectangle(part, context)?));
@@ -233,6 +288,18 @@ fn pixel<'a>(
     }
 }
 
+/// Reads a pixel of the picture.
+fn shown<'a>(
+    value: Expr<'a>,
+    part: ast::Given<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<PixelPoint, Reported> {
+    match value {
+        Expr::Pair(_) => expressions::pixel_in_picture(value, context),
+        _ => pixel(value, part, context),
+    }
+}
+
 fn points<'a>(
     part: ast::Given<'a>,
     context: &mut Context<'a, '_>,
@@ -241,7 +308,7 @@ fn points<'a>(
         let what = "pixels such as `(40px, 52px), (180px, 52px)`";
         return Err(expected(part, what, context));
     }
-    let points = part.values().map(|value| pixel(value, part, context));
+    let points = part.values().map(|value| shown(value, part, context));
     let points: Vec<Result<PixelPoint, Reported>> = points.collect();
     points.into_iter().collect()
 }
@@ -255,8 +322,8 @@ fn rectangle<'a>(
         let what = "a rectangle such as `(40px, 52px) to (180px, 170px)`";
         return Err(expected(part, what, context));
     };
-    let low = pixel(corners.low(), part, context);
-    let high = pixel(corners.high(), part, context);
+    let low = shown(corners.low(), part, context);
+    let high = shown(corners.high(), part, context);
     Ok([low?, high?])
 }
 

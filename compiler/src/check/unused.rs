@@ -17,12 +17,7 @@ pub(crate) fn names(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     let Some(own) = merged.own_body() else {
         return;
     };
-    let task = merged.variant.is_some().then_some(merged.task);
-    let above: Vec<Body<'_>> = task
-        .into_iter()
-        .chain(bases(merged.task, context.loaded))
-        .map(Task::body)
-        .collect();
+    let above = above(merged, context.loaded);
     let all = |names: fn(Body<'_>) -> Vec<Name<'_>>| -> BTreeSet<&str> {
         let above = above.iter().flat_map(|body| names(*body));
         above.map(|name| name.text()).collect()
@@ -49,16 +44,16 @@ pub(crate) fn names(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     }
 }
 
-/// Warns of the constants and keypoints of a whole task in the first file that nothing uses.
+/// Warns of the constants and keypoints of a whole task in the first file, or of a variant, that nothing uses.
 ///
 /// A library, and a task that lacks parts, may declare what others use. Names that are almost inherited ones are
 /// reported by [`names`].
 pub(crate) fn whole(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
-    let own = merged.task.body();
-    if own.span().file != context.loaded.entry().id {
+    let entry = context.loaded.entry().id;
+    let Some(own) = merged.own_body().filter(|own| own.span().file == entry) else {
         return;
-    }
-    let above: Vec<Body<'_>> = bases(merged.task, context.loaded).map(Task::body).collect();
+    };
+    let above = above(merged, context.loaded);
     for (kind, names) in [
         ("constant", constants as fn(Body<'_>) -> Vec<Name<'_>>),
         ("keypoint", keypoints),
@@ -89,6 +84,13 @@ pub(crate) fn whole(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
             });
         }
     }
+}
+
+/// Returns what a task or variant changes: the tasks that it extends, after the variant's own.
+fn above<'a>(merged: &Merged<'a>, loaded: &Loaded<'a>) -> Vec<Body<'a>> {
+    let task = merged.variant.is_some().then_some(merged.task);
+    let all = task.into_iter().chain(bases(merged.task, loaded));
+    all.map(Task::body).collect()
 }
 
 fn constants(body: Body<'_>) -> Vec<Name<'_>> {

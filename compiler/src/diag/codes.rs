@@ -262,7 +262,7 @@ codes! {
 
     "F0306" UnusedName Warning
     "nothing uses a name"
-    "A constant or a keypoint with the name of an inherited one replaces it; with any other name it is a new one, and the inherited one keeps its value. If an inherited name is similar, this one was probably meant to replace it. In a library, and in a task that lacks parts, others may use the names; there, only those with a similar inherited one are reported."
+    "A constant or a keypoint with the name of an inherited one replaces it; with any other name it is a new one, and the inherited one keeps its value. If an inherited name is similar, this one was probably meant to replace it. A material is used by a cloth, and a list of experts by a task. In a library, and in a task that lacks parts, others may use the names; there, only those with a similar inherited one are reported."
 
     "F0401" CircularExtends Error
     "tasks extend each other in a circle"
@@ -386,7 +386,7 @@ codes! {
 
     "F0609" SingleBraces Warning
     "a value is between single braces"
-    "`{corners}` is literal text, as in JSON; a model would read exactly that. Write `{{ corners }}` for the value. If the braces are intended, rename the word between them."
+    "`{corners}` is literal text, as in JSON; a model would read exactly that. Write `{{ corners }}` for the value; the same holds for a measure such as `{count(corners)}`. If the braces are intended, rename the word between them."
 
     "F0610" FormatNeverSaid Warning
     "no prompt says in which format to answer"
@@ -458,7 +458,7 @@ codes! {
 
     "F0708" CertainCondition Warning
     "a condition is always true or never true"
-    "Every value has a range: a count ends at the `max` of its detector, a distance at the diagonal of the picture, a step at the horizon. In these ranges the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing."
+    "Every value has a range: a count goes from 0 to the `max` of its detector, a distance at the diagonal of the picture, a step at the horizon. In these ranges the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing. A condition of a task is not reported if it is open in one of its variants; of a variant, only its own conditions are judged."
 
     "F0801" LayerNotNamed Error
     "something is drawn, but no prompt says what it is"

@@ -14,7 +14,6 @@ pub(crate) struct MetricRow {
     pub doc: &'static str,
 }
 
-const FRACTION: Range = Range::plain("a fraction", -1.0, 1.2);
 const BELOW: [Comparison; 2] = [Comparison::Less, Comparison::AtMost];
 const ABOVE: [Comparison; 2] = [Comparison::Greater, Comparison::AtLeast];
 
@@ -30,14 +29,15 @@ pub(crate) const METRICS: &[MetricRow] = &[
     MetricRow {
         metric: Metric::Coverage,
         reached: ABOVE,
-        limit: FRACTION,
+        limit: Range::plain("a fraction", 0.0, 1.0),
         example: "goal coverage > 0.9",
         doc: "the covered area divided by that of the flat cloth; reached above its limit, judged after each step",
     },
     MetricRow {
         metric: Metric::NormalizedImprovement,
         reached: ABOVE,
-        limit: FRACTION,
+        // A cloth may end with less than it began with.
+        limit: Range::plain("a fraction", -1.0, 1.0),
         example: "goal normalized_improvement > 0.95",
         doc: "which part of the coverage missing at the start has been gained; reached above its limit, judged after each step",
     },

@@ -9,8 +9,8 @@
 
 use fab_program::exact::written;
 use fab_program::{
-    Choices, Comparison, Condition, Extractor, Heading, KeypointShape, Length, Number, Point,
-    PointMeasure, Program, measures,
+    Choices, Comparison, Condition, Extractor, Heading, Keypoint, KeypointShape, Length, Number,
+    Point, PointMeasure, Program, measures,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -525,16 +525,20 @@ fn numbers(number: &Number, program: &Program) -> Range {
 
 /// Returns how many points a keypoint may have.
 fn counts(keypoint: &str, program: &Program) -> Range {
-    match program
-        .keypoint(keypoint)
-        .map(|keypoint| &keypoint.extractor)
-    {
-        Some(Extractor::Corners { max, .. }) => Range::whole(0.0, f64::from(*max)),
-        Some(Extractor::Along { count, .. }) => Range::whole(0.0, f64::from(*count)),
-        Some(Extractor::Fixed { points }) => Range::whole(points.len() as f64, points.len() as f64),
+    // None may be seen, and those out of the arm's reach are left out.
+    Range::whole(0.0, most_points(keypoint, &program.keypoints))
+}
+
+/// Returns how many points a keypoint has at most; infinite if there is no limit.
+pub(crate) fn most_points(name: &str, keypoints: &[Keypoint]) -> f64 {
+    let found = keypoints.iter().find(|keypoint| keypoint.name == name);
+    match found.map(|keypoint| &keypoint.extractor) {
+        Some(Extractor::Corners { max, .. }) => f64::from(*max),
+        Some(Extractor::Along { count, .. }) => f64::from(*count),
+        Some(Extractor::Fixed { points }) => points.len() as f64,
         // Only earlier keypoints are used, so this ends.
-        Some(Extractor::Toward { points, .. }) => counts(points, program),
-        _ => Range::whole(0.0, f64::INFINITY),
+        Some(Extractor::Toward { points, .. }) => most_points(points, keypoints),
+        _ => f64::INFINITY,
     }
 }
 
@@ -908,8 +912,9 @@ mod tests {
         ("count(corners) > 4 and count(corners) < 5", Never("")),
         ("count(corners) > 4 and count(corners) < 6", Open),
         ("count(corners) <= 4 or count(corners) > 3", Always("")),
-        ("count(marks) == 2", Always("`count(marks)` is always 2")),
-        ("count(marks) > 2", Never("`count(marks)` is always 2")),
+        ("count(marks) == 2", Open),
+        ("count(marks) < 2", Open),
+        ("count(marks) > 2", Never("`count(marks)` is 0 to 2")),
         ("step == 0", Never("`step` is 1 to 2")),
         ("step >= 1", Always("`step` is 1 to 2")),
         ("step == 2", Open),
