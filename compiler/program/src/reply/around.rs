@@ -113,6 +113,44 @@ pub(super) fn remarks(
     found
 }
 
+/// Returns claims of the fields that nothing names, from lines that only state values: `(10, 20), 45 deg, 0.5 edge`.
+///
+/// Each must be the only value of its kind on its line, and the only field of its kind.
+pub(super) fn unnamed(
+    reader: &Reader<'_>,
+    text: &str,
+    tokens: &[Token<'_>],
+    claims: &[Claim],
+) -> Vec<Claim> {
+    let is_missing = |field: usize| claims.iter().all(|claim| claim.field != field);
+    let mut start = 0;
+    let mut found = Vec::new();
+    for at in 0..tokens.len() {
+        let goes_on = tokens.get(at + 1).is_some_and(|next| next.gap < Gap::Line);
+        if goes_on {
+            continue;
+        }
+        let line = &tokens[start..=at];
+        start = at + 1;
+        let states = |token: &Token<'_>| match token.kind {
+            Kind::Word => token.is_any(STATING),
+            Kind::Number => true,
+            Kind::Sign(sign) => !"?=<>".contains(sign),
+        };
+        if line.len() > MAX_SHORT || !line.iter().all(states) {
+            continue;
+        }
+        let values = others(reader, text, line, &[]);
+        let alone = |claim: &Claim| values.iter().filter(|it| it.field == claim.field).count() == 1;
+        let is_whole = (0..reader.fields.len())
+            .all(|field| !is_missing(field) || values.iter().any(|it| it.field == field));
+        if is_whole && values.len() > 1 && values.iter().all(alone) {
+            found.extend(values.into_iter().filter(|it| is_missing(it.field)));
+        }
+    }
+    found
+}
+
 /// Returns a claim for each value of a sentence that is of a field's kind, but of no field.
 fn others(reader: &Reader<'_>, text: &str, sentence: &[Token<'_>], claims: &[Claim]) -> Vec<Claim> {
     let is_stated = |value: &Value| {

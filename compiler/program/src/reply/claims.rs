@@ -91,8 +91,10 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     text = aside::blanked(&text, &tables);
     claims.extend(reader.sentences(&text, None));
     claims.extend(worded(reader, &beside.reasons, reply));
-    claims.sort_by_key(|claim| claim.span.start);
     let tokens = lexer::tokens(&text);
+    let unnamed = around::unnamed(reader, &text, &tokens, &claims);
+    claims.extend(unnamed);
+    claims.sort_by_key(|claim| claim.span.start);
     if let Some(end) = cut_off(&tokens) {
         let last = claims.iter_mut().filter(|claim| claim.span.end == end);
         last.for_each(|claim| claim.claimed = Claimed::Bad("its number may be cut off".to_owned()));
