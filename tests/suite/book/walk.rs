@@ -363,7 +363,10 @@ impl Loader for Files<'_> {
 fn task_of(block: &Block) -> String {
     let lines = block.text.lines().map(|line| format!("    {line}\n"));
     let sections: String = lines.collect();
-    let experts = "experts folded { sequence { fold corner(back_left) -> corner(front_left) } }";
+    let experts = match sections.contains("experts folded") {
+        true => "experts folded { sequence { fold corner(back_left) -> corner(front_left) } }",
+        false => "",
+    };
     format!("use \"half.fab\"\n{experts}\ntask example extends half {{\n{sections}}}\n")
 }
 
