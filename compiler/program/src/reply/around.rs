@@ -14,6 +14,9 @@ use crate::data::actions::{ActionField, Choices, Value};
 /// The most tokens of a heading, and of a remark that only states a value.
 const MAX_SHORT: usize = 24;
 
+/// The most different values of an answer that are compared with those of its remarks.
+const MAX_STATED: usize = 24;
+
 /// How much of a length may be lost when it is converted.
 const ROUNDED: f64 = 0.03;
 
@@ -74,11 +77,7 @@ pub(super) fn remarks(
     claims: &[Claim],
     stated: Stated,
 ) -> Vec<Claim> {
-    let mut found = Vec::new();
-    let has_value = |field: usize| {
-        let mut own = claims.iter().filter(|claim| claim.field == field);
-        own.any(|claim| matches!(claim.claimed, Claimed::Value(..)))
-    };
+    let has_value = |field: usize| claims.iter().any(|claim| claim.value_of(field).is_some());
     let first = claims.iter().filter(|it| it.span.start <= stated.settled);
     let whole = first
         .map(|claim| claim.span.end)
@@ -88,29 +87,53 @@ pub(super) fn remarks(
     // `(chosen from 0.1 edge | 0.25 edge)` belongs to the claim.
     let start = (end..tokens.len())
         .find(|at| tokens[*at].gap >= Gap::Line || *at > 0 && value::ends_sentence(tokens, at - 1));
-    let Some(mut start) = start.filter(|_| (0..reader.fields.len()).all(has_value)) else {
-        return found;
+    let Some(start) = start.filter(|_| (0..reader.fields.len()).all(has_value)) else {
+        return Vec::new();
     };
-    for at in start..tokens.len() {
-        let goes_on = tokens
-            .get(at + 1)
-            .is_some_and(|next| next.gap < Gap::Line && !value::ends_sentence(tokens, at));
-        if goes_on {
-            continue;
-        }
-        let sentence = &tokens[start..=at];
-        start = at + 1;
-        // `0.25 edge?` asks.
-        let states = |token: &Token<'_>| match token.kind {
-            Kind::Word => token.is_any(STATING),
-            Kind::Number => true,
-            Kind::Sign(sign) => sign != '?',
-        };
-        if sentence.len() <= MAX_SHORT && sentence.iter().all(states) {
-            found.extend(others(reader, text, sentence, claims));
+    let rest = &tokens[start..];
+    let ends = |at: usize| value::ends_sentence(rest, at) || begins_line(rest, at + 1);
+    // `0.25 edge?` asks.
+    let remarks = pieces(rest, ends).into_iter();
+    let remarks = remarks.filter(|sentence| only_states(sentence, "?"));
+    let mut values: Vec<&Value> = Vec::new();
+    for claim in claims {
+        let value = claim.value_of(claim.field);
+        values.extend(value.filter(|value| !values.contains(value)));
+        // With so many, the answer is asked again anyway.
+        if values.len() > MAX_STATED {
+            return Vec::new();
         }
     }
-    found
+    remarks
+        .flat_map(|sentence| others(reader, text, sentence, &values))
+        .collect()
+}
+
+/// Cuts tokens behind each one that ends a piece.
+fn pieces<'a, 't>(tokens: &'a [Token<'t>], ends: impl Fn(usize) -> bool) -> Vec<&'a [Token<'t>]> {
+    let cuts = (0..tokens.len()).filter(|at| ends(*at) || at + 1 == tokens.len());
+    let cuts: Vec<usize> = cuts.map(|at| at + 1).collect();
+    let begins = std::iter::once(0).chain(cuts.iter().copied());
+    begins
+        .zip(&cuts)
+        .map(|(from, to)| &tokens[from..*to])
+        .collect()
+}
+
+fn begins_line(tokens: &[Token<'_>], at: usize) -> bool {
+    tokens.get(at).is_some_and(|token| token.gap >= Gap::Line)
+}
+
+/// Returns whether a piece is short and has nothing but values and words that state them.
+///
+/// - `unless`: signs that it must not have.
+fn only_states(piece: &[Token<'_>], unless: &str) -> bool {
+    piece.len() <= MAX_SHORT
+        && piece.iter().all(|token| match token.kind {
+            Kind::Word => token.is_any(STATING),
+            Kind::Number => true,
+            Kind::Sign(sign) => !unless.contains(sign),
+        })
 }
 
 /// Returns claims of the fields that nothing names, from lines that only state values: `(10, 20), 45 deg, 0.5 edge`.
@@ -122,43 +145,40 @@ pub(super) fn unnamed(
     tokens: &[Token<'_>],
     claims: &[Claim],
 ) -> Vec<Claim> {
-    let is_missing = |field: usize| claims.iter().all(|claim| claim.field != field);
-    let mut start = 0;
-    let mut found = Vec::new();
-    for at in 0..tokens.len() {
-        let goes_on = tokens.get(at + 1).is_some_and(|next| next.gap < Gap::Line);
-        if goes_on {
-            continue;
-        }
-        let line = &tokens[start..=at];
-        start = at + 1;
-        let states = |token: &Token<'_>| match token.kind {
-            Kind::Word => token.is_any(STATING),
-            Kind::Number => true,
-            Kind::Sign(sign) => !"?=<>".contains(sign),
-        };
-        if line.len() > MAX_SHORT || !line.iter().all(states) {
-            continue;
-        }
-        let values = others(reader, text, line, &[]);
-        let alone = |claim: &Claim| values.iter().filter(|it| it.field == claim.field).count() == 1;
-        let is_whole = (0..reader.fields.len())
-            .all(|field| !is_missing(field) || values.iter().any(|it| it.field == field));
-        if is_whole && values.len() > 1 && values.iter().all(alone) {
-            found.extend(values.into_iter().filter(|it| is_missing(it.field)));
-        }
+    let mut is_missing = vec![true; reader.fields.len()];
+    for claim in claims {
+        is_missing[claim.field] = false;
     }
-    found
+    if !is_missing.contains(&true) {
+        return Vec::new();
+    }
+    let lines = pieces(tokens, |at| begins_line(tokens, at + 1)).into_iter();
+    let lines = lines.filter(|line| only_states(line, "?=<>"));
+    lines
+        .flat_map(|line| {
+            let mut values = others(reader, text, line, &[]);
+            let count = |field: usize| values.iter().filter(|it| it.field == field).count();
+            let is_whole = values.len() > 1
+                && (0..is_missing.len()).all(|field| match is_missing[field] {
+                    true => count(field) == 1,
+                    false => count(field) < 2,
+                });
+            values.retain(|it| is_whole && is_missing[it.field]);
+            values
+        })
+        .collect()
 }
 
 /// Returns a claim for each value of a sentence that is of a field's kind, but of no field.
-fn others(reader: &Reader<'_>, text: &str, sentence: &[Token<'_>], claims: &[Claim]) -> Vec<Claim> {
-    let is_stated = |value: &Value| {
-        claims.iter().any(|claim| match &claim.claimed {
-            Claimed::Value(stated, _) => is_about(stated, value),
-            _ => false,
-        })
-    };
+///
+/// - `stated`: the values of the fields.
+fn others(
+    reader: &Reader<'_>,
+    text: &str,
+    sentence: &[Token<'_>],
+    stated: &[&Value],
+) -> Vec<Claim> {
+    let is_stated = |value: &Value| stated.iter().any(|stated| is_about(stated, value));
     let fields = reader.fields.iter().enumerate();
     let mut kinds: Vec<(usize, &ActionField)> = Vec::new();
     for (index, field) in fields {

@@ -28,6 +28,14 @@ impl Claim {
             claimed,
         }
     }
+
+    /// Returns the value that it states of a field, if it states one.
+    pub fn value_of(&self, field: usize) -> Option<&Value> {
+        match &self.claimed {
+            Claimed::Value(value, _) if self.field == field => Some(value),
+            _ => None,
+        }
+    }
 }
 
 /// What a claim says.
