@@ -107,6 +107,7 @@ macro_rules! blocks {
                     self.node.children().any(|child| {
                         let head = child.child(Kind::Head).filter(|_| child.kind().needs_name());
                         child.kind().is_junk()
+                            || child.kind() == Kind::Head && child.child(Kind::Surplus).is_some()
                             || matches!(child.kind(), Kind::NoOpen | Kind::NoClose)
                             || head.is_some_and(|head| head.child(Kind::Name).is_none())
                     })

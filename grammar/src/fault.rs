@@ -89,6 +89,8 @@ pub enum Problem {
     TrailingComma,
     /// A text between quotes does not end on its line.
     UnclosedString,
+    /// A text without its opening quote.
+    UnopenedString,
     /// A text between triple quotes does not end.
     UnclosedText,
     /// Quotes that are not `"`.

@@ -13,8 +13,15 @@ use crate::tree::{Kind, Node, Tree};
 use crate::vocabulary::{block, words};
 use std::collections::BTreeSet;
 
-/// Returns every fault of a tree, in source order.
+/// Returns the faults of a tree, in source order.
 pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
+    let mut faults = all(tree);
+    drop_consequences(tree, &mut faults);
+    faults
+}
+
+/// Returns every fault of a tree with those that others cause, in source order.
+pub(crate) fn all(tree: &Tree) -> Vec<Fault> {
     let mut faults = Vec::new();
     for parent in tree.nodes() {
         let mut previous: Option<Node<'_>> = None;
@@ -25,7 +32,6 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
         faults.extend(lacking(parent));
     }
     faults.sort_by_key(|fault| fault.span);
-    drop_consequences(tree, &mut faults);
     faults
 }
 
@@ -58,6 +64,7 @@ fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
     if tree.nodes().any(swallows_braces) {
         faults.retain(|fault| !matches!(fault.problem, Problem::MissingClose { .. }));
     }
+    drop_of_unclosed(tree, faults);
     // Two first words before one `{`: the second is probably too many.
     faults.dedup_by(|later, earlier| {
         let lacks_open = |fault: &Fault| matches!(fault.problem, Problem::MissingOpen { .. });
@@ -79,6 +86,88 @@ fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
         );
         is_local || number <= MOST_BESIDE_TORN || number == torn + 1
     });
+}
+
+/// In a file with more unclosed blocks, nobody knows which line belongs to which.
+const MOST_UNCLOSED: usize = 8;
+
+/// How far from the beginning of its line a fault may be for the line's first word to be looked at, bytes.
+const MOST_LINE: usize = 4096;
+
+/// Drops what the unclosed blocks cause: the lines of the block around them are read as lines of theirs.
+fn drop_of_unclosed(tree: &Tree, faults: &mut Vec<Fault>) {
+    let unclosed: Vec<(Node<'_>, Span)> = { faults.iter() }
+        .filter_map(|fault| match fault.problem {
+            Problem::MissingClose { opened, .. } => {
+                Some((tree.node_at(opened.start).parent()?, opened))
+            }
+            _ => None,
+        })
+        .collect();
+    if unclosed.is_empty() || unclosed.len() > MOST_UNCLOSED {
+        return;
+    }
+    let begins_outer = |block: Node<'_>, byte: usize| {
+        let text = tree.text();
+        let near = text.floor_char_boundary(byte.saturating_sub(MOST_LINE));
+        let Some(line) = text[near..byte].rfind('\n').map(|at| near + at + 1) else {
+            return false;
+        };
+        let start = text.len() - text[line..].trim_start().len();
+        let first = token_at(text, start..text.len());
+        line > block.range().start && { block.ancestors() }
+            .any(|outer| words(outer.kind()).contains(&first))
+    };
+    // A block without `{` takes the `}` of the one around it.
+    let taken: Vec<usize> = { faults.iter() }
+        .filter(|fault| matches!(fault.problem, Problem::MissingOpen { .. }))
+        .map(|fault| fault.span.start)
+        .collect();
+    let mut stray: Vec<usize> = { faults.iter() }
+        .filter(|fault| fault.problem == Problem::StrayClose)
+        .map(|fault| fault.span.start)
+        .collect();
+    let mut nested = Vec::new();
+    faults.retain(|fault| {
+        let at = fault.span.start;
+        if let Problem::MissingClose { opened, .. } = fault.problem {
+            let block = tree.node_at(opened.start).parent();
+            let Some(block) = block else {
+                return true;
+            };
+            let after = &tree.text()[block.range().end..];
+            let inner = block.range().end + (after.len() - after.trim_start().len());
+            let is_nested = block.kind() == Kind::Variant
+                && token_at(tree.text(), inner..tree.text().len()) == "variant";
+            if is_nested && let Some(place) = stray.iter().position(|stray| *stray > inner) {
+                nested.push((inner, stray.remove(place)));
+                return false;
+            }
+            return !taken.iter().any(|open| block.range().contains(open));
+        }
+        let depends = matches!(
+            fault.problem,
+            Problem::Unexpected { .. } | Problem::UnknownWord { .. } | Problem::Misspelt { .. }
+        );
+        !depends
+            || !unclosed.iter().any(|(block, opened)| {
+                let is_in = opened.end <= at && at < block.range().end;
+                is_in && (block.kind() == Kind::Check || begins_outer(*block, at))
+            })
+    });
+    faults.retain(|fault| {
+        let is_stray = fault.problem == Problem::StrayClose;
+        !is_stray || !nested.iter().any(|(_, stray)| *stray == fault.span.start)
+    });
+    faults.extend(nested.into_iter().map(|(inner, _)| Fault {
+        span: tree.span(inner..inner + "variant".len()),
+        problem: Problem::UnknownWord {
+            word: "variant".to_owned(),
+            candidates: words(Kind::Variant),
+            block: Some("variant".to_owned()),
+        },
+    }));
+    faults.sort_by_key(|fault| fault.span);
 }
 
 /// Returns whether a text has more closing braces than opening ones.
@@ -335,6 +424,10 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
     let follows_junk =
         previous.is_some_and(|before| matches!(before.kind(), Kind::Junk | Kind::JunkSection));
     if follows_junk && !looks_like_statement(node.kind(), node.text().trim(), first, known) {
+        return None;
+    }
+    // The missing `{` was reported where this word stands.
+    if first == "extends" && parent.child(Kind::NoOpen).is_some() {
         return None;
     }
     if first == "," && span.range().len() == 1 {

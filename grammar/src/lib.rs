@@ -41,6 +41,7 @@ mod faults;
 mod limits;
 mod measure;
 mod misspelt;
+mod quotes;
 mod rules;
 mod source;
 mod tree;
@@ -80,9 +81,12 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
     match FabParser::parse(Rule::file, text) {
         Ok(pairs) => {
             let tree = Tree::from_pairs(file, text, pairs);
-            let faults = faults::collect(&tree);
+            let found = faults::collect(&tree);
+            let was_torn = faults::torn(&tree, &found).is_some()
+                || tree.nodes().any(|node| node.kind() == Kind::NoClose);
+            let faults = quotes::mend(&tree, found);
             Parsed {
-                is_torn: faults::torn(&tree, &faults).is_some(),
+                is_torn: was_torn || faults::torn(&tree, &faults).is_some(),
                 tree,
                 faults,
             }

@@ -334,7 +334,10 @@ pub(super) fn unit(
         ))));
     }
     let right = UNITS.iter().find(|unit| unit.spellings.contains(&word));
-    let near = nearest(word, UNITS.iter().map(|unit| unit.name));
+    let mut names = UNITS.iter().map(|unit| unit.name);
+    // `167g` for `167g/m2`
+    let begun = names.find(|name| name.split_once('/').is_some_and(|(first, _)| first == word));
+    let near = begun.or_else(|| nearest(word, UNITS.iter().map(|unit| unit.name)));
     Err(context.error(match (right, near) {
         (Some(right), _) => diagnostic
             .help(format!("write `{}`", right.name))

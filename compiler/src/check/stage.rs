@@ -64,12 +64,14 @@ pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> P
         places: BTreeMap::new(),
         last_use: BTreeMap::new(),
         layers: Vec::new(),
+        has_wrong_stage: false,
     };
     let stages = merged.stages.iter().enumerate();
-    let stages = stages
+    let stages: Vec<Result<program::Stage, Reported>> = stages
         .map(|(number, stage)| builder.stage(number, stage, context))
         .collect();
     let readers = action_readers(merged, context);
+    builder.has_wrong_stage = stages.iter().any(Result::is_err);
     builder.unused(context);
     let layers = builder.layers(context);
     Prompts {
@@ -179,6 +181,8 @@ struct Builder<'m, 'a> {
     last_use: BTreeMap<&'a str, usize>,
     /// For each stage.
     layers: Vec<StageLayers>,
+    /// Whether a stage has an error, so that it may say less than its author meant.
+    has_wrong_stage: bool,
 }
 
 impl<'a> Builder<'_, 'a> {
@@ -572,10 +576,10 @@ impl<'a> Builder<'_, 'a> {
         }
     }
 
-    /// Returns whether a stage, or a line of one, may be in text that did not parse.
+    /// Returns whether a stage, or a line of one, may be in text that did not parse, or is wrong.
     fn may_say_more(&self) -> bool {
         let mut stages = self.merged.stages.iter();
-        self.merged.is_damaged || stages.any(ast::Stage::is_damaged)
+        self.has_wrong_stage || self.merged.is_damaged || stages.any(ast::Stage::is_damaged)
     }
 
     /// Reports layers that are drawn but not named, or named but not drawn.
@@ -667,6 +671,14 @@ fn model<'a>(
         let reported = context.missing(true, line.span().file, diagnostic);
         return (Err(reported), Err(reported));
     };
+    let word = kind.name().text();
+    if nearest(word, MODELS.iter().map(|row| row.name)).is_none() {
+        let message = format!("there is no kind of model `{word}`");
+        let diagnostic = Diagnostic::new(Code::UnknownName, kind.name().span(), message);
+        let help = "write `model vision` or `model text`; which model is asked is said on the command line, with `--model`";
+        let reported = context.error(diagnostic.help(help));
+        return (Err(reported), Err(reported));
+    }
     let role = context
         .word("kind of model", kind.name(), MODELS)
         .map(|word| match word {

@@ -2,7 +2,7 @@
 
 use super::codes::Severity;
 use super::diagnostic::Diagnostic;
-use super::visible::visible;
+use super::visible::{escaped_where, visible};
 use annotate_snippets::{Annotation, AnnotationKind, Element, Level, Origin, Renderer, Snippet};
 use fab_grammar::{FileId, Source, Sources, Span};
 use std::borrow::Cow;
@@ -140,17 +140,28 @@ fn snippet<'d>(
     excerpt: Range<usize>,
     marks: &[(Span, &'d str, AnnotationKind)],
 ) -> Snippet<'d, Annotation<'d>> {
+    let line = &source.text[excerpt.clone()];
+    // Where a byte is in the text that is shown.
+    let place = |byte: usize| match line.get(..byte - excerpt.start) {
+        Some(before) => escaped(before).len(),
+        None => byte - excerpt.start,
+    };
     let annotations = marks.iter().map(|(span, text, kind)| {
-        let annotation = kind.span(span.start - excerpt.start..span.end - excerpt.start);
+        let annotation = kind.span(place(span.start)..place(span.end));
         if text.is_empty() {
             annotation
         } else {
             annotation.label(*text)
         }
     });
-    Snippet::source(&source.text[excerpt.clone()])
+    Snippet::source(escaped(line))
         .line_start(source.line_and_column(excerpt.start).0)
         .annotations(annotations)
+}
+
+/// Escapes the control characters that the renderer passes on.
+fn escaped(text: &str) -> Cow<'_, str> {
+    escaped_where(text, |letter| matches!(letter, '\u{80}'..='\u{9f}'))
 }
 
 /// Returns the beginning of a byte's line; `None` if it is far away.

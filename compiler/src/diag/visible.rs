@@ -18,12 +18,17 @@ pub(crate) fn turns_writing(character: char) -> bool {
 
 /// Writes hidden characters as `\u{1b}`, so that foreign text cannot change what a terminal shows.
 pub fn visible(text: &str) -> Cow<'_, str> {
-    if !text.chars().any(is_hidden) {
+    escaped_where(text, is_hidden)
+}
+
+/// Writes some characters as `\u{1b}`.
+pub(super) fn escaped_where(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.chars().any(&is_escaped) {
         return Cow::Borrowed(text);
     }
     let mut shown = String::with_capacity(text.len());
     for character in text.chars() {
-        match is_hidden(character) {
+        match is_escaped(character) {
             true => shown.extend(character.escape_unicode()),
             false => shown.push(character),
         }

@@ -1,5 +1,6 @@
 //! Mistakes in how a task changes what it inherits: the help names the way that works.
 
+use crate::diag::{Code, Diagnostic, among, nearest};
 use crate::lang::sections::{Inheritance, SECTIONS};
 use fab_grammar::Span;
 
@@ -48,6 +49,11 @@ const MISPLACED: &[Misplaced] = &[
     misplaced("task", "omit", LEFT_OUT),
     misplaced("task", "exclude", LEFT_OUT),
     misplaced(
+        "variant",
+        "variant",
+        "variants do not nest: write each in the task, beside the others",
+    ),
+    misplaced(
         "subgoals",
         "fold",
         "write `demonstrate { fold A -> B }`, with all folds between its braces",
@@ -70,14 +76,53 @@ const MISPLACED: &[Misplaced] = &[
 
 /// Returns the help for an unknown word at the beginning of a line.
 pub(super) fn help_for_word(word: &str, block: Option<&str>) -> Option<&'static str> {
-    // What a task may hold, a variant may hold too.
-    let block = match block? {
-        "variant" => "task",
-        block => block,
+    let find = |block: &str| {
+        let mut rows = MISPLACED.iter();
+        rows.find(|row| (row.block, row.word) == (block, word))
     };
-    let mut rows = MISPLACED.iter();
-    let row = rows.find(|row| (row.block, row.word) == (block, word));
+    let block = block?;
+    // What a task may hold, a variant may hold too.
+    let row = find(block).or_else(|| find("task").filter(|_| block == "variant"));
     row.map(|row| row.help)
+}
+
+/// Makes the diagnostic for an unknown word behind `without` or `override`, unless it is a misspelt one that fits.
+pub(super) fn behind_change(word: &str, span: Span, text: &str) -> Option<Diagnostic> {
+    let fitting = ["check", "component", "variant"];
+    let (fitting, help) = match statement(text[..span.start].trim_end()) {
+        "without" => (&fitting[..], left_out(word, true)),
+        "override" => (&fitting[..2], overridden(word)),
+        _ => return None,
+    };
+    if nearest(word, fitting.iter().copied()).is_some() {
+        return None;
+    }
+    let message = format!(
+        "expected {}, found `{word}`",
+        among(fitting.iter().copied())
+    );
+    Some(Diagnostic::new(Code::Unexpected, span, message).help(help))
+}
+
+/// Returns how to add to an inherited section instead: `verify += {` and `stage plan extends {` are not the way.
+pub(super) fn added_to(section: &str) -> Option<String> {
+    let merges = SECTIONS.iter().find(|row| row.word == section)?.merges;
+    Some(match (section, merges) {
+        ("verify", _) => {
+            "to add a check, write `check NAME { … } else \"…\"` in the task, outside of `verify`"
+                .to_owned()
+        }
+        ("stage", _) => {
+            "to add to what a stage says, write `say NAME in STAGE after NAME` in the task, outside of its stages"
+                .to_owned()
+        }
+        (_, Inheritance::ByName) => {
+            "remove it: parts that are not stated again stay as they are inherited".to_owned()
+        }
+        _ => format!(
+            "`{section}` replaces the inherited one: remove this, and state the inherited parts in it too"
+        ),
+    })
 }
 
 /// Returns the help for a token that does not fit.
@@ -174,6 +219,8 @@ fn statement(before: &str) -> &str {
 
 /// Returns how to replace something that `override` does not replace.
 fn overridden(found: &str) -> String {
+    let near = nearest(found, SECTIONS.iter().map(|row| row.word));
+    let found = near.unwrap_or(found);
     let mut rows = SECTIONS.iter();
     match rows.find(|row| row.word == found).map(|row| row.merges) {
         Some(Inheritance::Whole) => {
@@ -198,7 +245,7 @@ fn left_out(found: &str, in_task: bool) -> String {
         "variant" if !in_task => {
             "write `without variant NAME` in the task, outside of its variants".to_owned()
         }
-        _ if is_name(found) && !SECTIONS.iter().any(|row| row.word == found) => {
+        _ if is_name(found) && nearest(found, SECTIONS.iter().map(|row| row.word)).is_none() => {
             format!("write `without component {found}`, or `without check {found}` for a check")
         }
         _ => "only components, checks and variants can be left out; state a stage or another section again to change it"

@@ -1,6 +1,7 @@
 //! Common mistakes: signs and words of other programming languages, and typographic characters.
 
 use crate::diag::{Code, Diagnostic};
+use crate::lang::material::PROPERTIES;
 use fab_grammar::Span;
 
 /// Words that a name follows, and what to write if it is missing.
@@ -83,6 +84,23 @@ pub(super) fn recognise(
     }
     Some(match found {
         ":" if expects("`=`") && rest.starts_with(":=") => written(":=", "="),
+        ":" if expects("an argument") && let Some((start, label)) = argument_without_comma(before) => {
+            let end = before[..start].trim_end().len();
+            let word = Span {
+                start,
+                end: start + label.len(),
+                ..span
+            };
+            let message = format!("expected `,`, found `{label}`");
+            let gap = Span {
+                start: end,
+                end,
+                ..span
+            };
+            Diagnostic::new(Code::Unexpected, word, message)
+                .help("write `,` before it")
+                .likely(gap, ",")
+        }
         ":" if expects("an argument") && before.ends_with(',') => {
             usual().help("write the argument's name before the `:`, or remove the `:`")
         }
@@ -271,6 +289,32 @@ pub(super) fn recognise(
         _ if expects("a condition") && before.ends_with("when") => {
             usual().help("write `when` and a condition, such as `when step > 1`, or remove `when`")
         }
+        _ if found.starts_with('"') && is_behind_check(before) && (expected.is_empty() || expects("`else`")) => {
+            fault(span, format!("expected `else`, found `{found}`"))
+                .help("write `else` before it")
+                .likely(
+                    Span {
+                        end: span.start,
+                        ..span
+                    },
+                    "else ",
+                )
+        }
+        _ if expected == ["`=`"] && found.starts_with(|first: char| is_word(first) || "\"-".contains(first)) => {
+            let start = Span {
+                end: span.start,
+                ..span
+            };
+            usual().help("write `=` before it").likely(start, "= ")
+        }
+        _ if found.starts_with(is_word) && last_word(before).is_some_and(|(_, word)| word == "use") => {
+            let path = rest.split_whitespace().next().unwrap_or(found);
+            let whole = sign(path);
+            usual()
+                .help(format!("write `use \"{path}\"`"))
+                .likely(whole, format!("\"{path}\""))
+        }
+        "subgoals" if rest.starts_with("subgoals(") => usual().meant(span, "subgoal"),
         "actions" if before.ends_with("read") => usual().meant(span, "action"),
         "“" | "”" | "'" | "‘" | "’" => usual().help("write straight double quotes `\"`"),
         "]" if last_open(before).is_some() => usual().help("write `)`").likely(span, ")"),
@@ -311,6 +355,23 @@ fn field_after_comma(before: &str) -> Option<(usize, &str)> {
     let line = list.rsplit(['{', '}']).next().unwrap_or(list);
     let is_list = list.ends_with(',') && line.contains(" of ");
     is_list.then(|| (list.len() - 1, name))
+}
+
+/// Returns the name at the end of a line that an argument stands before, without a comma between them.
+fn argument_without_comma(before: &str) -> Option<(usize, &str)> {
+    let (start, label) = last_word(before)?;
+    let line = before[..start].rsplit(['\n', '{']).next()?.trim_end();
+    let is_value = line.ends_with(|last: char| last.is_alphanumeric() || last == ')');
+    let is_property = PROPERTIES
+        .iter()
+        .any(|row| row.call.signature.name == label);
+    (is_value && line.contains(':') && !is_property).then_some((start, label))
+}
+
+/// Returns whether a check ends here, on this line.
+fn is_behind_check(before: &str) -> bool {
+    let line = before.rsplit('\n').next().unwrap_or(before);
+    before.ends_with('}') && line.split_whitespace().any(|word| word == "check")
 }
 
 /// Returns whether a position is in a condition on the same line: in a check's braces, or behind `when`.

@@ -32,7 +32,8 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
                 _ => diagnostic,
             }
         }
-        Problem::UnknownWord { word, candidates, block } => unknown_word(span, word, candidates, block.as_deref()),
+        Problem::UnknownWord { word, candidates, block } => additions::behind_change(word, span, text)
+            .unwrap_or_else(|| unknown_word(span, word, candidates, block.as_deref())),
         Problem::Misspelt { word, meant } => {
             let message = format!("expected {}, found `{word}`", among(meant.iter().copied()));
             let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
@@ -40,6 +41,11 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
                 [only] => diagnostic.meant(span, only),
                 _ => diagnostic,
             }
+        }
+        Problem::MissingOpen { block } if let Some(extends) = word_after(text, span, "extends")
+            && let Some(help) = additions::added_to(block) =>
+        {
+            Diagnostic::new(Code::Unexpected, extends, "expected `{`, found `extends`").help(help)
         }
         Problem::MissingOpen { block } => {
             Diagnostic::new(Code::MissingBrace, span, format!("`{block}` has no `{{`")).label("expected `{`").likely(span, " {")
@@ -57,14 +63,24 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
         Problem::Surplus { found } => {
             let diagnostic =
                 Diagnostic::new(Code::Unexpected, span, format!("expected `{{`, found `{found}`"));
-            let continues_a_word = text[..span.start]
-                .ends_with(|before: char| before.is_alphanumeric() || before == '_');
-            let is_task = text[..span.start]
-                .lines()
-                .next_back()
-                .is_some_and(|line| line.trim_start().starts_with("task "));
+            let is_part = |letter: char| letter.is_alphanumeric() || letter == '_';
+            let touches = text[..span.start].ends_with(is_part);
+            let continues_a_word = touches && !found.starts_with(['(', ',', ':']);
+            let head = text[..span.start].lines().next_back().unwrap_or_default().trim_start();
+            let is_task = head.starts_with("task ");
+            if is_task && found.starts_with(',') && head.contains(" extends ") {
+                return diagnostic.help(format!("a task extends one other: remove the `{found}`"));
+            }
             if is_task && !continues_a_word && let Some(base) = base_of(found) {
-                return diagnostic.meant(span, &format!("extends {base}"));
+                let gap = if touches { " " } else { "" };
+                return diagnostic
+                    .help(format!("did you mean `extends {base}`?"))
+                    .likely(span, format!("{gap}extends {base}"));
+            }
+            if found.starts_with('+')
+                && let Some(help) = head.split_whitespace().next().and_then(additions::added_to)
+            {
+                return diagnostic.help(help);
             }
             if is_task && let Some((second, _)) = found.split_once(" extends ") {
                 return diagnostic.help(format!("a task has one name: remove `{second}`, or the one before it"));
@@ -91,6 +107,12 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             .edit(span, ""),
         Problem::UnclosedString => Diagnostic::new(Code::UnclosedText, span, "the text does not end on this line")
             .help("close it with `\"`; a text of several lines is written between `\"\"\"` and `\"\"\"`"),
+        Problem::UnopenedString => {
+            let start = Span { end: span.start, ..span };
+            Diagnostic::new(Code::UnclosedText, span, "this text has no quote at its beginning")
+                .help("open it with `\"`")
+                .likely(start, "\"")
+        }
         Problem::UnclosedText => Diagnostic::new(Code::UnclosedText, span, "the text that begins here does not end")
             .help("close it with `\"\"\"`"),
         Problem::WrongQuotes { right } => {
@@ -153,6 +175,14 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
         }
         None => diagnostic,
     }
+}
+
+/// Returns the place of a word if it comes next on the line.
+fn word_after(text: &str, span: Span, word: &str) -> Option<Span> {
+    let rest = &text[span.end..];
+    let start = span.end + (rest.len() - rest.trim_start_matches([' ', '\t']).len());
+    let end = start + word.len();
+    (text.get(start..end)? == word).then_some(Span { start, end, ..span })
 }
 
 /// Returns whether a character takes no room, so that nobody sees it.

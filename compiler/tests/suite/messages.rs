@@ -63,6 +63,19 @@ fn line_ends_of_other_systems_are_not_shown() {
 }
 
 #[test]
+fn source_lines_cannot_act_on_a_terminal() {
+    let compiled = common::compile(
+        "child.fab",
+        "task a { # \u{9b}31m \u{1b}[31m\n    goal \u{85}1\n}",
+    );
+    let shown = diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Plain);
+    let is_control = |letter: char| letter.is_control() && letter != '\n';
+    assert!(!shown.contains(is_control), "{shown:?}");
+    let marked = "1 | task a { # \\u{9b}31m ␛[31m\n  |            ^^^^^^\n";
+    assert!(shown.contains(marked), "{shown}");
+}
+
+#[test]
 fn colours_are_asked_for() {
     let compiled = common::compile("child.fab", "task {");
     assert!(
