@@ -61,6 +61,17 @@ pub(crate) fn check<'a>(
             given.entry(word.text()).or_insert(word);
             continue;
         }
+        if let Some(rest) = second_word(property, properties.peek().copied()) {
+            let message = format!("the color of `{}` has more than one word", word.text());
+            let diagnostic = Diagnostic::new(Code::WrongForm, rest.name().span(), message);
+            all = Err(context.error(diagnostic.help(format!(
+                "write its name in quotes, such as `{} \"light blue\" \"#7fa8d9\"`",
+                word.text()
+            ))));
+            properties.next();
+            given.entry(word.text()).or_insert(word);
+            continue;
+        }
         let first = *given.entry(word.text()).or_insert(word);
         if first.span() != word.span() {
             let diagnostic = repeated(word.text(), first.span(), word.span());
@@ -107,6 +118,20 @@ fn misspelt_from<'a>(
     let next = next?.name();
     let is_known = rows.any(|row| row.call.signature.name == next.text());
     Some(next).filter(|word| !is_known && is_from(word))
+}
+
+/// Returns the next word of a color's name that is not in quotes: `upper light blue "#7fa8d9"`.
+fn second_word<'a>(
+    property: ast::Property<'a>,
+    next: Option<ast::Property<'a>>,
+) -> Option<ast::Property<'a>> {
+    let is_known = |word: &str| {
+        let mut rows = PROPERTIES.iter();
+        rows.find(|row| row.call.signature.name == word)
+    };
+    let colors = is_known(property.name().text())?.face.is_some();
+    let next = next.filter(|next| is_known(next.name().text()).is_none())?;
+    (colors && property.text().is_none()).then_some(next)
 }
 
 /// Reads one property into a material.
