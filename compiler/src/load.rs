@@ -328,7 +328,18 @@ impl Reading<'_> {
         let paths: Vec<_> = uses
             .map(|used| (used.path().span(), used.path().plain()))
             .collect();
+        let mut used: BTreeMap<String, Span> = BTreeMap::new();
         for (span, path) in paths {
+            let first = match &path {
+                Some(path) => *used.entry(path.clone()).or_insert(span),
+                None => span,
+            };
+            if first != span {
+                let diagnostic = Diagnostic::new(Code::Repeated, span, "this file is used twice");
+                let diagnostic = diagnostic.also(first, "used here first");
+                self.report.error(diagnostic.help("drop this line"));
+                continue;
+            }
             // A file that cannot be read was reported; go on with the others.
             match self.reach(file, span, path) {
                 Ok(target) => {

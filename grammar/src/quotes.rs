@@ -176,9 +176,9 @@ fn missing(tree: &Tree, line: &Line) -> Place {
             }
         }
     }
-    let whole = left_over(tree, &format!("{heads}{}", &text[start..line.range.end]));
+    let whole = || left_over(tree, &format!("{heads}{}", &text[start..line.range.end]));
     match best {
-        Some((left, place)) if left < whole || left == 0 => place,
+        Some((left, place)) if left == 0 || left < whole() => place,
         _ => Place {
             at: line.range.end,
             is_likely: true,
@@ -203,15 +203,19 @@ fn places(tree: &Tree, line: &Line) -> Vec<Place> {
         let next = line.quotes.get(number + 1);
         let body = &text[opening + 1..next.map_or(line.range.end, |next| *next)];
         let mut ends: Vec<(usize, bool)> = Vec::new();
+        // Where the last letter that is no blank ends.
+        let mut end = 0;
         for (at, letter) in body.char_indices() {
-            let before = body[..at].trim_end();
             if ",){}".contains(letter) {
-                ends.push((before.len(), true));
-            } else if !is_part(letter) && before.len() == at && before.ends_with(is_part) {
+                ends.push((end, true));
+            } else if !is_part(letter) && end == at && body[..at].ends_with(is_part) {
                 ends.push((at, false));
             }
+            if !letter.is_whitespace() {
+                end = at + letter.len_utf8();
+            }
         }
-        ends.push((body.trim_end().len(), true));
+        ends.push((end, true));
         ends.dedup_by(|later, earlier| {
             let is_same = later.0 == earlier.0;
             earlier.1 |= is_same && later.1;

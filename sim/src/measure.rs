@@ -612,7 +612,7 @@ pub fn extension(
     Ok(gives / weight_n_m * load_n_m)
 }
 
-/// Height of a tumbling cloth, metres: just above the table's reach, since positions are rounded by their size.
+/// Height of a tumbling cloth, metres: above the table's reach, and no higher, since larger positions are rounded more.
 const MIDDLE_M: f32 = 0.1;
 
 /// Measures by which share the momentum of a cloth changes that tumbles and bends for 0.4 s without weight: the greater of the

@@ -135,12 +135,18 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                 if number == 0 && is_entry {
                     variants.extend(merged.applicable_variants().map(Some));
                 }
+                let broken = broken_change(&merged);
                 let built = task::check(&merged, &stamps, grid, form, loaded, &mut own);
                 if let (true, Ok(Some((program, _)))) = (is_entry, &built) {
                     let found = certainty::check(program, &merged);
                     match &merged.variant {
-                        None => certain = found,
-                        Some(_) => open_in_variant(&mut certain, found, &merged, &mut own),
+                        None => {
+                            certain = found;
+                            // What is wrong outside of it may only be a consequence.
+                            let is_own = |place: Span, it: &Diagnostic| place.contains(it.span);
+                            certain.retain(|it| broken.is_none_or(|place| is_own(place, it)));
+                        }
+                        Some(_) => judge_variant(&mut certain, found, &merged, &mut own),
                     }
                 }
                 if let (Some(place), Some(variant), Ok(Some((program, _)))) =
@@ -154,7 +160,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                         own.remark(changes_nothing(variant, *task));
                     }
                 }
-                match broken_change(&merged) {
+                match broken {
                     Some(place) => report.absorb_within(place, own),
                     None => report.absorb(own),
                 }
@@ -190,10 +196,11 @@ fn broken_change(merged: &merge::Merged<'_>) -> Option<Span> {
     (change.is_damaged() || task.is_damaged()).then(|| change.span())
 }
 
-/// Drops those conditions of a task that are certain in it, but not in a variant.
+/// Drops those conditions of a task that are certain in it, but not in a variant, and reports those that the variant states
+/// itself.
 ///
-/// - `found`: the certain conditions of the variant; those that it states itself are reported.
-fn open_in_variant(
+/// - `found`: the certain conditions of the variant.
+fn judge_variant(
     certain: &mut Vec<Diagnostic>,
     found: Vec<Diagnostic>,
     merged: &merge::Merged<'_>,
@@ -231,8 +238,7 @@ fn changes_nothing(variant: &merge::VariantOf<'_>, task: Task<'_>) -> Diagnostic
     let (name, base) = (&variant.name, task.name().text());
     let message = format!("the variant `{name}` changes nothing: it runs as `{base}` does");
     let whole = task.body().span();
-    let is_own = variant.span.file == whole.file && whole.range().contains(&variant.span.start);
-    match is_own {
+    match whole.contains(variant.span) {
         true => Diagnostic::new(Code::VariantChangesNothing, variant.span, message)
             .help("state in it what it changes, or remove it"),
         false => Diagnostic::new(Code::VariantChangesNothing, task.name().span(), message)

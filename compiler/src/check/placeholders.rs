@@ -140,6 +140,7 @@ fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
         let value = rest[..length].trim_matches(' ');
         let closing = rest[length..]
             .bytes()
+            .take(2)
             .take_while(|byte| *byte == b'}')
             .count();
         // After two braces the quotes are wrong, or one is missing at the end, and that was reported already.
@@ -147,7 +148,7 @@ fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
         if closing == 0 || is_double || !may_be_value(value, context) {
             continue;
         }
-        let range = at..at + 1 + length + closing.min(2);
+        let range = at..at + 1 + length + closing;
         let written = &source[range.clone()];
         let message = format!("`{written}` is literal text, not the value `{value}`");
         let span = Span::new(span.file, span.start + range.start..span.start + range.end);

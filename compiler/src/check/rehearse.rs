@@ -153,8 +153,8 @@ fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges,
 /// Two silhouettes overlap by at most the ratio of their areas.
 fn never_trusted(twin: &TwinRanges, above: f64, line: Trust<'_>, context: &mut Context<'_, '_>) {
     let [low, high] = twin.size;
-    let nearest = 1.0_f64.clamp(low, high);
-    let most = nearest.min(1.0 / nearest).powi(2);
+    let closest = 1.0_f64.clamp(low, high);
+    let most = closest.min(1.0 / closest).powi(2);
     if most <= above {
         let message = format!(
             "twins of {low} to {high} of the cloth's size overlap the flat cloth by at most {most:.2}, and are trusted above {above}"

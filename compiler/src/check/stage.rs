@@ -600,17 +600,19 @@ impl<'a> Builder<'_, 'a> {
             all = Err(context
                 .error(others.fold(diagnostic, |it, (_, span)| it.also(*span, "nor this one"))));
         }
-        // A variant may remove the text that names a layer; that is not a mistake.
         let merged = self.merged;
-        if merged.stages.is_empty() || merged.variant.is_some() || self.may_say_more() {
+        if merged.stages.is_empty() || self.may_say_more() {
             return all;
         }
+        // A variant may remove the text that names a layer of its task; that is not a mistake.
+        let own = merged.own_body().map(|body| body.span());
+        let is_own = |span| merged.variant.is_none() || own.is_some_and(|own| own.contains(span));
         let named = self.layers.iter().flat_map(|stage| &stage.named);
         let named: BTreeSet<&str> = named.map(|(layer, _)| layer.as_str()).collect();
         let drawn = merged.annotate.into_iter().flat_map(|part| part.list());
         let mut unnamed = drawn.map(|layer| layer.name()).filter(|name| {
             let is_right = matches!(context.layers.get(name.text()), Some(Ok(_)));
-            is_right && !named.contains(name.text())
+            is_right && !named.contains(name.text()) && is_own(name.span())
         });
         let Some(first) = unnamed.next() else {
             return all;

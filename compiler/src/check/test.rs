@@ -23,9 +23,9 @@ const MAX_POINTS: usize = 1000;
 
 /// What bounds the values that a test may give.
 pub(crate) struct Bounds<'p> {
-    /// Those of the task, as far as they have no error.
+    /// Those of the task; none if one has an error.
     pub keypoints: &'p [Keypoint],
-    /// The most steps; `None` in a base.
+    /// The most steps; `None` in a base, or if it has an error.
     pub horizon: Option<u32>,
 }
 

@@ -86,7 +86,7 @@ pub(crate) fn whole(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     }
 }
 
-/// Returns what a task or variant changes: the tasks that it extends, after the variant's own.
+/// Returns the tasks that a task extends; of a variant, its task and those that it extends.
 fn above<'a>(merged: &Merged<'a>, loaded: &Loaded<'a>) -> Vec<Body<'a>> {
     let task = merged.variant.is_some().then_some(merged.task);
     let all = task.into_iter().chain(bases(merged.task, loaded));

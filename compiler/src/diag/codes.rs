@@ -458,7 +458,7 @@ codes! {
 
     "F0708" CertainCondition Warning
     "a condition is always true or never true"
-    "Every value has a range: a count goes from 0 to the `max` of its detector, a distance at the diagonal of the picture, a step at the horizon. In these ranges the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing. A condition of a task is not reported if it is open in one of its variants; of a variant, only its own conditions are judged."
+    "Every value has a range: a count goes from 0 to the `max` of its detector, a distance up to the diagonal of the picture, a step up to the horizon. In these ranges the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing. A condition of a task is not reported if it is open in one of its variants; of a variant, only its own conditions are judged."
 
     "F0801" LayerNotNamed Error
     "something is drawn, but no prompt says what it is"

@@ -127,7 +127,7 @@ impl Report {
 
     /// Does the same as [`Report::absorb`] for the findings of one place, and drops the others.
     pub(crate) fn absorb_within(&mut self, place: Span, mut other: Report) {
-        other.found.retain(|it| is_within(it.span, place));
+        other.found.retain(|it| place.contains(it.span));
         other.files_with_errors.retain(|file| *file == place.file);
         self.absorb(other);
     }
@@ -135,7 +135,7 @@ impl Report {
     /// Returns whether there is a finding in a place.
     pub(crate) fn finds_within(&self, place: Span) -> bool {
         let mut found = self.found.iter();
-        found.any(|it| is_within(it.span, place))
+        found.any(|it| place.contains(it.span))
     }
 
     /// Returns the findings by file and position.
@@ -144,8 +144,4 @@ impl Report {
             .sort_by_key(|diagnostic| (diagnostic.span, diagnostic.code));
         self.found
     }
-}
-
-fn is_within(span: Span, place: Span) -> bool {
-    span.file == place.file && place.start <= span.start && span.end <= place.end
 }

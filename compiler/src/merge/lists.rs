@@ -145,11 +145,35 @@ pub(crate) fn unique<'a>(
     kind: &str,
     report: &mut Report,
 ) -> DuplicateNames<'a> {
+    twice(names, report, |name, first| {
+        declared_twice(kind, name.text(), first, name.span())
+    })
+}
+
+/// Reports names that are left out twice.
+pub(crate) fn left_out_once<'a>(
+    names: impl IntoIterator<Item = Name<'a>>,
+    report: &mut Report,
+) -> Result<(), Reported> {
+    let make = |name: Name<'_>, first| {
+        let message = format!("`{}` is left out twice", name.text());
+        let diagnostic = Diagnostic::new(Code::Repeated, name.span(), message);
+        diagnostic.also(first, "left out here first")
+    };
+    twice(names, report, make).any()
+}
+
+/// - `make`: makes the diagnostic of a name, and of where it appears first.
+fn twice<'a>(
+    names: impl IntoIterator<Item = Name<'a>>,
+    report: &mut Report,
+    make: impl Fn(Name<'a>, Span) -> Diagnostic,
+) -> DuplicateNames<'a> {
     let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
     let mut twice = DuplicateNames::default();
     for name in names {
         if let Some(first) = seen.get(name.text()) {
-            let reported = report.error(declared_twice(kind, name.text(), *first, name.span()));
+            let reported = report.error(make(name, *first));
             twice.0.insert(name.text(), reported);
         } else {
             seen.insert(name.text(), name.span());
@@ -162,25 +186,6 @@ pub(crate) fn unique<'a>(
 pub(crate) fn declared_twice(kind: &str, name: &str, first: Span, again: Span) -> Diagnostic {
     let message = format!("the {kind} `{name}` is declared twice");
     Diagnostic::new(Code::DuplicateName, again, message).also(first, "declared here first")
-}
-
-/// Reports names that are left out twice.
-pub(crate) fn left_out_once<'a>(
-    names: impl IntoIterator<Item = Name<'a>>,
-    report: &mut Report,
-) -> Result<(), Reported> {
-    let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
-    let mut all = Ok(());
-    for name in names {
-        if let Some(first) = seen.get(name.text()) {
-            let message = format!("`{}` is left out twice", name.text());
-            let diagnostic = Diagnostic::new(Code::Repeated, name.span(), message);
-            all = Err(report.error(diagnostic.also(*first, "left out here first")));
-        } else {
-            seen.insert(name.text(), name.span());
-        }
-    }
-    all
 }
 
 /// A change to an inherited part, by name. It is an error if no such part is inherited.

@@ -338,7 +338,9 @@ impl<'a> Merged<'a> {
         let left_out = self.removed.clone();
         for name in body.without() {
             self.leave_out(name, loaded, report);
-            self.left_out_already("component", name, &left_out, report);
+            if left_out.contains(name.text()) {
+                self.left_out_already("component", name, report);
+            }
         }
         for component in body.components() {
             let name = component.name();
@@ -585,7 +587,9 @@ impl<'a> Merged<'a> {
             } else if !self.removed_checks.contains(name.text()) {
                 self.not_left_out("check", name, &inherited, loaded, report);
             }
-            self.left_out_already("check", name, &left_out, report);
+            if left_out.contains(name.text()) {
+                self.left_out_already("check", name, report);
+            }
         }
         let left: BTreeSet<&str> = self.check_names().collect();
         for check in body.override_checks() {
@@ -668,16 +672,8 @@ impl<'a> Merged<'a> {
     /// Reports something to leave out that an extended task leaves out already.
     ///
     /// A variant may leave out what its task leaves out: an inherited one cannot know.
-    ///
-    /// - `before`: what the extended tasks leave out.
-    fn left_out_already(
-        &mut self,
-        kind: &str,
-        name: Name<'a>,
-        before: &BTreeSet<&str>,
-        report: &mut Report,
-    ) {
-        if self.variant.is_none() && before.contains(name.text()) {
+    fn left_out_already(&mut self, kind: &str, name: Name<'a>, report: &mut Report) {
+        if self.variant.is_none() {
             let message = format!(
                 "an extended task leaves out the {kind} `{}` already",
                 name.text()
@@ -699,7 +695,6 @@ impl<'a> Merged<'a> {
         let left_out: Vec<Name<'a>> = task.without_variants().collect();
         let names: BTreeSet<String> = self.variants.iter().map(|it| it.name.clone()).collect();
         let inherited: BTreeSet<&str> = names.iter().map(String::as_str).collect();
-        let before = self.removed_variants.clone();
         self.joined = self
             .joined
             .and(left_out_once(left_out.iter().copied(), report));
@@ -709,7 +704,7 @@ impl<'a> Merged<'a> {
             } else if !self.removed_variants.contains(name.text()) {
                 self.not_left_out("variant", *name, &inherited, loaded, report);
             } else {
-                self.left_out_already("variant", *name, &before, report);
+                self.left_out_already("variant", *name, report);
             }
         }
         let removed: BTreeSet<&str> = left_out.iter().map(|name| name.text()).collect();

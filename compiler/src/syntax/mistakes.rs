@@ -201,9 +201,9 @@ pub(super) fn recognise(
                 .edit(span, &found[1..])
         }
         _ if found.starts_with('_') && text[..span.start].ends_with(is_word) => {
-            let word = &text[before.trim_end_matches(is_word).len()..span.end];
-            let start = span.end - word.len();
-            fault(Span { start, ..span }, format!("`{word}` is not a number with a unit"))
+            let whole = &text[before.trim_end_matches(is_word).len()..span.end];
+            let start = span.end - whole.len();
+            fault(Span { start, ..span }, format!("`{whole}` is not a number with a unit"))
                 .help("a unit has letters alone, such as `10px`; a name begins with a letter")
         }
         _ if found.starts_with(|first: char| first.is_ascii_digit() || "+-".contains(first))

@@ -25,7 +25,7 @@ pub struct Reading {
     pub measured: f64,
 }
 
-/// Measures all that a material declares and that a specimen shows, and its drape.
+/// Measures what a material declares and a specimen shows, and how its cloth loops, folds, drapes and keeps its momentum.
 ///
 /// Takes some seconds of computing. Fails on a material that cannot be simulated at this spacing.
 pub fn textile_table(

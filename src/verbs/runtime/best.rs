@@ -221,21 +221,21 @@ impl Shared<'_> {
         };
         let journal = TrialJournal::open(&folder, &identity).map_err(failure)?;
         let most = arguments.trials;
-        let beyond = most / BEYOND;
-        let (of, before) = (arguments.starts, number as u32);
-        // What a start may take at most counts for each, so the time left is never too short.
+        let most_beyond = most / BEYOND;
+        let (starts, before) = (arguments.starts, number as u32);
+        // Each start counts with the most trials that it may take, so that the time left is hardly ever too short.
         let bar = Bar {
             io,
             begun: self.begun,
-            of: u64::from(of) * u64::from(most + beyond),
+            of: u64::from(starts) * u64::from(most + most_beyond),
         };
         let of_start = |trials: u32, what: &str| {
-            let done = u64::from(before) * u64::from(most + beyond) + u64::from(trials);
-            bar.show(done, &format!("start {} of {of}: {what}", before + 1));
+            let done = u64::from(before) * u64::from(most + most_beyond) + u64::from(trials);
+            bar.show(done, &format!("start {} of {starts}: {what}", before + 1));
         };
         let progress = |trials: u32| of_start(trials, &format!("{trials} of {most} trials"));
         let progress_beyond = |trials: u32| {
-            let what = format!("{trials} of {beyond} not offered");
+            let what = format!("{trials} of {most_beyond} not offered");
             of_start(most + trials, &what);
         };
         let unhinted = Search {
@@ -276,15 +276,15 @@ impl Shared<'_> {
             progress: &progress_beyond,
             ..search
         };
-        let beyond = unoffered(&search, &tree, &found, beyond);
+        let tried = unoffered(&search, &tree, &found, most_beyond);
         io.progress("");
-        let beyond = beyond.map_err(failure)?;
+        let tried = tried.map_err(failure)?;
         drop(tree);
         let mut rows = vec![playing.best(&found)?];
         rows.extend(policies);
         Ok(Some(AtStart {
             found,
-            unoffered: beyond,
+            unoffered: tried,
             rows,
             start,
             program,

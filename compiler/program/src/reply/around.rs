@@ -1,15 +1,18 @@
 //! What stands directly above and below an answer, and makes it another one.
 //!
 //! In: the tokens of an answer, and where its claims are. Out: a heading that makes the lines below it no answer
-//! (`What not to do:`), and values of other fields' kinds that a short remark states without a name (`Better: 180 deg.`).
+//! (`What not to do:`), values of other fields' kinds that a short remark states without a name (`Better: 180 deg.`), and fields
+//! that a line of values alone states.
 
 use super::claim::{Claim, Claimed};
 use super::lexer::{Gap, Kind, Token};
-use super::remarks::Stated;
+use super::names;
+use super::remarks::{Stated, spoken};
 use super::sentences::Reader;
 use super::value::{self, Clarity};
 use super::wordlist::{says, words};
 use crate::data::actions::{ActionField, Choices, Value};
+use std::mem::discriminant;
 
 /// The most tokens of a heading, and of a remark that only states a value.
 const MAX_SHORT: usize = 24;
@@ -21,16 +24,17 @@ const MAX_STATED: usize = 24;
 const ROUNDED: f64 = 0.03;
 
 /// What makes the lines below a heading no answer: it is denied, supposed, one of several, or another's.
-const NO_ANSWER: &str = "there is no|would not|wouldn't|will not|won't|must not|mustn't|do not|don't|does not|not to do|not what|never|\
-    avoid|except|anything but|opposite of|reverse of|contrary of|incorrect|wrong|mistake|counterexample|counter - example|naive|\
-    suppose|supposing|suppose we|imagine|what if|say we|say i|let us say|pretend|hypothetically|option a|option b|alternative|\
+const NO_ANSWER: &str = "there is no|would not|wouldn't|won't|must not|mustn't|do not|don't|not to do|not what|avoid|\
+    everything except|anything but|opposite of|reverse of|contrary of|incorrect|wrong|mistake|counterexample|counter - example|naive|\
+    candidate 1|candidate 2|candidate 3|candidate a|candidate b|option 1|option 2|option 3|second candidate|second option|\
+    suppose|supposing|imagine|what if|say we|say i|let us say|pretend|hypothetically|option a|option b|alternative|\
     alternatively|possible answer|possible action|possible solution|one possibility|the format is|template|\
-    previously|first attempt|earlier attempt|previous attempt|last attempt|first try|my earlier|gpt - 4|gpt|gemini|claude|\
+    previously|first attempt|earlier attempt|previous attempt|last attempt|first try|my earlier|gpt|gemini|claude|\
     according to the last|according to the previous|different cloth|another cloth|different picture|another picture|\
-    different image|another image|rotated by|mirrored|flipped|upside down|asked for this format";
+    different image|another image|rotated by|upside down|asked for this format";
 
 /// What keeps such words from that: `what I will not do again, so here is the answer:`.
-const ANSWER: &str = "here is|here's|final|instead|corrected|therefore|so|thus|hence|avoid this|to avoid|to avoid that";
+const ANSWER: &str = "chosen|selected|best|winner|my choice|i choose|i chose|here is|here's|final|instead|corrected|therefore|so|thus|hence|avoid this|to avoid|to avoid that";
 
 /// The words of a remark that only states a value.
 const STATING: &[&str] = words!(
@@ -42,18 +46,18 @@ const STATING: &[&str] = words!(
 
 /// Returns why the lines below the heading directly above an answer are none.
 ///
-/// - `first`: where the answer begins, bytes.
-pub(super) fn heading(tokens: &[Token<'_>], first: usize) -> Option<&'static str> {
-    let first = tokens.partition_point(|token| token.at < first);
-    let begins_line = tokens.get(first).is_some_and(|it| it.gap >= Gap::Line);
-    if first == 0 || !begins_line {
+/// - `at`: where the answer begins in the text, bytes.
+pub(super) fn heading(text: &str, tokens: &[Token<'_>], at: usize) -> Option<&'static str> {
+    let first = tokens.partition_point(|token| token.at < at);
+    // Objects and tables have no tokens.
+    let above = tokens[..first].last()?;
+    if !text.get(above.end()..at)?.contains('\n') {
         return None;
     }
     let line = (0..first).rev().find(|at| tokens[*at].gap >= Gap::Line);
     let line = &tokens[line.unwrap_or(0)..first];
-    let sentence = (0..line.len() - 1).rev();
-    let sentence = sentence
-        .map(|at| at + 1)
+    let sentence = (1..line.len())
+        .rev()
         .find(|at| value::ends_sentence(line, at - 1));
     let line = &line[sentence.unwrap_or(0)..];
     let is_whole = value::ends_sentence(line, line.len() - 1);
@@ -64,7 +68,7 @@ pub(super) fn heading(tokens: &[Token<'_>], first: usize) -> Option<&'static str
         return None;
     }
     let spoken = spoken(line);
-    let is_format = matches!(line[0], first if line.len() <= 2 && first.is("format"));
+    let is_format = line.len() <= 2 && line[0].is("format");
     (is_format || says(&spoken, NO_ANSWER) && !says(&spoken, ANSWER))
         .then_some("the line above it says that it is no answer")
 }
@@ -163,7 +167,11 @@ pub(super) fn unnamed(
                     true => count(field) == 1,
                     false => count(field) < 2,
                 });
-            values.retain(|it| is_whole && is_missing[it.field]);
+            let is_only = |it: &Claim| {
+                let alike = |field: &ActionField| is_alike(field, &reader.fields[it.field]);
+                names::only(reader.fields, alike).is_some()
+            };
+            values.retain(|it| is_whole && is_missing[it.field] && is_only(it));
             values
         })
         .collect()
@@ -182,15 +190,12 @@ fn others(
     let fields = reader.fields.iter().enumerate();
     let mut kinds: Vec<(usize, &ActionField)> = Vec::new();
     for (index, field) in fields {
-        let is_alike = |(_, other): &(usize, &ActionField)| {
-            std::mem::discriminant(&other.choices) == std::mem::discriminant(&field.choices)
-        };
         let is_kind = field.is_point()
             || matches!(
                 field.choices,
                 Choices::Directions { .. } | Choices::Lengths { .. }
             );
-        if is_kind && !kinds.iter().any(is_alike) {
+        if is_kind && !kinds.iter().any(|(_, other)| is_alike(other, field)) {
             kinds.push((index, field));
         }
     }
@@ -221,6 +226,12 @@ fn others(
     found
 }
 
+/// Returns whether the values of two fields are written alike.
+fn is_alike(a: &ActionField, b: &ActionField) -> bool {
+    let kind = |field: &ActionField| discriminant(&field.choices);
+    a.is_point() && b.is_point() || kind(a) == kind(b)
+}
+
 /// Returns whether two values are the same up to rounding: `0.75 edge, 253 mm`.
 fn is_about(a: &Value, b: &Value) -> bool {
     match (a, b) {
@@ -233,13 +244,4 @@ fn is_about(a: &Value, b: &Value) -> bool {
         }
         _ => a == b,
     }
-}
-
-/// Writes tokens in lower case, with a blank around each.
-fn spoken(tokens: &[Token<'_>]) -> String {
-    let words = tokens.iter().map(|token| match token.kind {
-        Kind::Sign(sign) => sign.to_string(),
-        Kind::Word | Kind::Number => token.text.to_lowercase().replace('’', "'"),
-    });
-    words.fold(" ".to_owned(), |text, word| format!("{text}{word} "))
 }

@@ -57,7 +57,8 @@ impl<'a, 't> Cursor<'a, 't> {
         is_there
     }
 
-    /// Skips words and signs that are among these, up to a number that no sentence has: this is tried at every token.
+    /// Skips words and signs that are among these, but no more than any sentence has in a row: a reader that tries it at
+    /// every token stays linear.
     pub fn skip(&mut self, words: &[&str], signs: &[char]) {
         const MOST: usize = 40;
         let most = self.at + MOST;

@@ -115,6 +115,13 @@ pub(super) fn beside(text: &str, objects: &[Node], is_field: &dyn Fn(&str) -> bo
     beside
 }
 
+fn bare(node: &Node) -> Option<&str> {
+    match &node.shape {
+        Shape::Bare(text) => Some(text),
+        _ => None,
+    }
+}
+
 fn aside_members(is_field: &dyn Fn(&str) -> bool, node: &Node, depth: usize, beside: &mut Beside) {
     let Shape::Object(found) = &node.shape else {
         return;
@@ -143,17 +150,11 @@ fn aside_members(is_field: &dyn Fn(&str) -> bool, node: &Node, depth: usize, bes
             }
             // `"image_size": [1000, 1000]`
             Shape::List(items)
-                if !items.is_empty()
-                    && items
-                        .iter()
-                        .all(|item| matches!(item.shape, Shape::Bare(_))) =>
+                if !items.is_empty() && items.iter().all(|it| bare(it).is_some()) =>
             {
-                let bare = items.iter().filter_map(|item| match &item.shape {
-                    Shape::Bare(text) => Some(text.as_str()),
-                    _ => None,
-                });
-                let numbers = bare.collect::<Vec<&str>>().join(" x ");
+                let numbers: Vec<&str> = items.iter().filter_map(bare).collect();
                 let key = key.replace('_', " ").to_lowercase();
+                let numbers = numbers.join(" x ");
                 beside.said.push_str(&format!("{key}: {numbers}\n\n"));
             }
             // `"warnings": ["do not execute"]`

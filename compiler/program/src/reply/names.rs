@@ -44,7 +44,7 @@ const VERBS: [(&str, &[&str], Form); 8] = [
         "pick",
         &[
             "picking", "picks", "grasp", "grasps", "grasping", "grab", "grabs", "grabbing",
-            "pickup", "pinch", "pinches",
+            "pickup", "pinch", "pinches", "seize", "seizes",
         ],
         Form::Verb,
     ),
@@ -62,6 +62,9 @@ const VERBS: [(&str, &[&str], Form); 8] = [
             "release",
             "releases",
             "releasing",
+            "lay",
+            "lays",
+            "laying",
         ],
         Form::Verb,
     ),

@@ -115,10 +115,11 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_UNIT, &["not in pixels|not pixels|not px|not in px|not pixel", POINTS], ""),
     anywhere(Pixels, OTHER_ORDER, &["row before the column|rows before columns|row before column|is the vertical one|row , column|row , col|rows , columns|v , u|y before x|y first|number is the row|coordinate is the row|value is the row"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["0 - 1000 scale|0 - 1000 range|0 to 1000 scale|scale of 0 to 1000|range 0 - 1000|range of 0 to 1000|0 - 999 scale|scale 0 - 1000|on a 0 - 1000|in 0 - 1000"], NOT),
-    anywhere(Pixels, OTHER_UNIT, &["^ unit :|^ units :|^ scale :", "normalized|normalised|relative|percent|fraction|mm|cm|inch|inches|thousandths"], NOT),
-    anywhere(Pixels, OTHER_FRAME, &["^ frame :|^ origin :|^ coordinate system :|^ coordinate frame :|^ reference frame :", "bottom|lower|center|centre|middle|robot|world|base|table|cloth"], NOT),
+    anywhere(Pixels, OTHER_UNIT, &["^ unit :|^ units :|^ scale :", "normalized|normalised|relative|percent|fraction|mm|cm|inch|inches|thousandths"], "not|no|without|isn't|aren't|haven't|px|pixel|pixels|deg|degrees|distance|distances"),
+    anywhere(Pixels, OTHER_FRAME, &["frame : bottom|frame : lower|frame : center|frame : centre|frame : middle|frame : robot|frame : world|frame : base|frame : table|frame : cloth|origin : bottom|origin : lower|origin : center|origin : centre|origin : middle|origin : robot|origin : world|origin : base|origin : table|origin : cloth|coordinate system : bottom|coordinate system : lower|coordinate system : center|coordinate system : centre|coordinate system : middle|coordinate system : robot|coordinate system : world|coordinate system : base|coordinate system : table|coordinate system : cloth|coordinate frame : bottom|coordinate frame : lower|coordinate frame : center|coordinate frame : centre|coordinate frame : middle|coordinate frame : robot|coordinate frame : world|coordinate frame : base|coordinate frame : table|coordinate frame : cloth|reference frame : bottom|reference frame : lower|reference frame : center|reference frame : centre|reference frame : middle|reference frame : robot|reference frame : world|reference frame : base|reference frame : table|reference frame : cloth"], ""),
     anywhere(Pixels, OTHER_ORDER, &["given as y , x|written as y , x|listed as y , x|height first|row first|rows first|vertical first|vertical coordinate first"], NOT),
-    anywhere(Pixels, OTHER_ORDER, &["swap x and y|swap the x and y|exchange x and y|x and y are swapped|x and y swapped|swap the coordinates|swap pick and place|exchange pick and place"], NOT),
+    anywhere(Pixels, OTHER_ORDER, &["swap x and y|swap the x and y|exchange x and y|x and y are swapped|x and y swapped|swap the coordinates"], NOT),
+    anywhere(Action, CHANGED, &["swap pick and place|exchange pick and place"], NOT),
     anywhere(Pixels, OTHER_ORDER, &["yx|y , x|row_col|rowcol", "order|coordinate_order|format|convention|coordinates"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["enlarged|cropped|zoomed|upscaled|rescaled|magnified", "picture|image|crop|view|version|region", "coordinates|coordinate|points|point|values|relative|in the enlarged|in the cropped|in the zoomed|from the|working on"], NOT),
     anywhere(Pixels, OTHER_PICTURE, &["values|coordinates|points|numbers|they", "are from|are of|come from|belong to|taken from", "previous|last|earlier|another|other|old|first", "scene|picture|image|photo|frame|step"], "not|no|without|isn't|aren't|haven't|from a crease|from the crease|from a wrinkle|from an old crease"),
@@ -131,7 +132,7 @@ const ROWS: &[Row] = &[
     anywhere(Pixels, OTHER_PICTURE, &["relative to|refer to|based on|measured in|measured on|read from|read in|are in the", "version of|copy of|thumbnail|resized|downscaled|downsampled"], NOT),
     anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "angle|angles|direction|directions|measured|measure|counted|count"], "mistake|mistakes|attempt|corners|outline|right angle|right angles|counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
     anywhere(Directions, OTHER_ANGLE, &["clockwise|cw", "from the top|from top|from up|from north|from 12"], "corner|corners|counter clockwise|counter - clockwise|anti clockwise|anti - clockwise|anticlockwise|counterclockwise|ccw|not"),
-    anywhere(Directions, OTHER_ANGLE, &["angle|angles|direction|directions|degrees", "measured from|counted from|start at|starts at|starting from|starting at", "top|up|north|vertical|bottom|left"], "not|right|x - axis|horizontal"),
+    anywhere(Directions, OTHER_ANGLE, &["angle|angles|direction|directions|degrees", "measured from|counted from|start at|starts at|starting from|starting at", "top|up|north|vertical|bottom|left"], "not|right|x - axis|x axis|horizontal|east"),
     anywhere(Directions, OTHER_ANGLE, &["positive is clockwise|clockwise is positive|positive clockwise|clockwise positive|positive = clockwise"], "counter|not"),
     anywhere(Directions, OTHER_ANGLE, &["0 deg|0 degrees|0 °|zero degrees", "is up|points up|pointing up|means up|pointing upwards|is straight up|means straight up|pointing straight up|is north|at the top|straight down"], "not|right|tip comes|comes from"),
     anywhere(Directions, OTHER_ANGLE, &["90 deg|90 degrees|90 °", "points to the bottom|points down|pointing down|is down|means down"], "not|270"),
@@ -156,6 +157,7 @@ const ROWS: &[Row] = &[
     anywhere(Action, WITHDRAWN, &["would not do this|wouldn't do this|would not do that|would not execute this|would not carry this out"], ""),
     anywhere(Action, WITHDRAWN, &["^ action : none|^ action : noop|^ action : no op|^ action : null|^ action : skip|^ action : abort|^ action : stop|^ action : wait|^ action : no action"], ""),
     anywhere(Action, CHANGED, &["^ corrected|^ revised|^ alternative|^ updated|^ improved|^ actual", "pick :|place :|direction :|distance :|point :|angle :|grip :"], ""),
+    after("the answer holds only under a condition", &["let me know which|let me know where|let me know what|let me know whether|tell me which|tell me where|tell me whether"], "else|you|you'd|next|happens|happened|went|goes|worked"),
     after("the answer holds only under a condition", &["^ only if|^ unless|^ only when|^ provided that"], "slips|otherwise"),
     anywhere(Action, WITHDRAWN, &["^ error :|, error :"], "error : null|error : false|error : none|error : no|error : 0|error : ,"),
     anywhere(Action, "the answer calls itself a draft", &["not my final|not the final|not final|isn't final"], ""),
@@ -409,7 +411,7 @@ fn has_condition(tokens: &[Token<'_>], last_claim: Option<usize>) -> bool {
 }
 
 /// Writes a sentence in lower case, with blanks around each word and sign.
-fn spoken(sentence: &[Token<'_>]) -> String {
+pub(super) fn spoken(sentence: &[Token<'_>]) -> String {
     // `^` stands for the beginning.
     let mut words = String::from(" ^ ");
     for token in sentence {

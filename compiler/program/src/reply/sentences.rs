@@ -448,28 +448,21 @@ impl<'a> Sentences<'a> {
         if begins && start > 0 && self.tokens[start].gap < Gap::Item {
             start = self.sentence(start - 1).start;
         }
-        let begin = (start.max(end.saturating_sub(MAX_POINTED))..end)
+        let context = self
+            .reader
+            .context(mention.field, self.text, None, Clarity::Spoken);
+        let (begin, (value, note)) = (start.max(end.saturating_sub(MAX_POINTED))..end)
             .rev()
-            .find(|begin| {
-                let mut cursor = Cursor::at(&self.tokens[..end], *begin);
-                let found = point::read(&mut cursor, self.reader.notation, Brackets::Needed);
-                matches!(found, PointFound::Pixel(..))
+            .find_map(|begin| {
+                let mut cursor = Cursor::at(&self.tokens[..end], begin);
+                Some((begin, value::bare(&mut cursor, &context)?))
             })?;
-        if self.is_denied(begin, Clarity::Spoken, false)
-            || self.is_denied(mention.at, Clarity::Spoken, false)
-            || self.is_weighed(begin, mention.end)
-        {
+        let is_denied = |at| self.is_denied(at, Clarity::Spoken, false);
+        if is_denied(begin) || is_denied(mention.at) || self.is_weighed(begin, mention.end) {
             return None;
         }
-        let mut cursor = Cursor::at(&self.tokens[..end], begin);
-        match point::read(&mut cursor, self.reader.notation, Brackets::Needed) {
-            PointFound::Pixel(point, note) => Some(self.claim_in(
-                mention.field,
-                begin..mention.end,
-                Claimed::Value(Value::Point(point), note),
-            )),
-            PointFound::Bad(_) | PointFound::Nothing => None,
-        }
+        let claimed = Claimed::Value(value, note);
+        Some(self.claim_in(mention.field, begin..mention.end, claimed))
     }
 
     /// Returns whether a tag's attribute names the field: `<parameter name="pick">`, `<parameter=pick>`.

@@ -338,7 +338,7 @@ const PLAIN: &[Row] = &[
     row(Ever, Anything, "format|template|fields|lines has|have|had|must to|be * filled", "", DOUBTED),
     row(Later, Anything, "can|could not be right|correct|true", "", DOUBTED),
     row(Later, Anything, "take it|that|this|them back $", "", DOUBTED),
-    row(Later, Author, "take the|my above|answer|values|lines|proposal back", "", DOUBTED),
+    row(Later, Author, "take the|my|this|that|these|those above|answer|values|lines|proposal|one back", "", DOUBTED),
     row(Later, Answer, "should|must|can not be used", "", DOUBTED),
     row(Later, Answer, "^ it|this|that BE invalid|void|mistaken", "", DOUBTED),
     row(Later, Anything, "lines|values|points|numbers|answer * BE * mistaken|wrong|incorrect|invalid|void", "not|previous|earlier|last", DOUBTED),
