@@ -31,7 +31,9 @@ const NO_ANSWER: &str = "there is no|would not|wouldn't|won't|must not|mustn't|d
     alternatively|possible answer|possible action|possible solution|one possibility|the format is|template|\
     previously|first attempt|earlier attempt|previous attempt|last attempt|first try|my earlier|gpt|gemini|claude|\
     according to the last|according to the previous|different cloth|another cloth|different picture|another picture|\
-    different image|another image|rotated by|upside down|asked for this format";
+    different image|another image|rotated by|upside down|asked for this format|\
+    second robot|other robot|other arm|another robot|ruled out|discarded|rejected|should be written|should look|would look|worst|\
+    not to be taken|not yet checked|entwurf|beispiel|nicht freigegeben|modèle|exemple|ejemplo";
 
 /// What keeps such words from that: `what I will not do again, so here is the answer:`.
 const ANSWER: &str = "chosen|selected|best|winner|my choice|i choose|i chose|here is|here's|final|instead|corrected|therefore|so|thus|hence|avoid this|to avoid|to avoid that";
@@ -40,7 +42,7 @@ const ANSWER: &str = "chosen|selected|best|winner|my choice|i choose|i chose|her
 const STATING: &[&str] = words!(
     "answer chosen choice final summary short in so thus hence therefore result better correct corrected best is are be the an a
     angle direction distance length point pull move use using take choose go goes to should must please change from robot gripper
-    on second thought thoughts reflection with by and then it its place pick at of deg degrees degree ° edge edges mm px pixel
+    on second thought thoughts reflection fold carry with by and then it its place pick at of deg degrees degree ° edge edges mm px pixel
     pixels overall conclusion decision action output value values my i'd i'll that's"
 );
 
@@ -171,9 +173,31 @@ pub(super) fn unnamed(
                 let alike = |field: &ActionField| is_alike(field, &reader.fields[it.field]);
                 names::only(reader.fields, alike).is_some()
             };
+            if values.len() == 2 && is_missing.iter().all(|it| *it) {
+                return carried(reader, line, values);
+            }
             values.retain(|it| is_whole && is_missing[it.field] && is_only(it));
             values
         })
+        .collect()
+}
+
+/// Reads two points with an arrow between them, `(10, 20) -> (30, 40)`, where there is a pick and a place alone.
+fn carried(reader: &Reader<'_>, line: &[Token<'_>], values: Vec<Claim>) -> Vec<Claim> {
+    let field = |name: &str| names::only(reader.fields, |it| it.name == name && it.is_point());
+    let between = line.iter().filter(|it| {
+        (values[0].span.end..values[1].span.start).contains(&it.at) && it.kind != Kind::Sign(',')
+    });
+    let between: Vec<&Token<'_>> = between.collect();
+    let is_arrow = matches!(between[..], [arrow] if arrow.is_sign('→'));
+    let (Some(pick), Some(place), true) = (field("pick"), field("place"), is_arrow) else {
+        return Vec::new();
+    };
+    let fields = [pick, place].into_iter();
+    values
+        .into_iter()
+        .zip(fields.filter(|_| reader.fields.len() == 2))
+        .map(|(value, field)| Claim { field, ..value })
         .collect()
 }
 

@@ -333,7 +333,12 @@ impl Clause<'_> {
             .filter(|at| at + 1 < words.len());
         let harmless = |at: usize| {
             let next = words.get(at + 1).copied().unwrap_or_default();
+            // `This is not the place of the last pull`
+            let of_last = words
+                .windows(3)
+                .any(|it| matches!(it, ["of", "the", "last" | "previous"]));
             words[at + 1..].iter().any(|it| is_unwanted(it))
+                || of_last
                 || words!("pull push press underneath beneath under below above behind")
                     .contains(&next)
         };
