@@ -194,14 +194,30 @@ fn tag(reply: &str, at: usize) -> Option<(&str, bool, usize)> {
     (length > 0 && is_whole).then_some((&name[..length], is_closing, end))
 }
 
+/// Ends of a line that introduces the answer, which may be set as a quotation.
+const MINE: [&str; 6] = [
+    "here is my answer:",
+    "here's my answer:",
+    "my answer:",
+    "my answer is:",
+    "final answer:",
+    "here is the answer:",
+];
+
 fn quoted(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
     let mut at = 0;
+    let mut is_mine = false;
     for line in reply.split_inclusive('\n') {
         let trimmed = line.trim_start();
         let is_unticked = trimmed
             .trim_start_matches(['-', '*', '+', ' '])
             .starts_with("[ ]");
-        if trimmed.starts_with('>') {
+        let is_quotation = trimmed.starts_with('>');
+        if !is_quotation && !trimmed.is_empty() {
+            let lower = trimmed.trim_end().to_lowercase();
+            is_mine = MINE.iter().any(|words| lower.ends_with(words));
+        }
+        if is_quotation && !is_mine {
             asides.push((at..at + line.trim_end().len(), Aside::Quotation));
         } else if is_unticked {
             asides.push((at..at + line.trim_end().len(), Aside::Unticked));

@@ -13,6 +13,7 @@ use super::names;
 use super::object;
 use super::remarks;
 use super::sentences::Reader;
+use crate::data::actions::Value;
 use std::ops::Range;
 
 /// What an answer claims.
@@ -90,7 +91,15 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let tables = data::tables(reader, &text, &mut claims);
     text = aside::blanked(&text, &tables);
     claims.extend(reader.sentences(&text, None));
-    claims.extend(worded(reader, &beside.reasons, reply));
+    let reasons = worded(reader, &beside.reasons, reply).into_iter();
+    // A reason may contradict a value, but it does not stand for one.
+    let reasons: Vec<Claim> = reasons
+        .filter(|reason| {
+            matches!(reason.claimed, Claimed::Side(_) | Claimed::OneOf(_))
+                || claims.iter().any(|claim| claim.field == reason.field)
+        })
+        .collect();
+    claims.extend(reasons);
     let tokens = lexer::tokens(&text);
     let unnamed = around::unnamed(reader, &text, &tokens, &claims);
     claims.extend(unnamed);
@@ -182,9 +191,15 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
 /// Returns what the reasons within an object say in words that are coarser than the choices.
 fn worded(reader: &Reader<'_>, reasons: &str, reply: &str) -> Vec<Claim> {
     let claims = reader.sentences(reasons, None).into_iter();
-    // A direction in words may stand for an angle, but not from within a reason.
-    let claims =
-        claims.filter(|claim| matches!(claim.claimed, Claimed::Side(_) | Claimed::OneOf(_)));
+    let claims = claims.filter(|claim| {
+        matches!(
+            claim.claimed,
+            Claimed::Side(_)
+                | Claimed::OneOf(_)
+                | Claimed::Course(_)
+                | Claimed::Value(Value::Point(_), _)
+        )
+    });
     let claims = claims.take(MAX_WORDED).map(|claim| {
         // Escaped letters stand otherwise in the answer.
         let said = &reasons[claim.span.clone()];

@@ -17,7 +17,7 @@ use std::ops::Range;
 const TAKING: &[&str] = words!(
     "pick picks picking picked grasp grasps grasping grasped grab grabs grabbing grabbed take takes taking taken lift lifts
     lifting lifted fold folds folding folded bring brings bringing brought carry carries carrying carried move moves
-    moving moved drag drags dragging dragged"
+    moving moved drag drags dragging dragged pull pulls pulling"
 );
 
 /// The same after `is`, where it tells of no earlier step: `is folded` may.

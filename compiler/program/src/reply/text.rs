@@ -42,6 +42,9 @@ const ANSWERS: &[&str] = words!("answer response output result text content fina
 /// The most bytes of a text; one character has at most four.
 const MAX_LENGTH: usize = 4 * MAX_TEXT_CHARS;
 
+/// The most words of a heading of a table.
+const MAX_HEADING: usize = 3;
+
 /// The most texts that are compared.
 const MAX_FOUND: usize = 50;
 
@@ -300,6 +303,17 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
         if let Some(at) = text.find('|').filter(|_| is_cell) {
             text.truncate(at);
         }
+        let below = is_cell.then(|| column(lines, index, label)).flatten();
+        if let Some(cells) = below {
+            repairs.push(format!("took the cell below `{before}`"));
+            found.push(Found {
+                value: cut(cells.first, after, &mut repairs),
+                span: start + label..cells.end,
+                repairs,
+                is_list: cells.is_several,
+            });
+            continue;
+        }
         let mut last = index;
         let mut is_list = false;
         let mut begun = has_letters(&text);
@@ -317,7 +331,7 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
                 continue;
             }
             if !begun {
-                if is_labelled(following) {
+                if is_labelled(following) || following.starts_with('#') {
                     break;
                 }
                 repairs.push(format!("took the line below `{before}`"));
@@ -352,6 +366,39 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
         });
     }
     found
+}
+
+/// The cells of a table below one of its headings.
+struct Cells<'a> {
+    first: &'a str,
+    /// Where the last row ends, bytes.
+    end: usize,
+    is_several: bool,
+}
+
+/// Returns the cells below a heading of a table, if a line of dashes stands below its row.
+///
+/// - `heading`: the row of the headings.
+/// - `label`: where the heading begins in it, bytes.
+fn column<'a>(lines: &[(usize, &'a str)], heading: usize, label: usize) -> Option<Cells<'a>> {
+    let number = lines[heading].1[..label].matches('|').count();
+    let dashes = lines.get(heading + 1)?.1;
+    let is_rule = |letter: char| matches!(letter, '|' | '-' | ':' | ' ');
+    // Some write the text itself into the first row.
+    let mut cells = lines[heading].1.split('|');
+    let holds_text = cells.any(|cell| cell.split_whitespace().count() > MAX_HEADING);
+    if holds_text || !(dashes.contains("--") && dashes.chars().all(is_rule)) {
+        return None;
+    }
+    let rows = lines[heading + 2..].iter();
+    let mut rows = rows.take_while(|(_, line)| line.trim_start().starts_with('|'));
+    let (start, first) = rows.next()?;
+    let others = rows.filter(|(_, row)| has_letters(row));
+    Some(Cells {
+        first: first.split('|').nth(number).unwrap_or_default(),
+        end: start + first.len(),
+        is_several: others.count() > 0,
+    })
 }
 
 /// Returns a text up to where a tag closes, `</answer>` or `<|im_end|>`.
@@ -521,6 +568,14 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
     ]) {
         return Some("Your answer holds an apology where the text is expected.".to_owned());
     }
+    let is_lost = ["make out", "tell", "say which", "see where"].iter().any(|seen| {
+        ["i can't ", "i cannot ", "i am unable to ", "i'm unable to "]
+            .iter()
+            .any(|unable| lower.contains(&format!("{unable}{seen}")))
+    });
+    if is_lost {
+        return Some("Your answer says in the text what it could not see.".to_owned());
+    }
     let is_remark = lower.starts_with('(') && lower.ends_with(')')
         || begins(&["please look", "please note", "see the", "refer to"]);
     if is_remark || (lower.contains(" | ") || lower.ends_with('|')) {
@@ -584,7 +639,12 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
     .any(|joint| lower.contains(joint));
     let chooses_none = offers_another
         || (format!(" {lower}").contains(" either ") && lower.contains(" or "))
-        || lower.contains("not sure which");
+        || lower.contains("not sure which")
+        || (lower.starts_with("if ")
+            && ["if ", "otherwise", "else "].iter().any(|other| {
+                let mut clauses = lower.split([';', '.']).skip(1);
+                clauses.any(|clause| clause.trim_start().starts_with(other))
+            }));
     if chooses_none {
         return Some("Your answer leaves more than one text open.".to_owned());
     }
