@@ -568,11 +568,13 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
     ]) {
         return Some("Your answer holds an apology where the text is expected.".to_owned());
     }
-    let is_lost = ["make out", "tell", "say which", "see where"].iter().any(|seen| {
-        ["i can't ", "i cannot ", "i am unable to ", "i'm unable to "]
-            .iter()
-            .any(|unable| lower.contains(&format!("{unable}{seen}")))
-    });
+    let is_lost = ["make out", "tell", "say which", "see where"]
+        .iter()
+        .any(|seen| {
+            ["i can't ", "i cannot ", "i am unable to ", "i'm unable to "]
+                .iter()
+                .any(|unable| lower.contains(&format!("{unable}{seen}")))
+        });
     if is_lost {
         return Some("Your answer says in the text what it could not see.".to_owned());
     }
