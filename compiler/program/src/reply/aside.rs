@@ -20,7 +20,7 @@ pub enum Aside {
     Unticked,
     /// `<!-- … -->`
     Comment,
-    /// `<|im_end|>` and other marks of a chat format.
+    /// `<|im_end|>` and other marks of a chat format; the `>` of a quotation that is the answer.
     Mark,
 }
 
@@ -194,14 +194,16 @@ fn tag(reply: &str, at: usize) -> Option<(&str, bool, usize)> {
     (length > 0 && is_whole).then_some((&name[..length], is_closing, end))
 }
 
-/// Ends of a line that introduces the answer, which may be set as a quotation.
-const MINE: [&str; 6] = [
-    "here is my answer:",
-    "here's my answer:",
-    "my answer:",
-    "my answer is:",
-    "final answer:",
-    "here is the answer:",
+/// What introduces the answer; a quotation below it is no quotation.
+const MINE: [&str; 8] = [
+    "my answer",
+    "my answer is",
+    "here is my answer",
+    "here's my answer",
+    "final answer",
+    "my final answer",
+    "here is my final answer",
+    "here is the answer",
 ];
 
 fn quoted(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
@@ -210,14 +212,20 @@ fn quoted(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
     for line in reply.split_inclusive('\n') {
         let trimmed = line.trim_start();
         let is_unticked = trimmed
-            .trim_start_matches(['-', '*', '+', ' '])
+            .trim_start_matches(['-', '*', '+', '>', ' '])
             .starts_with("[ ]");
         let is_quotation = trimmed.starts_with('>');
         if !is_quotation && !trimmed.is_empty() {
-            let lower = trimmed.trim_end().to_lowercase();
-            is_mine = MINE.iter().any(|words| lower.ends_with(words));
+            let bare = trimmed.trim_end().trim_end_matches(['*', '_', '`', ' ']);
+            let said = last_sentence(bare).trim_matches(['*', '_', '#', ' ', ':']);
+            let said = said.to_lowercase().replace('’', "'");
+            is_mine = bare.ends_with(':') && MINE.contains(&&*said);
         }
-        if is_quotation && !is_mine {
+        if is_quotation && is_mine && !is_unticked {
+            let bare = trimmed.trim_start_matches(['>', ' ']);
+            let mark = at + line.len() - trimmed.len();
+            asides.push((mark..at + line.len() - bare.len(), Aside::Mark));
+        } else if is_quotation && !is_mine {
             asides.push((at..at + line.trim_end().len(), Aside::Quotation));
         } else if is_unticked {
             asides.push((at..at + line.trim_end().len(), Aside::Unticked));

@@ -92,12 +92,13 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     text = aside::blanked(&text, &tables);
     claims.extend(reader.sentences(&text, None));
     let reasons = worded(reader, &beside.reasons, reply).into_iter();
-    // A reason may contradict a value, but it does not stand for one.
+    // A direction in words may stand for an angle, but not from within a reason.
+    let is_stated = |field| {
+        let stated = |it: &Claim| it.field == field && !it.claimed.is_worded();
+        claims.iter().any(stated)
+    };
     let reasons: Vec<Claim> = reasons
-        .filter(|reason| {
-            matches!(reason.claimed, Claimed::Side(_) | Claimed::OneOf(_))
-                || claims.iter().any(|claim| claim.field == reason.field)
-        })
+        .filter(|it| !matches!(it.claimed, Claimed::Course(_)) || is_stated(it.field))
         .collect();
     claims.extend(reasons);
     let tokens = lexer::tokens(&text);
@@ -188,7 +189,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     }
 }
 
-/// Returns what the reasons within an object say in words that are coarser than the choices.
+/// Returns what the reasons within an object say of the values: words that are coarser than the choices, and points.
 fn worded(reader: &Reader<'_>, reasons: &str, reply: &str) -> Vec<Claim> {
     let claims = reader.sentences(reasons, None).into_iter();
     let claims = claims.filter(|claim| {
@@ -205,8 +206,14 @@ fn worded(reader: &Reader<'_>, reasons: &str, reply: &str) -> Vec<Claim> {
         let said = &reasons[claim.span.clone()];
         let start = reply.find(said).unwrap_or(reply.len());
         let end = reply.len().min(start + said.len());
+        // A point within a reason is held against the value, but is none itself.
+        let claimed = match claim.claimed {
+            Claimed::Value(value @ Value::Point(_), _) => Claimed::OneOf(vec![value]),
+            claimed => claimed,
+        };
         Claim {
             span: start..end,
+            claimed,
             ..claim
         }
     });

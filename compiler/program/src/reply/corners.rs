@@ -202,8 +202,11 @@ fn side(tokens: &[Token<'_>], at: usize, is_known: bool) -> Option<Corner> {
         return None;
     }
     let deg = words::side(&mut cursor)?;
-    let is_corner = tokens[at..cursor.at].iter().any(|it| it.is("corner"));
-    ((is_corner || is_known) && deg % 90.0 != 0.0).then_some(Corner {
+    let read = &tokens[at..cursor.at];
+    let is_corner = read.iter().any(|it| it.is("corner"));
+    // `pull the cloth to the upper left corner`
+    let leads = read.iter().any(|it| it.is_any(LEADING));
+    (!leads && (is_corner || is_known) && deg % 90.0 != 0.0).then_some(Corner {
         deg: Some(deg),
         end: cursor.at,
     })

@@ -140,13 +140,19 @@ fn aside_members(is_field: &dyn Fn(&str) -> bool, node: &Node, depth: usize, bes
             };
             for item in listed {
                 if let Shape::Text(text) = &item.shape {
+                    let text = text.trim_end_matches('.');
                     beside.reasons.push_str(&format!("{text}.\n\n"));
                 }
             }
         }
         match &value.shape {
-            Shape::Object(_) if depth < MAX_STRINGS => {
+            Shape::Object(inner) if depth < MAX_STRINGS => {
+                let known = beside.reasons.len();
                 aside_members(is_field, value, depth + 1, beside);
+                // The reasons of another action: `"alternative": {"pick": …}`.
+                if !is_any(key, CONTAINERS) && inner.iter().any(|it| is_field(&it.key)) {
+                    beside.reasons.truncate(known);
+                }
             }
             // `"image_size": [1000, 1000]`
             Shape::List(items)

@@ -169,9 +169,10 @@ fn doubt(text: &str, label: &str, after: &str, found: &[Found]) -> Option<&'stat
     let around = |part: Option<&str>, place| {
         let part = part.unwrap_or_default();
         let tokens = lexer::tokens(part);
+        // In a table, the next cell is that of the explanation.
         let is_asked = place == Place::After
-            && !letters(after).is_empty()
-            && letters(part).starts_with(&letters(after));
+            && (part.trim_start().starts_with('|')
+                || !letters(after).is_empty() && letters(part).starts_with(&letters(after)));
         let doubted = match is_asked {
             true => remarks::doubt_in(&tokens, None, place, Prose::Explanation),
             false => remarks::doubt(&tokens, None, place),
@@ -303,7 +304,9 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
         if let Some(at) = text.find('|').filter(|_| is_cell) {
             text.truncate(at);
         }
-        let below = is_cell.then(|| column(lines, index, label)).flatten();
+        let is_alone =
+            is_cell && (!has_letters(&text) || line[label..label + length].contains('|'));
+        let below = is_alone.then(|| column(lines, index, label)).flatten();
         if let Some(cells) = below {
             repairs.push(format!("took the cell below `{before}`"));
             found.push(Found {
@@ -331,7 +334,9 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
                 continue;
             }
             if !begun {
-                if is_labelled(following) || following.starts_with('#') {
+                let is_heading = following.starts_with('#')
+                    && following.split_whitespace().count() <= 1 + MAX_HEADING;
+                if is_labelled(following) || is_heading {
                     break;
                 }
                 repairs.push(format!("took the line below `{before}`"));
@@ -371,12 +376,12 @@ fn at_line_starts(lines: &[(usize, &str)], before: &str, after: &str) -> Vec<Fou
 /// The cells of a table below one of its headings.
 struct Cells<'a> {
     first: &'a str,
-    /// Where the last row ends, bytes.
+    /// Where the first cell ends, bytes.
     end: usize,
     is_several: bool,
 }
 
-/// Returns the cells below a heading of a table, if a line of dashes stands below its row.
+/// Returns the cells below a heading of a table, if a line of dashes stands below its row and a text below that.
 ///
 /// - `heading`: the row of the headings.
 /// - `label`: where the heading begins in it, bytes.
@@ -384,20 +389,23 @@ fn column<'a>(lines: &[(usize, &'a str)], heading: usize, label: usize) -> Optio
     let number = lines[heading].1[..label].matches('|').count();
     let dashes = lines.get(heading + 1)?.1;
     let is_rule = |letter: char| matches!(letter, '|' | '-' | ':' | ' ');
-    // Some write the text itself into the first row.
-    let mut cells = lines[heading].1.split('|');
-    let holds_text = cells.any(|cell| cell.split_whitespace().count() > MAX_HEADING);
-    if holds_text || !(dashes.contains("--") && dashes.chars().all(is_rule)) {
+    if !(dashes.contains('-') && dashes.chars().all(is_rule)) {
         return None;
     }
     let rows = lines[heading + 2..].iter();
     let mut rows = rows.take_while(|(_, line)| line.trim_start().starts_with('|'));
-    let (start, first) = rows.next()?;
-    let others = rows.filter(|(_, row)| has_letters(row));
+    let (start, row) = rows.next()?;
+    let first = row.split('|').nth(number)?;
+    // Some write the text into the first row: `| Instructions | Unfold it. |`, and below it `| Explanation | … |`.
+    if first.split_whitespace().count() <= MAX_HEADING || is_labelled(first) {
+        return None;
+    }
+    let before: usize = row.split('|').take(number).map(|cell| cell.len() + 1).sum();
+    let in_column = |row: &str| row.split('|').nth(number).is_some_and(has_letters);
     Some(Cells {
-        first: first.split('|').nth(number).unwrap_or_default(),
-        end: start + first.len(),
-        is_several: others.count() > 0,
+        first,
+        end: start + before + first.len(),
+        is_several: rows.take(MAX_FOUND).any(|(_, row)| in_column(row)),
     })
 }
 
@@ -576,7 +584,7 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
                 .any(|unable| lower.contains(&format!("{unable}{seen}")))
         });
     if is_lost {
-        return Some("Your answer says in the text what it could not see.".to_owned());
+        return Some("Your answer says in its text that it cannot see something.".to_owned());
     }
     let is_remark = lower.starts_with('(') && lower.ends_with(')')
         || begins(&["please look", "please note", "see the", "refer to"]);
@@ -643,9 +651,9 @@ fn unusable(text: &str, is_last: bool) -> Option<String> {
         || (format!(" {lower}").contains(" either ") && lower.contains(" or "))
         || lower.contains("not sure which")
         || (lower.starts_with("if ")
-            && ["if ", "otherwise", "else "].iter().any(|other| {
-                let mut clauses = lower.split([';', '.']).skip(1);
-                clauses.any(|clause| clause.trim_start().starts_with(other))
+            && lower.split([';', '.', ',']).skip(1).any(|clause| {
+                let first = clause.split_whitespace().next().unwrap_or_default();
+                ["if", "otherwise", "else"].contains(&first)
             }));
     if chooses_none {
         return Some("Your answer leaves more than one text open.".to_owned());
