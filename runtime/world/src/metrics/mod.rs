@@ -79,11 +79,14 @@ fn distance_m(a: &[f32; 3], b: &[f32; 3]) -> f64 {
 ///
 /// - `now`, `at_start`: as [`coverage`] gives them.
 ///
-/// Negative if coverage was lost, above 1 if [`coverage`] is. `None` if nothing was missing.
+/// Negative if coverage was lost, above 1 if [`coverage`] is. `None` if nothing was missing but for rounding.
 pub fn normalized_improvement(now: f64, at_start: f64) -> Option<f64> {
     let missing = 1.0 - at_start;
-    (missing > 0.0).then(|| (now - at_start) / missing)
+    (missing > COVERAGE_ROUNDING).then(|| (now - at_start) / missing)
 }
+
+/// The largest error of a flat cloth's coverage; particles have 32 bits.
+const COVERAGE_ROUNDING: f64 = 1e-6;
 
 #[cfg(test)]
 mod tests {
@@ -132,6 +135,7 @@ mod tests {
         assert_eq!(normalized_improvement(0.25, 0.5), Some(-0.5));
         assert_eq!(normalized_improvement(1.0, 0.5), Some(1.0));
         assert_eq!(normalized_improvement(1.0, 1.0), None);
+        assert_eq!(normalized_improvement(0.5, 1.0 - 4e-8), None);
         assert_eq!(normalized_improvement(1.0, 1.05), None);
         assert_eq!(normalized_improvement(1.0, f64::NAN), None);
     }
