@@ -156,7 +156,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                     // What was found in it may be why.
                     let is_explained = change.is_some_and(|change| own.finds_within(change));
                     let task_program = checked.programs.get(place);
-                    if !is_explained && task_program.is_some_and(|it| runs_alike(it, program)) {
+                    if !is_explained && task_program.is_some_and(|it| program.runs_as(it)) {
                         own.remark(changes_nothing(variant, *task));
                     }
                 }
@@ -214,23 +214,6 @@ fn judge_variant(
     if let Some(own) = merged.own_body() {
         report.absorb_within(own.span(), all);
     }
-}
-
-/// Returns whether two programs differ at most in their variant and in where their texts are declared.
-fn runs_alike(one: &Program, other: &Program) -> bool {
-    let [one, other] = [one, other].map(|program| {
-        let mut program = program.clone();
-        program.variant = None;
-        for template in &mut program.templates {
-            (template.declared_in, template.line) = (String::new(), 0);
-        }
-        let examples = program.stages.iter_mut().flat_map(|it| &mut it.examples);
-        for text in examples.flat_map(|it| it.say.iter_mut().chain([&mut it.reply])) {
-            (text.declared_in, text.line) = (String::new(), 0);
-        }
-        program
-    });
-    one == other
 }
 
 /// Makes the warning for a variant whose program is that of its task.

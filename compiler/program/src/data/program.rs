@@ -133,6 +133,15 @@ impl Program {
         program
     }
 
+    /// Returns whether another program runs as this one does: they differ at most in notes and in their variant's name.
+    pub fn runs_as(&self, other: &Program) -> bool {
+        let [own, other] = [self, other].map(|program| Program {
+            variant: None,
+            ..program.without_notes()
+        });
+        own == other
+    }
+
     /// Returns the program with this `reasoning` in every stage; `None` leaves what they state.
     pub fn with_reasoning(mut self, reasoning: Option<Reasoning>) -> Program {
         for stage in &mut self.stages {
