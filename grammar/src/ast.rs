@@ -800,10 +800,12 @@ impl<'t> File<'t> {
 }
 
 impl<'t> File<'t> {
-    /// Returns whether a declaration does not parse and its name cannot be found; any unknown name may be its name.
+    /// Returns whether a declaration does not parse and its name cannot be found, or a `use` does not parse; any unknown
+    /// name may be declared there.
     pub fn has_lost_name(self) -> bool {
         self.node.tree().nodes().any(|node| match node.kind() {
             Kind::Junk | Kind::JunkSection => lost_name(node),
+            Kind::Stray => node.text().contains('"'),
             Kind::Head => {
                 let parent = node.parent().map(Node::kind);
                 let is_named = matches!(

@@ -10,14 +10,15 @@ use crate::misspelt::{Strict, misspelt, parses_without};
 use crate::rules::Rule;
 use crate::source::Span;
 use crate::tree::{Kind, Node, Tree};
-use crate::vocabulary::{block, words};
+use crate::vocabulary::{block, blocks, words};
 use std::collections::BTreeSet;
 
-/// Returns the faults of a tree, in source order.
-pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
+/// Returns the faults of a tree, in source order, and whether its braces or triple quotes do not match.
+pub(crate) fn collect(tree: &Tree) -> (Vec<Fault>, bool) {
     let mut faults = all(tree);
+    let is_torn = torn(tree, &faults).is_some();
     drop_consequences(tree, &mut faults);
-    faults
+    (faults, is_torn)
 }
 
 /// Returns every fault of a tree with those that others cause, in source order.
@@ -65,17 +66,13 @@ fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
         faults.retain(|fault| !matches!(fault.problem, Problem::MissingClose { .. }));
     }
     drop_of_unclosed(tree, faults);
-    // Two first words before one `{`: the second is probably too many.
-    faults.dedup_by(|later, earlier| {
-        let lacks_open = |fault: &Fault| matches!(fault.problem, Problem::MissingOpen { .. });
-        let between = tree.text().get(earlier.span.end..later.span.end);
-        lacks_open(later)
-            && lacks_open(earlier)
-            && between.is_some_and(|text| !text.contains(['\n', '\r']))
-    });
+    drop_on_a_head(tree, faults);
+    drop_of_unopened(tree, faults);
     let Some(torn) = torn(tree, faults) else {
         return;
     };
+    let reported = faults.iter().position(|fault| closes_on(tree, fault));
+    let reported = reported.filter(|reported| *reported < torn);
     let mut number = 0;
     faults.retain(|fault| {
         number += 1;
@@ -84,8 +81,90 @@ fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
             fault.problem,
             Problem::WrongQuotes { .. } | Problem::BadEscape
         );
-        is_local || number <= MOST_BESIDE_TORN || number == torn + 1
+        let is_kept = match reported {
+            Some(reported) => number <= reported + 1,
+            None => number <= MOST_BESIDE_TORN || number == torn + 1,
+        };
+        is_local || is_kept
     });
+}
+
+/// Drops all but one of the faults on a line between a block's first word and its `{`.
+fn drop_on_a_head(tree: &Tree, faults: &mut Vec<Fault>) {
+    let text = tree.text();
+    let lacks_open = |fault: &Fault| matches!(fault.problem, Problem::MissingOpen { .. });
+    // What is too many stands before a `{` that is there.
+    let mut surplus = BTreeSet::new();
+    faults.dedup_by(|later, earlier| {
+        let between = text.get(earlier.span.end..later.span.start);
+        let is_same_line = between.is_some_and(|between| !between.contains(['\n', '\r']));
+        if !lacks_open(earlier) || !is_same_line {
+            return false;
+        }
+        if lacks_open(later) {
+            return true;
+        }
+        if line_at(text, later.span.start).1.contains('{') {
+            surplus.insert(earlier.span.start);
+            return false;
+        }
+        between.is_some_and(|between| between.trim().is_empty())
+    });
+    faults.retain(|fault| !lacks_open(fault) || !surplus.contains(&fault.span.start));
+}
+
+/// Drops what a missing `"""` causes: the lines of the text are read as statements, and its end as a beginning.
+fn drop_of_unopened(tree: &Tree, faults: &mut Vec<Fault>) {
+    let text = tree.text();
+    let unopened = { faults.iter() }.find_map(|fault| match &fault.problem {
+        Problem::Unexpected {
+            found, expected, ..
+        } if expected.contains(&"a text in quotes") => {
+            let (_, line) = line_at(text, fault.span.start);
+            let has_text = line.contains('"') || found.as_deref() == Some("}");
+            (!has_text).then_some(fault.span.start)
+        }
+        _ => None,
+    });
+    let Some(start) = unopened else {
+        return;
+    };
+    // A text that was opened has an end; that of this one is alone.
+    let Some(end) = text[start..]
+        .find("\"\"\"")
+        .map(|length| start + length + 3)
+    else {
+        return;
+    };
+    if text[end..].matches("\"\"\"").count() % 2 == 1 {
+        return;
+    }
+    faults.retain(|fault| match fault.problem {
+        Problem::MissingClose { opened, .. } => opened.start > start,
+        _ => fault.span.start <= start || fault.span.start > end,
+    });
+}
+
+/// Returns the parts of a line before and from a byte; of a very long one, what is near.
+fn line_at(text: &str, byte: usize) -> (&str, &str) {
+    let near = text.floor_char_boundary(byte.saturating_sub(MOST_LINE));
+    let far = text.floor_char_boundary(byte.saturating_add(MOST_LINE));
+    let before = text[near..byte].rsplit(['\n', '\r']).next();
+    let after = text[byte..far].split(['\n', '\r']).next();
+    (before.unwrap_or_default(), after.unwrap_or_default())
+}
+
+/// Returns whether a fault is at a `}` that is too many, as its line shows, or the one before it.
+fn closes_on(tree: &Tree, fault: &Fault) -> bool {
+    let text = tree.text();
+    let (before, after) = line_at(text, fault.span.start);
+    let end = fault.span.start - before.len();
+    let above = text[..end].trim_end_matches(['\n', '\r']);
+    let (above, _) = line_at(above, above.len());
+    let is_statement = above.contains(|letter: char| letter.is_alphanumeric());
+    let is_brace = fault.problem == Problem::StrayClose;
+    let here = [before, after].concat();
+    !is_brace && (closes_more(&here) || is_statement && closes_more(above))
 }
 
 /// In a file with more unclosed blocks, nobody knows which line belongs to which.
@@ -123,11 +202,21 @@ fn drop_of_unclosed(tree: &Tree, faults: &mut Vec<Fault>) {
         .filter(|fault| matches!(fault.problem, Problem::MissingOpen { .. }))
         .map(|fault| fault.span.start)
         .collect();
-    let mut stray: Vec<usize> = { faults.iter() }
-        .filter(|fault| fault.problem == Problem::StrayClose)
+    // What is outside of tasks because a block took the `}` of the one around it.
+    let mut strays: Vec<usize> = { faults.iter() }
+        .filter(|fault| match fault.problem {
+            Problem::StrayClose | Problem::OutsideTask { .. } => true,
+            Problem::UnknownWord { ref block, .. } => block.is_none(),
+            _ => false,
+        })
         .map(|fault| fault.span.start)
         .collect();
-    let mut nested = Vec::new();
+    // Braces that were reported themselves.
+    let opening: Vec<usize> = { faults.iter() }
+        .filter(|fault| opens_at(tree, fault))
+        .map(|fault| fault.span.start)
+        .collect();
+    let mut misplaced = Vec::new();
     faults.retain(|fault| {
         let at = fault.span.start;
         if let Problem::MissingClose { opened, .. } = fault.problem {
@@ -135,39 +224,82 @@ fn drop_of_unclosed(tree: &Tree, faults: &mut Vec<Fault>) {
             let Some(block) = block else {
                 return true;
             };
-            let after = &tree.text()[block.range().end..];
-            let inner = block.range().end + (after.len() - after.trim_start().len());
-            let is_nested = block.kind() == Kind::Variant
-                && token_at(tree.text(), inner..tree.text().len()) == "variant";
-            if is_nested && let Some(place) = stray.iter().position(|stray| *stray > inner) {
-                nested.push((inner, stray.remove(place)));
+            if let Some(word) = misplaced_at_end(block)
+                && let Some(place) = strays.iter().position(|stray| *stray > word.start)
+            {
+                misplaced.push((block, word, strays.remove(place)));
                 return false;
             }
-            return !taken.iter().any(|open| block.range().contains(open));
+            let is_in = |at: &usize| block.range().contains(at);
+            let holds_unclosed = { unclosed.iter() }
+                .any(|(_, inner)| opened.end <= inner.start && is_in(&inner.start));
+            return !holds_unclosed && !taken.iter().chain(&opening).any(is_in);
         }
         let depends = matches!(
             fault.problem,
             Problem::Unexpected { .. } | Problem::UnknownWord { .. } | Problem::Misspelt { .. }
         );
         !depends
+            || opening.contains(&at)
             || !unclosed.iter().any(|(block, opened)| {
                 let is_in = opened.end <= at && at < block.range().end;
                 is_in && (block.kind() == Kind::Check || begins_outer(*block, at))
             })
     });
     faults.retain(|fault| {
-        let is_stray = fault.problem == Problem::StrayClose;
-        !is_stray || !nested.iter().any(|(_, stray)| *stray == fault.span.start)
+        !misplaced
+            .iter()
+            .any(|(.., stray)| *stray == fault.span.start)
     });
-    faults.extend(nested.into_iter().map(|(inner, _)| Fault {
-        span: tree.span(inner..inner + "variant".len()),
+    faults.extend(misplaced.into_iter().map(|(block, word, _)| Fault {
+        span: word,
         problem: Problem::UnknownWord {
-            word: "variant".to_owned(),
-            candidates: words(Kind::Variant),
-            block: Some("variant".to_owned()),
+            word: tree.text()[word.range()].to_owned(),
+            candidates: words(block.kind()),
+            block: Some(block_word(block)),
         },
     }));
     faults.sort_by_key(|fault| fault.span);
+}
+
+/// Returns the word at which an unclosed block ends if it begins a line of a block around it.
+fn misplaced_at_end(block: Node<'_>) -> Option<Span> {
+    let tree = block.tree();
+    let after = &tree.text()[block.range().end..];
+    let start = block.range().end + (after.len() - after.trim_start().len());
+    let word = token_at(tree.text(), start..tree.text().len());
+    let is_outer = { block.ancestors() }.any(|outer| words(outer.kind()).contains(&word));
+    is_outer.then(|| tree.span(start..start + word.len()))
+}
+
+/// Returns whether a fault is at a token that stands in place of a `}`: it ends its line, which opens a block, or is
+/// all of it.
+fn stands_for_close(tree: &Tree, fault: &Fault) -> bool {
+    let (before, after) = line_at(tree.text(), fault.span.start);
+    let token = token_at(after, 0..after.len());
+    let is_last = after[token.len()..].trim().is_empty();
+    is_last
+        && !token.is_empty()
+        && (before.trim().is_empty() || before.contains('{') && !before.contains('}'))
+}
+
+/// Returns whether a fault is at a `{` or `"""` that is too many, or at what stands in place of a `}`.
+fn opens_at(tree: &Tree, fault: &Fault) -> bool {
+    let found = match &fault.problem {
+        Problem::Unexpected { found, .. } => found.as_deref(),
+        Problem::UnknownWord { word, .. } => Some(word.as_str()),
+        Problem::TrailingComma => None,
+        _ => return false,
+    };
+    let (before, after) = line_at(tree.text(), fault.span.start);
+    let line = before.trim_start();
+    let first = token_at(line, 0..line.len());
+    let is_head = !before.contains('{') && blocks().iter().any(|block| block.name() == first);
+    let is_behind_open = before.trim_end().ends_with('{') && after.contains('{');
+    stands_for_close(tree, fault)
+        || is_behind_open
+        || after.starts_with("\"\"\"")
+        || !is_head && (after.starts_with('{') || found.is_some_and(|it| it.starts_with('{')))
 }
 
 /// Returns whether a text has more closing braces than opening ones.

@@ -81,9 +81,7 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
     match FabParser::parse(Rule::file, text) {
         Ok(pairs) => {
             let tree = Tree::from_pairs(file, text, pairs);
-            let found = faults::collect(&tree);
-            let was_torn = faults::torn(&tree, &found).is_some()
-                || tree.nodes().any(|node| node.kind() == Kind::NoClose);
+            let (found, was_torn) = faults::collect(&tree);
             let faults = quotes::mend(&tree, found);
             Parsed {
                 is_torn: was_torn || faults::torn(&tree, &faults).is_some(),

@@ -78,7 +78,7 @@ pub(crate) fn mend(tree: &Tree, mut faults: Vec<Fault>) -> Vec<Fault> {
     if limits::check(tree.file(), &mended).is_ok()
         && let Ok(pairs) = FabParser::parse(Rule::file, &mended)
     {
-        faults = faults::collect(&Tree::from_pairs(tree.file(), &mended, pairs));
+        (faults, _) = faults::collect(&Tree::from_pairs(tree.file(), &mended, pairs));
         let before = |byte: usize| {
             let added = missing.iter().enumerate();
             byte - added.filter(|(number, it)| it.1 + number < byte).count()

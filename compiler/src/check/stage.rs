@@ -619,9 +619,11 @@ impl<'a> Builder<'_, 'a> {
         };
         let name = first.text();
         let message = format!("the layer `{name}` is drawn, but no prompt says what it is");
-        let diagnostic = Diagnostic::new(Code::LayerNotNamed, first.span(), message).help(format!(
-            "write `{{{{ {name} }}}}` in a text of the stage that shows it"
-        ));
+        let diagnostic = Diagnostic::new(Code::LayerNotNamed, first.span(), message)
+            .about(name)
+            .help(format!(
+                "write `{{{{ {name} }}}}` in a text of the stage that shows it"
+            ));
         let diagnostic = unnamed.fold(diagnostic, |it, name| it.also(name.span(), "nor this one"));
         // A placeholder that did not parse may name it.
         all = Err(context.missing(true, first.span().file, diagnostic));

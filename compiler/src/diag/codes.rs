@@ -93,6 +93,11 @@ impl Code {
         &CODES[self as usize]
     }
 
+    /// Returns whether it is about the form of a file, not about what the file means.
+    pub(super) fn is_about_form(self) -> bool {
+        self.as_str().starts_with("F01")
+    }
+
     /// Finds a code by its number, such as `F0203`, in either case.
     pub fn parse(number: &str) -> Option<Code> {
         CODES

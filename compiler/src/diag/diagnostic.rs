@@ -23,8 +23,8 @@ pub struct Diagnostic {
     pub help: Vec<String>,
     /// Changes that repair it, all equally certain.
     pub edits: Vec<Edit>,
-    /// The undeclared name that it is about, if any: all uses of one name in a file are one finding.
-    pub(super) undeclared: Option<String>,
+    /// The name that it is about, if one finding shall stand for all of one kind about one name in a file.
+    pub(super) about: Option<String>,
 }
 
 /// A secondary location.
@@ -82,7 +82,7 @@ impl Diagnostic {
             labels: Vec::new(),
             help: Vec::new(),
             edits: Vec::new(),
-            undeclared: None,
+            about: None,
         }
     }
 
@@ -92,14 +92,14 @@ impl Diagnostic {
         self
     }
 
-    /// States that it is about an undeclared name.
+    /// States that one finding stands for all of its kind about a name in a file.
     pub(crate) fn about(mut self, name: &str) -> Diagnostic {
-        self.undeclared = Some(name.to_owned());
+        self.about = Some(name.to_owned());
         self
     }
 
-    /// Takes another use of the same undeclared name: the first in the file is the main location.
-    pub(super) fn also_used(&mut self, mut other: Diagnostic) {
+    /// Takes another finding about the same name: the first place in the file is the main location.
+    pub(super) fn also_about(&mut self, mut other: Diagnostic) {
         const MOST: usize = 8;
         if other.span < self.span {
             std::mem::swap(self, &mut other);

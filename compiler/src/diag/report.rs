@@ -26,8 +26,10 @@ pub(crate) struct Report {
     seen: BTreeSet<(Span, Code, u64)>,
     /// For each severity, the number of findings, and how many of them are kept.
     counts: BTreeMap<Severity, (usize, usize)>,
-    /// The finding about each undeclared name of a file.
-    undeclared: BTreeMap<(FileId, String), usize>,
+    /// The findings that stand for all of their kind about a name of a file.
+    about: BTreeMap<(FileId, Code, String), usize>,
+    /// The places of errors in the form.
+    malformed: Vec<Span>,
     /// The files with the main location of an error.
     files_with_errors: BTreeSet<FileId>,
 }
@@ -64,13 +66,18 @@ impl Report {
         if !self.seen.insert(key) {
             return;
         }
-        if let Some(name) = &diagnostic.undeclared {
-            let use_of = (diagnostic.span.file, name.clone());
-            if let Some(first) = self.undeclared.get(&use_of) {
-                self.found[*first].also_used(diagnostic);
+        if diagnostic.code.is_about_form() {
+            self.malformed.push(diagnostic.span);
+        } else if { self.malformed.iter() }.any(|span| span.overlaps(diagnostic.span)) {
+            return;
+        }
+        if let Some(name) = &diagnostic.about {
+            let key = (diagnostic.span.file, diagnostic.code, name.clone());
+            if let Some(first) = self.about.get(&key) {
+                self.found[*first].also_about(diagnostic);
                 return;
             }
-            self.undeclared.insert(use_of, self.found.len());
+            self.about.insert(key, self.found.len());
         }
         if diagnostic.severity == Severity::Error {
             self.files_with_errors.insert(diagnostic.span.file);

@@ -580,11 +580,16 @@ impl<'a> Merged<'a> {
         let stated = body.checks().chain(body.override_checks());
         self.distinct(stated.map(|check| check.name()), "check", report);
         let inherited: BTreeSet<&str> = self.check_names().collect();
-        let left_out = self.removed_checks.clone();
+        let mut left_out = self.removed_checks.clone();
+        if self.variant.is_some() {
+            // A `verify` that drops checks was warned of.
+            left_out.extend({ self.replaced.checks.iter() }.map(|name| name.text()));
+        }
         for name in body.without_checks() {
             if self.checks.remove(name.text()).is_some() {
                 self.removed_checks.insert(name.text());
-            } else if !self.removed_checks.contains(name.text()) {
+            } else if !self.removed_checks.contains(name.text()) && !left_out.contains(name.text())
+            {
                 self.not_left_out("check", name, &inherited, loaded, report);
             }
             if left_out.contains(name.text()) {
@@ -633,7 +638,13 @@ impl<'a> Merged<'a> {
             "`{task}` leaves out the {kind} `{}`, which its variant `{name_of}` overrides",
             name.text()
         );
-        let diagnostic = Diagnostic::new(Code::NothingToOverride, name.span(), message);
+        // An inherited variant is in order where it is declared.
+        let is_inherited = name.span().file != self.task.name().span().file;
+        let diagnostic = match is_inherited {
+            true => Diagnostic::new(Code::NothingToOverride, self.task.name().span(), message)
+                .also(name.span(), "overridden here"),
+            false => Diagnostic::new(Code::NothingToOverride, name.span(), message),
+        };
         report.error(diagnostic.help(format!(
             "leave out the variant too: `without variant {name_of}`"
         )))
