@@ -4,7 +4,7 @@
 
 use super::claim::{Claim, Claimed};
 use super::cursor::Cursor;
-use super::lexer;
+use super::lexer::{self, Kind};
 use super::names;
 use super::object::{self, Node, Shape};
 use super::point;
@@ -12,7 +12,9 @@ use super::quantity::{self, AnswerUnit};
 use super::sentences::Reader;
 use super::value::Clarity;
 use super::wordlist::{is_any, words};
+use crate::data::actions::Choices;
 use crate::units::UNITS;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Keys of objects that hold an action.
@@ -131,7 +133,8 @@ fn aside_members(is_field: &dyn Fn(&str) -> bool, node: &Node, depth: usize, bes
         if is_field(key) {
             continue;
         }
-        let is_reason = is_any(key, &NO_REMARKS);
+        // `"example": true` is one.
+        let is_reason = is_any(key, &NO_REMARKS) && bare(value) != Some("true");
         let explains = is_any(key, &REASONS);
         if explains {
             let listed = match &value.shape {
@@ -250,6 +253,8 @@ fn members(
             }
             let moved = moved(reader, found);
             for (object::Member { key, at, value }, moved) in found.iter().zip(moved) {
+                let is_own = { reader.fields.iter() }.any(|it| it.name.eq_ignore_ascii_case(key));
+                let key = &*if is_own { key.into() } else { numbered(key) };
                 let label = lexer::tokens(key);
                 let moved = moved.map(|field| (field, &[][..]));
                 if let Some((field, rest)) = names::labelled(reader.fields, &label).or(moved) {
@@ -271,6 +276,24 @@ fn members(
             }
         }
         Shape::Text(_) | Shape::Bare(_) => {}
+    }
+}
+
+/// Writes the number of a key behind it: `place2` and `second_place` as `place 2`.
+fn numbered(key: &str) -> Cow<'_, str> {
+    let lower = key.to_ascii_lowercase();
+    let second = ["second", "next", "other"].into_iter().find_map(|word| {
+        let name = lower
+            .strip_prefix(word)?
+            .trim_start_matches(['_', ' ', '-']);
+        (!name.is_empty()).then(|| format!("{name} 2"))
+    });
+    let name = key.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    let is_joined = name.len() < key.len() && name.ends_with(char::is_alphabetic);
+    match second {
+        Some(second) => second.into(),
+        None if is_joined => format!("{name} {}", &key[name.len()..]).into(),
+        None => key.into(),
     }
 }
 
@@ -370,6 +393,27 @@ fn member(
 ) -> Option<Claim> {
     let mut rest = Cursor::new(rest);
     rest.eat_any(&["in"]);
+    let is_angle = matches!(reader.fields[field].choices, Choices::Directions { .. });
+    if is_angle && rest.eat_any(&["clockwise", "cw"]) {
+        let claimed = Claimed::Bad("it is counted clockwise".to_owned());
+        return Some(Claim::new(field, span, claimed));
+    }
+    if is_angle {
+        rest.eat_any(&["counterclockwise", "anticlockwise", "ccw"]);
+    }
+    // `"place_1": [10, 20], "place_2": [30, 40]`
+    if let [number] = rest.rest()
+        && number.kind == Kind::Number
+    {
+        if number.text == "1" {
+            return self::member(reader, field, &[], value, span);
+        }
+        let claimed = Claimed::Bad(format!(
+            "a value with the number {} stands beside it",
+            number.text
+        ));
+        return Some(Claim::new(field, span, claimed));
+    }
     if rest.rest().len() == 1
         && let Some(axis) = point::single_axis(&rest)
         && reader.fields[field].is_point()
@@ -444,7 +488,9 @@ fn written(node: &Node) -> Option<(String, Option<AnswerUnit>)> {
                 .iter()
                 .filter(|member| is_any(&member.key, VALUES) || unit_named(&member.key).is_some());
             let object::Member { key, value, .. } = values.next()?;
-            if values.next().is_some() {
+            // `"pixels": 56` beside `"unit": "edge"` says the same of the picture.
+            let is_in_pixels = |it: &&object::Member| is_any(&it.key, &["px", "pixels"]);
+            if !values.all(|it| is_in_pixels(&it)) {
                 return None;
             }
             let (text, inner) = written(value)?;
@@ -636,9 +682,9 @@ fn table(reader: &Reader<'_>, text: &str, rows: &[Vec<Range<usize>>], claims: &m
         }
         return;
     }
-    let value_column = head
-        .iter()
-        .position(|cell| says(cell, VALUE_HEADS) && named(cell).is_none());
+    let value_columns: Vec<usize> = (0..head.len())
+        .filter(|at| says(&head[*at], VALUE_HEADS) && named(&head[*at]).is_none())
+        .collect();
     let axis_column = |axis: &str| {
         head.iter().position(|cell| {
             lexer::tokens(&text[cell.clone()])
@@ -667,19 +713,24 @@ fn table(reader: &Reader<'_>, text: &str, rows: &[Vec<Range<usize>>], claims: &m
             claims.push(Claim::new(field, x.start..y.end, claimed));
             continue;
         }
-        let first = value_column.filter(|at| *at > index).unwrap_or(index + 1);
+        let read: Vec<Option<Claim>> = row
+            .iter()
+            .map(|cell| of_cell(reader, text, field, axis, hint, cell))
+            .collect();
+        let is_value = |at: &usize| {
+            let claim = read.get(*at).and_then(Option::as_ref);
+            claim.is_some_and(|it| matches!(it.claimed, Claimed::Value(..)))
+        };
+        // Of `Position` and `Pixel`, one may hold words.
+        let mut columns = value_columns.iter().copied().filter(|at| *at > index);
+        let first = { columns.clone() }
+            .find(is_value)
+            .or_else(|| columns.next());
+        let first = first.unwrap_or(index + 1);
         for (at, cell) in row.iter().enumerate().skip(index + 1) {
-            let claim = of_cell(reader, text, field, axis, hint, cell);
-            let is_value = matches!(
-                &claim,
-                Some(Claim {
-                    claimed: Claimed::Value(..),
-                    ..
-                })
-            );
             // Other columns explain, unless they state a value too.
-            if at == first || (is_value && value_column.is_none()) {
-                claims.extend(claim);
+            if at == first || (is_value(&at) && value_columns.is_empty()) {
+                claims.extend(of_cell(reader, text, field, axis, hint, cell));
             }
         }
     }

@@ -259,6 +259,7 @@ impl<'t> Lexer<'t> {
             // LaTeX aligns at it.
             '&' if rest[1..].trim_start().starts_with('=') => self.skip(1, Gap::Space),
             '*' | '＊' => self.star(rest),
+            '·' | '•' if self.separates(&rest[width..]) => self.push(Kind::Sign('|'), width),
             '{' | '｛' => {
                 self.braces.push(false);
                 self.push(Kind::Sign('{'), width);
@@ -296,6 +297,14 @@ impl<'t> Lexer<'t> {
             }
             _ => self.push(Kind::Sign(plain(first)), width),
         }
+    }
+
+    /// A dot between blanks separates fields if a word is behind it: `(10, 20) · Direction: 45 deg`.
+    fn separates(&self, after: &str) -> bool {
+        let behind = after.trim_start_matches([' ', '*', '_', '`']);
+        self.before() == Some(' ')
+            && after.starts_with(' ')
+            && behind.starts_with(char::is_alphabetic)
     }
 
     /// `*` multiplies between two operands; otherwise it is Markdown.

@@ -45,7 +45,7 @@ const THINGS: &[&str] = words!(
 const UNREAL: &[&str] = words!(
     "not no never n't would could might may cannot can't don't shouldn't instead rather than avoid avoids without
     previous previously earlier last had was were been next then later after if unless when before already other
-    attempt attempts try tried tries ago already another opposite itself eventually finally rest neighbouring neighboring while whereas went said doesn't isn't won't didn't wouldn't couldn't aren't"
+    attempt attempts try tried tries wanted planned intended ago already another opposite itself eventually finally rest neighbouring neighboring while whereas went said doesn't isn't won't didn't wouldn't couldn't aren't"
 );
 
 /// What is needed to read an answer.
@@ -61,8 +61,8 @@ pub(super) struct Reader<'a> {
 const DENYING: &[&str] = words!(
     "case not don't don’t didn't isn't won't wouldn't shouldn't can't cannot never avoid avoiding no nor neither
     previous previously last old earlier former initial initially example e.g. rejected refused wrong incorrect
-    instead than considered considering candidate candidates alternative alternatives alternatively otherwise option options choices if
-    unless could might may maybe perhaps possible possibly unlike was were template tempting without ❌ ✗ rather human ideally"
+    instead than considered considering candidate candidates alternative alternatives alternatively otherwise options choices if
+    unless could might may maybe perhaps possible possibly unlike was were wanted planned intended template tempting without ❌ ✗ rather human ideally"
 );
 
 /// Words between a name and its sign that change nothing.
@@ -353,6 +353,14 @@ impl<'a> Sentences<'a> {
         // `**Distance:**` above a list of distances, each with where it leads
         let heads_list =
             !self.field(mention).is_point() && cursor.peek().is_some_and(|it| it.gap >= Gap::Line);
+        if heads_list {
+            let listed = self.listed(start, &context);
+            if listed.windows(2).any(|pair| pair[0].value != pair[1].value) {
+                let why = "it lists several values".to_owned();
+                let span = mention.at..start + 1;
+                return Some(self.claim_in(mention.field, span, Claimed::Prose(why, listed)));
+            }
+        }
         let found = value::read(&mut cursor, &context);
         let is_firm = sign == Sign::Assigns && mention.form == Form::Name;
         let claimed = match found {
@@ -407,6 +415,24 @@ impl<'a> Sentences<'a> {
             self.tokens[mention.at].at..end,
             claimed,
         ))
+    }
+
+    /// Returns the values that begin the items of a list: `- 10 mm: too short ↵ - 62.5 mm: opens it`.
+    fn listed(&self, start: usize, context: &value::Context<'_>) -> Vec<Named> {
+        let tokens = &self.tokens[..self.tokens.len().min(start + MAX_CLAUSE)];
+        let mut values = Vec::new();
+        let mut item = Some(start).filter(|at| tokens[*at].gap == Gap::Item);
+        while let Some(at) = item {
+            if let Some((value, _)) = value::bare(&mut Cursor::at(tokens, at), context) {
+                values.push(Named {
+                    value,
+                    is_worded: false,
+                });
+            }
+            let next = (at + 1..tokens.len()).find(|at| tokens[*at].gap >= Gap::Item);
+            item = next.filter(|at| tokens[*at].gap == Gap::Item);
+        }
+        values
     }
 
     /// Returns whether a name only explains what is before it, above a list or a line: `Let go at the center (place):`.
@@ -1185,6 +1211,9 @@ impl<'a> Sentences<'a> {
             .sentences()
             .flat_map(|it| sizes::parts(self.tokens, it));
         for part in parts {
+            if let [Some(length), _] = fields {
+                claims.extend(self.bounded(part.clone(), length));
+            }
             let is_unreal = self.tokens[part.clone()]
                 .iter()
                 .any(|it| it.is_any(UNREAL) || it.is_any(&["too", "rule", "rules"]));
@@ -1200,6 +1229,47 @@ impl<'a> Sentences<'a> {
             }
         }
         claims
+    }
+
+    /// Returns the lengths within what is said to be the most: `no more than 0.25 edge may be used here`.
+    fn bounded(&self, part: Range<usize>, field: usize) -> Option<Claim> {
+        const MOST: [&str; 5] = [
+            "no more than",
+            "not more than",
+            "at most",
+            "not exceed",
+            "limited to",
+        ];
+        let context = self.reader.context(field, self.text, None, Clarity::Spoken);
+        let words = &self.tokens[..part.end];
+        let (begin, mut cursor) = part.clone().find_map(|at| {
+            let mut cursor = Cursor::at(words, at);
+            MOST.iter()
+                .any(|most| cursor.eat_words(most))
+                .then_some((at, cursor))
+        })?;
+        let (value, _) = value::bare(&mut cursor, &context)?;
+        let others = words[part.start..begin].iter().chain(cursor.rest());
+        // At another point, or of another cloth, another length may be the most.
+        let is_elsewhere = { others }.any(|it| {
+            let is_modal = it.is_any(&["may", "cannot", "must", "can't"]);
+            it.kind == Kind::Number
+                || it.is_any(UNREAL) && !is_modal
+                || it.is_any(&["for", "with", "on"])
+        });
+        let (Choices::Lengths { choices, .. }, Value::Length { length: most }) =
+            (&self.reader.fields[field].choices, &value)
+        else {
+            return None;
+        };
+        if is_elsewhere || !choices.iter().any(|choice| choice.value == *most) {
+            return None;
+        }
+        let within = choices.iter().filter(|choice| choice.value <= *most);
+        let within = within.map(|choice| Value::Length {
+            length: choice.value,
+        });
+        Some(self.claim_in(field, begin..cursor.at, Claimed::OneOf(within.collect())))
     }
 
     /// Returns the lengths that are said to be enough: `a tenth of an edge is all that is allowed`.

@@ -268,6 +268,9 @@ fn strings(node: &Node) -> Vec<(&str, Range<usize>)> {
     }
 }
 
+/// The longest remark in brackets between the words before a text and their sign, bytes.
+const MAX_REMARK: usize = 40;
+
 /// Returns each line and where it begins.
 fn lines(text: &str) -> Vec<(usize, &str)> {
     let mut at = 0;
@@ -732,7 +735,17 @@ fn eat_words(text: &str, words: &str) -> Option<(usize, bool)> {
         let ends = !rest.starts_with(char::is_alphanumeric);
         return ends.then_some((text.len() - rest.len(), is_exact));
     }
-    let sign = rest.trim_start_matches(|found: char| decorates(found) || found == ' ');
+    let mut sign = rest.trim_start_matches(|found: char| decorates(found) || found == ' ');
+    // `Instructions (alternative): Fold it.`
+    if let Some((_, behind)) = sign.strip_prefix('(').and_then(|it| it.split_once(')'))
+        && sign.len() - behind.len() <= MAX_REMARK
+        && behind
+            .trim_start_matches(decorates)
+            .starts_with([':', '：'])
+    {
+        is_exact = false;
+        sign = behind.trim_start_matches(decorates);
+    }
     let after_sign = sign.trim_start_matches([':', '=', '：', '>', '|', '→']);
     // `Instructions - Fold it.`
     let after_sign = [" - ", " – ", " — "]

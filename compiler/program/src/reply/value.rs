@@ -642,6 +642,11 @@ fn single(cursor: &mut Cursor<'_, '_>, expected: &Expected<'_>, context: &Contex
         Parsed::Quantity(_) if is_choice_of_two(&cursor.tokens[start.at..cursor.at], expected) => {
             Found::Bad(format!("`{}` is two of its choices", text(cursor)))
         }
+        Parsed::Quantity(quantity)
+            if quantity.unit.is_none() && is_product_in_pixels(start, *cursor, context) =>
+        {
+            Found::Prose(format!("`{}` is a length in pixels", text(cursor)))
+        }
         Parsed::Quantity(quantity) => {
             let is_bare = !quantity.times_pi && quantity.unit.is_none() && expected.hint.is_none();
             if is_bare && context.clarity == Clarity::Spoken {
@@ -1172,6 +1177,14 @@ fn in_pixels(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> bool {
         *cursor = ahead;
     }
     is_there
+}
+
+/// Returns whether a product was read whose result is in pixels: `0.25 × 222 = 56 px`.
+fn is_product_in_pixels(start: Cursor<'_, '_>, end: Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    let (factors, mut result) = (&end.tokens[start.at..end.at], end);
+    factors.iter().any(|token| token.is_sign('*'))
+        && result.eat_signs(&['=', '≈']).is_some()
+        && in_pixels(&mut result, context)
 }
 
 /// Returns whether a remark describes an angle from another side, `45 deg to the left of straight up`.

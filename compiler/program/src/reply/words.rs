@@ -61,6 +61,8 @@ pub(super) fn side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {
     cursor.skip(&["to", "the", "towards"], &[]);
     let mut deg = first;
     match one_side(cursor) {
+        // `up towards the top`
+        Some(second) if second == first => {}
         Some(second) => {
             let (flat, upright) = if first % 180.0 == 0.0 {
                 (first, second)
