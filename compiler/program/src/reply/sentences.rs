@@ -103,6 +103,9 @@ const LYING: &[&str] = words!(
 /// The most words of a field's name in another language.
 const MAX_TRANSLATION: usize = 3;
 
+/// The most words between `must end up` and its point.
+const MAX_LANDING: usize = 9;
+
 /// The most words between a verb and `from`.
 const MAX_CARRIED: usize = 8;
 
@@ -132,6 +135,7 @@ impl Reader<'_> {
             .chain(sentences.sizes())
             .chain(sentences.judgements())
             .chain(sentences.carries())
+            .chain(sentences.landings())
             .map(|claim| Claim {
                 span: span.clone().unwrap_or(claim.span),
                 ..claim
@@ -966,6 +970,40 @@ impl<'a> Sentences<'a> {
             is_stated.then(|| [claim(pick, from, picked), claim(place, to, placed)])
         });
         found.flatten().collect()
+    }
+
+    /// Returns the points at which something has to end: `the corner must end up exactly on the one at (10, 20)`.
+    fn landings(&self) -> Vec<Claim> {
+        let Some(place) = self.point_field("place") else {
+            return Vec::new();
+        };
+        let found = (0..self.tokens.len()).filter_map(|at| {
+            let mut cursor = Cursor::at(self.tokens, at);
+            let lands = cursor.eat_words("end up")
+                || cursor.eat_words("come to lie")
+                || cursor.eat_word("land");
+            let needs = at > 0 && self.tokens[at - 1].is_any(&["must", "should", "to"]);
+            let sentence = self.sentence(at);
+            let is_unreal = self.tokens[sentence.start..at]
+                .iter()
+                .any(|it| it.is_any(UNREAL));
+            if !lands || !needs || is_unreal {
+                return None;
+            }
+            let words = { cursor.rest().iter() }.take(MAX_LANDING).take_while(|it| {
+                it.kind == Kind::Word && !it.is_any(UNREAL) && !it.is_any(&["and", "so"])
+            });
+            cursor.at += words.count();
+            let begin = cursor.at;
+            match point::read(&mut cursor, self.reader.notation, Brackets::Needed) {
+                PointFound::Pixel(point, _) if begin < sentence.end => {
+                    let claimed = Claimed::OneOf(vec![Value::Point(point)]);
+                    Some(self.claim_in(place, at..cursor.at, claimed))
+                }
+                _ => None,
+            }
+        });
+        found.collect()
     }
 
     /// Returns the lengths by which something is moved, without a field's name: `moving it by 1 edge`.

@@ -33,7 +33,7 @@ const LENGTH: Scale = Scale {
 const FORCE: Scale = Scale {
     low: words!("soft gentl light weak loose delicate"),
     high: words!("firm strong tight hard"),
-    nouns: words!("grip grips pinch hold grasp squeeze pressure"),
+    nouns: words!("grip grips pinch hold grasp squeeze pressure touch"),
     verbs: words!(
         "pinch pinches pinched pinching grip grips gripped gripping hold holds grasped grasps"
     ),

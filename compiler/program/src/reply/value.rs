@@ -750,6 +750,17 @@ fn tail(
                 cursor.at += 1;
                 return explanation(cursor, context, value, true);
             }
+            // `0.5 edge ← 111 px`
+            Kind::Sign('←')
+                if cursor
+                    .ahead(1)
+                    .is_some_and(|next| next.kind == Kind::Number) =>
+            {
+                cursor.at += 1;
+                if !in_pixels(&mut cursor, context) {
+                    return Err(goes_on(before, context));
+                }
+            }
             Kind::Sign('=' | '≈' | '/' | '|' | '→') => {
                 cursor.at += 1;
                 restated(&mut cursor, context, value)?
