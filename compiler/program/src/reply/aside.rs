@@ -2,6 +2,7 @@
 //!
 //! In: an answer. Out: the same text with blanks there, each byte in its place, and what was set aside.
 
+use super::candidates;
 use super::wordlist::{self, words};
 use std::ops::Range;
 
@@ -206,44 +207,6 @@ const MINE: [&str; 8] = [
     "here is the answer",
 ];
 
-/// Words with a number or a letter behind them that begin a line about one of several ways to act.
-const CANDIDATES: [&str; 6] = [
-    "option",
-    "candidate",
-    "possibility",
-    "choice",
-    "idea",
-    "alternative",
-];
-
-/// Words in such a line that may choose what it says.
-const CHOOSING: &[&str] = words!(
-    "best better choose chosen chose choosing select selected selecting prefer preferred winner
-    wins winning final answer yes ✅ ✓ ✔ ⭐"
-);
-
-/// Returns whether a line tells one of several ways to act, and does not choose it: `Option A: corner (10, 20), 45 deg.`
-fn is_candidate(line: &str) -> bool {
-    let is_decoration =
-        |letter: char| matches!(letter, '-' | '*' | '+' | '#' | '>' | '_' | ' ' | '•');
-    let line = line.trim_start_matches(is_decoration);
-    let Some((word, rest)) = line.split_once(' ') else {
-        return false;
-    };
-    let mut rest = rest.trim_start().chars();
-    let is_label = rest
-        .next()
-        .is_some_and(|it| it.is_ascii_digit() || it.is_ascii_uppercase());
-    let rest = rest.as_str().trim_start_matches(['*', '_', ' ']);
-    let (said, is_introduced) = match rest.strip_prefix([':', ')', '.', '–', '—', '-']) {
-        Some(said) => (said, true),
-        None => (rest, false),
-    };
-    let word = word.to_ascii_lowercase();
-    let is_told = said.contains(char::is_alphanumeric);
-    is_label && is_introduced && is_told && CANDIDATES.contains(&&*word) && !says(said, CHOOSING)
-}
-
 fn quoted(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
     let mut at = 0;
     let mut is_mine = false;
@@ -259,7 +222,7 @@ fn quoted(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
             let said = said.to_lowercase().replace('’', "'");
             is_mine = bare.ends_with(':') && MINE.contains(&&*said);
         }
-        if is_candidate(trimmed) {
+        if candidates::is_way(trimmed) {
             asides.push((at..at + line.trim_end().len(), Aside::Example));
         } else if is_quotation && is_mine && !is_unticked {
             let bare = trimmed.trim_start_matches(['>', ' ']);

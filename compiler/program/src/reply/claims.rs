@@ -5,6 +5,7 @@
 
 use super::around;
 use super::aside::{self, Aside, Cleared};
+use super::candidates::{self, Candidate};
 use super::claim::{Claim, Claimed};
 use super::data;
 use super::doubt::{self, Place};
@@ -90,6 +91,7 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     let prose = doubt::prose(&lexer::tokens(&text), doubt::MIN_EXPLANATION);
     let tables = data::tables(reader, &text, &mut claims);
     text = aside::blanked(&text, &tables);
+    text = without_candidates(reader, text);
     claims.extend(reader.sentences(&text, None));
     let reasons = worded(reader, &beside.reasons, reply).into_iter();
     // A direction in words may stand for an angle, but not from within a reason.
@@ -187,6 +189,25 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         cleared,
         doubt,
     }
+}
+
+/// Blanks the candidates that the rest of the text does not choose.
+fn without_candidates(reader: &Reader<'_>, text: String) -> String {
+    let candidates = candidates::listed(reader, &text);
+    if candidates.is_empty() {
+        return text;
+    }
+    let spans: Vec<Range<usize>> = candidates.iter().map(|it| it.span.clone()).collect();
+    let stated = reader.sentences(&aside::blanked(&text, &spans), None);
+    let is_passed_over = |candidate: &&Candidate| {
+        let mut own = { stated.iter() }
+            .filter_map(|it| it.value_of(candidate.field))
+            .peekable();
+        own.peek().is_some() && own.all(|value| *value != candidate.value)
+    };
+    let passed_over = candidates.iter().filter(is_passed_over);
+    let spans: Vec<Range<usize>> = passed_over.map(|it| it.span.clone()).collect();
+    aside::blanked(&text, &spans)
 }
 
 /// Returns what the reasons within an object say of the values: words that are coarser than the choices, and points.

@@ -7,6 +7,7 @@
 mod action;
 mod around;
 mod aside;
+mod candidates;
 mod choice;
 mod claim;
 mod claims;
