@@ -359,18 +359,16 @@ impl Remote {
         self.sent.settings.pricing.cost(usage?)
     }
 
-    /// Hashes everything that an answer depends on, so that starts, repetitions and later steps have their own answers.
+    /// Hashes everything that an answer depends on. The request has what is not sent: its start, repetition, step and
+    /// candidate.
     fn cache_key(&self, request: &Request, encoded: &Encoded) -> String {
         let mut parts = vec![
             "answer of a provider".to_owned(),
             self.sent.settings.provider.clone(),
             self.sent.url.to_string(),
             self.sent.settings.model.clone(),
-            request.repetition.to_string(),
-            request.step.to_string(),
+            request.key(),
         ];
-        // Without a start the key is that of earlier versions, whose answers stay bought.
-        parts.extend(request.start.map(|start| format!("start {start}")));
         parts.extend(
             encoded
                 .headers

@@ -47,6 +47,7 @@ fn whatever_an_answer_depends_on_makes_another_question_of_it() {
     ask(&trial, &|request| request.step = 2);
     ask(&trial, &|request| request.start = Some(0));
     ask(&trial, &|request| request.start = Some(1));
+    ask(&trial, &|request| request.candidate = 1);
     ask(&trial, &|request| request.temperature = Some(0.5));
     let other = |change: &dyn Fn(&mut Trial)| {
         let mut other = Trial::of(&provider.url());
@@ -67,7 +68,7 @@ fn whatever_an_answer_depends_on_makes_another_question_of_it() {
         &other(&|trial| trial.settings.base_url = base.clone()),
         &|_| {},
     );
-    let expected: Vec<String> = (0..9).map(|at| at.to_string()).collect();
+    let expected: Vec<String> = (0..10).map(|at| at.to_string()).collect();
     assert_eq!(texts, expected);
     assert_eq!(trial.settings.wire, Wire::OpenaiChat);
 }
