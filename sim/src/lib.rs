@@ -47,7 +47,7 @@
 //! To read the code, start with [`Simulator`], then `picker` (the route), `solver` (the order of all passes),
 //! `layout` and `sides` (how particles are stored), `springs`, `cells`, `neighbours`, `contacts`, and `crumple`. A cloth
 //! of a material goes through `textile`: `bending`, `shear`, `lines`, `faces`; [`measure`] reads it as a laboratory would.
-//! Every number is in [`Params`].
+//! Every number that may be set is in [`Params`].
 
 mod bending;
 mod camera;

@@ -1,4 +1,4 @@
-//! Verbs that need the simulator, pictures, models or an arm; this is the only gate for the feature `runtime`.
+//! Verbs that need the simulator, pictures, models or an arm: those that exist only with the feature `runtime`.
 //!
 //! [`setting`] has what several of them need besides a program.
 
@@ -35,7 +35,8 @@ super::verbs! {
     Demos(demos::DemosArguments),
     /// Runs one rollout of a task.
     Run(run::RunArguments),
-    /// Resumes a rollout that was interrupted or stopped, after its last complete step; no answer is bought twice.
+    /// Resumes a rollout that was interrupted, stopped or lost its model, after its last complete step; no answer is bought
+    /// twice. A rollout of an arm is refused.
     Resume(resume::ResumeArguments),
     /// Runs a suite of many rollouts, and prints its table, with published figures beside it.
     Bench(bench::BenchArguments),

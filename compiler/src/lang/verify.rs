@@ -30,7 +30,7 @@ impl NumberRow {
 pub(crate) const ATTEMPTS: NumberRow = NumberRow {
     name: "attempts",
     range: Range::plain("a count", 1.0, 10.0),
-    doc: "the most questions per stage and step; without it, `3`",
+    doc: "the most questions per stage and action; without it, `3`",
 };
 
 /// Questions per stage and step if `attempts` is not stated: the paper's number.

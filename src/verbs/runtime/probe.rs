@@ -48,11 +48,13 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     }
     let interrupt = io.interrupt()?;
     let mut reach = arguments.reach.clone();
-    // An answer of an earlier day says nothing about today, and what is left out is not tested.
+    if { reach.omit.iter() }.any(|setting| *setting != OmitArgument::Tokens) {
+        return Err(Failure::usage(
+            "`probe` finds out which settings a model takes; only `--omit tokens` may be given",
+        ));
+    }
+    // An answer of an earlier day says nothing about today.
     reach.no_cache = true;
-    reach
-        .omit
-        .retain(|setting| *setting == OmitArgument::Tokens);
     let examined = models::examined(&arguments.model, &reach, &interrupt, io)?;
     let most = SIDES_PX.len() as u64 + MOST_QUESTIONS;
     let caps = Caps {

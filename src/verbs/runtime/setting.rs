@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 /// Where the cloth lies at first.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct StartArguments {
-    /// Particle positions (.npy), or a seed that turns the flat cloth; default: flat and straight.
+    /// Particle positions (.npy), or a seed that turns a flat cloth or crumples another one; default: as the task says.
     #[arg(long, value_name = "FILE.npy|SEED", value_hint = ValueHint::FilePath)]
     pub start: Option<String>,
     #[command(flatten)]

@@ -70,6 +70,10 @@ const COMPARING: &[&str] = words!(
     "candidate candidates option options idea rejected rank score alternative verdict considered previous"
 );
 
+/// Heads of tables in which an answer thinks; cells that cannot be read give way to the asked form below them.
+const WEIGHING: &[&str] =
+    words!("question step finding observation aspect consideration thought check note");
+
 /// The most strings inside one another that are objects themselves.
 const MAX_STRINGS: usize = 3;
 
@@ -727,10 +731,17 @@ fn table(reader: &Reader<'_>, text: &str, rows: &[Vec<Range<usize>>], claims: &m
             .find(is_value)
             .or_else(|| columns.next());
         let first = first.unwrap_or(index + 1);
+        let weighs = head.iter().any(|cell| says(cell, WEIGHING));
         for (at, cell) in row.iter().enumerate().skip(index + 1) {
             // Other columns explain, unless they state a value too.
             if at == first || (is_value(&at) && value_columns.is_empty()) {
-                claims.extend(of_cell(reader, text, field, axis, hint, cell));
+                let mut claim = of_cell(reader, text, field, axis, hint, cell);
+                if let Some(claim) = claim.as_mut().filter(|_| weighs)
+                    && let Claimed::Bad(why) = &claim.claimed
+                {
+                    claim.claimed = Claimed::Unclear(why.clone());
+                }
+                claims.extend(claim);
             }
         }
     }

@@ -62,7 +62,7 @@ const DENYING: &[&str] = words!(
     "case not don't don’t didn't isn't won't wouldn't shouldn't can't cannot never avoid avoiding no nor neither
     previous previously last old earlier former initial initially example e.g. rejected refused wrong incorrect
     instead than considered considering candidate candidates alternative alternatives alternatively otherwise options choices if
-    unless could might may maybe perhaps possible possibly unlike was were wanted planned intended template tempting without ❌ ✗ rather human ideally"
+    unless could might may maybe perhaps possible possibly unlike was were wanted planned intended midpoint midway halfway template tempting without ❌ ✗ rather human ideally"
 );
 
 /// Words between a name and its sign that change nothing.
@@ -104,7 +104,7 @@ const LYING: &[&str] = words!(
 const MAX_TRANSLATION: usize = 3;
 
 /// The most words between `must end up` and its point.
-const MAX_LANDING: usize = 9;
+const MAX_LANDING: usize = 14;
 
 /// The most words between a verb and `from`.
 const MAX_CARRIED: usize = 8;
@@ -979,19 +979,21 @@ impl<'a> Sentences<'a> {
         };
         let found = (0..self.tokens.len()).filter_map(|at| {
             let mut cursor = Cursor::at(self.tokens, at);
-            let lands = cursor.eat_words("end up")
-                || cursor.eat_words("come to lie")
-                || cursor.eat_word("land");
+            let ends = ["end up", "come to lie", "let go", "land"];
             let needs = at > 0 && self.tokens[at - 1].is_any(&["must", "should", "to"]);
+            let lands = needs && ends.iter().any(|words| cursor.eat_words(words))
+                // `The lower left corner, (10, 20), goes to the center, (30, 40).`
+                || cursor.eat_words("goes to");
             let sentence = self.sentence(at);
             let is_unreal = self.tokens[sentence.start..at]
                 .iter()
                 .any(|it| it.is_any(UNREAL));
-            if !lands || !needs || is_unreal {
+            if !lands || is_unreal {
                 return None;
             }
             let words = { cursor.rest().iter() }.take(MAX_LANDING).take_while(|it| {
-                it.kind == Kind::Word && !it.is_any(UNREAL) && !it.is_any(&["and", "so"])
+                let is_part = it.kind == Kind::Word || it.is_sign(',');
+                is_part && !it.is_any(UNREAL) && !it.is_any(&["and", "so"])
             });
             cursor.at += words.count();
             let begin = cursor.at;
@@ -1015,11 +1017,14 @@ impl<'a> Sentences<'a> {
         for at in 0..self.tokens.len() {
             let is_noun =
                 at > 0 && self.tokens[at - 1].is_any(&["the", "a", "this", "each", "that", "one"]);
-            if !self.tokens[at].is_any(&[
+            let is_passive = at > 0
+                && self.tokens[at - 1].is("be")
+                && self.tokens[at].is_any(&["moved", "dragged", "pulled", "shifted"]);
+            let is_active = self.tokens[at].is_any(&[
                 "move", "moves", "moving", "drag", "drags", "dragging", "pull", "pulls", "pulling",
                 "shift", "shifting",
-            ]) || is_noun
-            {
+            ]);
+            if !(is_active || is_passive) || is_noun {
                 continue;
             }
             let end = (at..self.tokens.len().min(at + MAX_MOTION)).find(|index| {
@@ -1036,7 +1041,7 @@ impl<'a> Sentences<'a> {
             let found = (at + 1..inside.len()).find_map(|begin| {
                 let mut cursor = Cursor::at(inside, begin);
                 let joined = inside[begin - 1]
-                    .is_any(&["by", "it", "cloth", "corner", "for", "over"])
+                    .is_any(&["by", "it", "cloth", "corner", "for", "over", "just", "only"])
                     || inside[begin - 1].is("of")
                         && inside[begin - 2]
                             .is_any(&["pull", "move", "distance", "length", "drag"])
@@ -1054,10 +1059,9 @@ impl<'a> Sentences<'a> {
                 continue;
             };
             // `a pull of 10 mm is all that is needed`
-            let suffices = self.tokens[end..]
-                .iter()
-                .take(2)
-                .any(|token| token.is_any(&["all", "enough"]));
+            let suffices = { self.tokens[end..].iter().take(2) }
+                .any(|token| token.is_any(&["all", "enough"]))
+                || Cursor::at(self.tokens, end).eat_words("and no more");
             let is_doubted = !suffices
                 && self.tokens[end..].iter().take(4).any(|token| {
                     token.is_any(&[

@@ -103,7 +103,7 @@ const EXPLAINING: &[&str] = words!(
 
 /// Words that tell what an assigned value does: `0.25 edge keeps it near`.
 const TELLING: &[&str] = words!(
-    "keeps brings takes carries reaches avoids stays suffices gives leads lands unfolds opens moves fits works"
+    "keeps brings takes carries reaches avoids stays suffices gives leads lands puts sets ends unfolds opens moves fits works"
 );
 
 /// Words that change or doubt what stands before them, wherever they stand in its clause.
@@ -368,6 +368,9 @@ fn is_format(mut cursor: Cursor<'_, '_>) -> bool {
     point::echo(&mut cursor).is_some() && !cursor.peek().is_some_and(|next| next.is_sign('='))
 }
 
+/// The tokens of `(x, y)`.
+const POINT_TOKENS: usize = 5;
+
 /// Skips words that describe a point; returns whether the last ones make the point after them another one.
 fn skip_description(cursor: &mut Cursor<'_, '_>, clarity: Clarity) -> bool {
     let mut is_relative = false;
@@ -381,10 +384,12 @@ fn skip_description(cursor: &mut Cursor<'_, '_>, clarity: Clarity) -> bool {
         } else {
             MAX_SPOKEN_DESCRIPTION
         };
-        // `the best pick on this side, as (482, 310) is a fold`
+        // `the best pick on this side, as (482, 310) is a fold`, `a short pull as (482, 310) lies on it`
+        let is_apart = cursor.at > 0 && cursor.tokens[cursor.at - 1].is_sign(',');
+        let tells = { cursor.ahead(POINT_TOKENS + 1) }
+            .is_some_and(|verb| verb.is_any(&["lies", "is", "sits", "has", "would", "belongs"]));
         let is_reason = token.is("as")
-            && cursor.at > 0
-            && cursor.tokens[cursor.at - 1].is_sign(',')
+            && (is_apart || tells)
             && cursor.ahead(1).is_some_and(|next| next.kind != Kind::Word);
         let is_other = token.kind == Kind::Word
             && cursor.at - start < most
