@@ -2,7 +2,7 @@
 //!
 //! In: an answer. Out: the same text with blanks there, each byte in its place, and what was set aside.
 
-use super::candidates;
+use super::ways;
 use super::wordlist::{self, words};
 use std::ops::Range;
 
@@ -222,7 +222,7 @@ fn quoted(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
             let said = said.to_lowercase().replace('’', "'");
             is_mine = bare.ends_with(':') && MINE.contains(&&*said);
         }
-        if candidates::is_way(trimmed) {
+        if ways::is_way(trimmed) {
             asides.push((at..at + line.trim_end().len(), Aside::Example));
         } else if is_quotation && is_mine && !is_unticked {
             let bare = trimmed.trim_start_matches(['>', ' ']);

@@ -1,4 +1,4 @@
-//! Finds the lines in which an answer weighs what it could choose: `Option A: …`, `- 10 mm: too short`.
+//! Finds lists in which an answer weighs the values of a field: `- 10 mm: too short`.
 //!
 //! In: an answer. Out: the lines that choose nothing. They tell of values that the answer does not have.
 
@@ -6,18 +6,9 @@ use super::cursor::Cursor;
 use super::lexer::{self, Gap, Kind, Token};
 use super::sentences::Reader;
 use super::value::{self, Clarity};
-use super::wordlist::{is_any, words};
+use super::ways;
 use crate::data::actions::Value;
 use std::ops::Range;
-
-/// Words with a number or a letter behind them that begin a line about one of several ways to act.
-const WAYS: &[&str] = words!("option candidate possibility choice idea alternative");
-
-/// Words in such a line that may choose what it says.
-const CHOOSING: &[&str] = words!(
-    "best better choose chosen chose choosing select selected selecting prefer preferred winner
-    wins winning final answer yes ✅ ✓ ✔ ⭐"
-);
 
 /// One of several values that an answer weighs, on a line of its own.
 pub(super) struct Candidate {
@@ -26,27 +17,6 @@ pub(super) struct Candidate {
     pub value: Value,
     /// Its line, bytes.
     pub span: Range<usize>,
-}
-
-/// Returns whether a line tells one of several ways to act, and does not choose it: `Option A: corner (10, 20), 45 deg.`
-pub(super) fn is_way(line: &str) -> bool {
-    let is_mark = |letter: char| matches!(letter, '-' | '*' | '+' | '#' | '>' | '_' | ' ' | '•');
-    let line = line.trim_start_matches(is_mark);
-    let Some((word, rest)) = line.split_once(' ') else {
-        return false;
-    };
-    let mut rest = rest.trim_start().chars();
-    let is_label = { rest.next() }.is_some_and(|it| it.is_ascii_digit() || it.is_ascii_uppercase());
-    let rest = rest.as_str().trim_start_matches(['*', '_', ' ']);
-    let Some(said) = rest.strip_prefix([':', ')', '.', '–', '—', '-']) else {
-        return false;
-    };
-    is_label && is_any(word, WAYS) && said.contains(char::is_alphanumeric) && !chooses(said)
-}
-
-fn chooses(line: &str) -> bool {
-    line.split(|letter: char| !letter.is_alphanumeric() && !"✅✓✔⭐".contains(letter))
-        .any(|word| is_any(word, CHOOSING))
 }
 
 /// Returns the items of lists that begin with different values of one field, with words behind each: `- 10 mm: too short`.
@@ -75,7 +45,7 @@ pub(super) fn listed(reader: &Reader<'_>, text: &str) -> Vec<Candidate> {
                 .find(|next| tokens[*next].gap >= Gap::Line)
                 .unwrap_or(tokens.len());
             let span = tokens[*at].at..tokens[end - 1].end();
-            if !chooses(&text[span.clone()]) {
+            if !ways::chooses(&text[span.clone()]) {
                 list.push(Candidate { field, value, span });
             }
         }

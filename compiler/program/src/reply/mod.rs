@@ -27,6 +27,7 @@ mod sentences;
 mod sizes;
 mod text;
 mod value;
+mod ways;
 mod wordlist;
 mod words;
 
