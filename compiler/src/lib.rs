@@ -63,6 +63,8 @@ pub struct Compiled {
     /// The tasks of the entry file that have no errors and can run by themselves, in source order, each followed
     /// by its variants.
     pub programs: Vec<Program>,
+    /// The task and the name of each variant that has errors, in source order.
+    pub broken_variants: Vec<(String, String)>,
     /// The tests of those tasks, in source order.
     pub tests: Vec<Test>,
     /// The materials without errors that the entry file declares or uses, by the order of the files.
@@ -113,6 +115,7 @@ pub fn compile_for(
     diag::keep_spellings_only(&mut diagnostics, &texts.sources);
     Ok(Compiled {
         programs: checked.programs,
+        broken_variants: checked.broken_variants,
         tests: checked.tests,
         materials: checked.materials,
         left_out,

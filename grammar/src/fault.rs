@@ -79,11 +79,16 @@ pub enum Problem {
         found: String,
     },
     /// A `}` without an opening brace.
-    StrayClose,
+    StrayClose {
+        /// A `}` before it that stands further in than the line of its `{`.
+        early: Option<Span>,
+    },
     /// A section is outside of any task.
     OutsideTask {
         /// Its keyword.
         word: String,
+        /// A `}` before it that stands further in than the line of its `{`.
+        early: Option<Span>,
     },
     /// A comma after the last part of a list.
     TrailingComma,

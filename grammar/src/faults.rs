@@ -18,7 +18,34 @@ pub(crate) fn collect(tree: &Tree) -> (Vec<Fault>, bool) {
     let mut faults = all(tree);
     let is_torn = torn(tree, &faults).is_some();
     drop_consequences(tree, &mut faults);
+    let early = |fault: &&mut Fault| {
+        matches!(
+            fault.problem,
+            Problem::StrayClose { .. } | Problem::OutsideTask { .. }
+        )
+    };
+    if let Some(fault) = faults.iter_mut().find(early) {
+        let found = closed_early(tree, fault.span.start);
+        if let Problem::StrayClose { early } | Problem::OutsideTask { early, .. } =
+            &mut fault.problem
+        {
+            *early = found;
+        }
+    }
     (faults, is_torn)
+}
+
+/// Returns the first `}` before a byte that stands further in than the line of its `{`.
+fn closed_early(tree: &Tree, byte: usize) -> Option<Span> {
+    let text = tree.text();
+    let early = tree.nodes().filter_map(|block| {
+        let open = block.child(Kind::Open)?.range().start;
+        let close = block.child(Kind::Close)?;
+        let (indent, begins_line) = margin(text, close.range().start);
+        let is_early = begins_line && indent > margin(text, open).0;
+        (is_early && close.range().start < byte).then(|| close.span())
+    });
+    early.min()
 }
 
 /// Returns every fault of a tree with those that others cause, in source order.
@@ -51,7 +78,7 @@ pub(crate) fn torn(tree: &Tree, faults: &[Fault]) -> Option<usize> {
         let says_so = matches!(
             fault.problem,
             Problem::MissingClose { .. }
-                | Problem::StrayClose
+                | Problem::StrayClose { .. }
                 | Problem::OutsideTask { .. }
                 | Problem::UnclosedText
         ) || fault.problem == Problem::UnclosedString
@@ -162,7 +189,7 @@ fn closes_on(tree: &Tree, fault: &Fault) -> bool {
     let above = text[..end].trim_end_matches(['\n', '\r']);
     let (above, _) = line_at(above, above.len());
     let is_statement = above.contains(|letter: char| letter.is_alphanumeric());
-    let is_brace = fault.problem == Problem::StrayClose;
+    let is_brace = matches!(fault.problem, Problem::StrayClose { .. });
     let here = [before, after].concat();
     !is_brace && (closes_more(&here) || is_statement && closes_more(above))
 }
@@ -205,7 +232,7 @@ fn drop_of_unclosed(tree: &Tree, faults: &mut Vec<Fault>) {
     // What is outside of tasks because a block took the `}` of the one around it.
     let mut strays: Vec<usize> = { faults.iter() }
         .filter(|fault| match fault.problem {
-            Problem::StrayClose | Problem::OutsideTask { .. } => true,
+            Problem::StrayClose { .. } | Problem::OutsideTask { .. } => true,
             Problem::UnknownWord { ref block, .. } => block.is_none(),
             _ => false,
         })
@@ -416,25 +443,26 @@ fn other_bracket(block: Node<'_>) -> Option<Span> {
 /// How far a line may begin and still tell by its indentation where a block ends, bytes.
 const MOST_INDENT: usize = 256;
 
+/// Returns how far in the line of a byte begins, and whether the line begins there. Many blocks may be on one long line.
+fn margin(text: &str, at: usize) -> (usize, bool) {
+    let near = &text[text.floor_char_boundary(at.saturating_sub(MOST_INDENT))..at];
+    let before = near.rsplit('\n').next().unwrap_or(near);
+    let words = before.trim_start();
+    (before.len() - words.len(), words.is_empty())
+}
+
 /// Returns the inner block that took the `}` of a block that is never closed, as the indentation shows.
 fn robbed(outer: Node<'_>) -> Option<Node<'_>> {
     let text = outer.tree().text();
-    // How far in the line of a byte begins, and whether the line begins there. Many blocks may be on one long line.
-    let margin = |at: usize| {
-        let near = &text[text.floor_char_boundary(at.saturating_sub(MOST_INDENT))..at];
-        let before = near.rsplit('\n').next().unwrap_or(near);
-        let words = before.trim_start();
-        (before.len() - words.len(), words.is_empty())
-    };
-    let (outer_margin, _) = margin(outer.child(Kind::Open)?.range().start);
+    let (outer_margin, _) = margin(text, outer.child(Kind::Open)?.range().start);
     let mut inner = outer.children();
     inner.find(|block| {
         let ends = [Kind::Open, Kind::Close].map(|kind| block.child(kind));
         let [Some(open), Some(close)] = ends else {
             return false;
         };
-        margin(open.range().start).0 > outer_margin
-            && margin(close.range().start) == (outer_margin, true)
+        margin(text, open.range().start).0 > outer_margin
+            && margin(text, close.range().start) == (outer_margin, true)
     })
 }
 
@@ -516,10 +544,11 @@ fn stray(node: Node<'_>) -> Fault {
     let first = token_at(tree.text(), span.range());
     let items = words(Kind::File);
     let problem = if first.starts_with('}') {
-        Problem::StrayClose
+        Problem::StrayClose { early: None }
     } else if words(Kind::Task).contains(&first) && !items.contains(&first) {
         Problem::OutsideTask {
             word: first.to_owned(),
+            early: None,
         }
     } else {
         let line = tree.text()[span.range()].split(['\n', '\r']).next();

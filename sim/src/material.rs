@@ -148,7 +148,7 @@ impl std::fmt::Display for MaterialWarning {
             ),
             MaterialWarning::Shear { declared, shown } => write!(
                 f,
-                "on the bias the cloth gives by `{shown:.2}` and not by `{declared}` of its length: one so light is not held stiffer against shear at this spacing"
+                "on the bias the cloth gives by `{shown:.2}` and not by `{declared}` of its length: one of this weight is not held stiffer against shear at this spacing"
             ),
             MaterialWarning::SoftBias { bias_m, least_m } => write!(
                 f,

@@ -101,11 +101,12 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
             let calls = u64::from(per_step) * u64::from(program.horizon);
             if !arguments.json && program.variant.is_none() {
                 io.data(&format!(
-                    "{named}: task `{}` has no errors; at most {per_step} model calls per step, {calls} in {}{}{}",
+                    "{named}: task `{}` has no errors; at most {per_step} model calls per step, {calls} in {}{}{}{}",
                     program.task,
                     counted(program.horizon as usize, "step"),
                     notes(program, &beside),
-                    variants(&compiled.programs[number + 1..])
+                    variants(&compiled.programs[number + 1..]),
+                    broken_variants(&compiled.broken_variants, &program.task),
                 ));
             }
             let mut task = json!({
@@ -217,5 +218,15 @@ fn variants(following: &[Program]) -> String {
         String::new()
     } else {
         format!("\n  likewise its variants: {}", names.join(", "))
+    }
+}
+
+/// Names the variants of a task that have errors of their own.
+fn broken_variants(broken: &[(String, String)], task: &str) -> String {
+    let own = broken.iter().filter(|(of, _)| of == task);
+    let names: Vec<&str> = own.map(|(_, variant)| variant.as_str()).collect();
+    match names.as_slice() {
+        [] => String::new(),
+        names => format!("\n  its variants with errors: {}", names.join(", ")),
     }
 }

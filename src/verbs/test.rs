@@ -5,6 +5,7 @@ use crate::io::Io;
 use crate::{shipped, sources, watch};
 use clap::Args;
 use clap::ValueHint;
+use fab_base::wording::counted;
 use fab_compiler::{Compiled, diag};
 use fab_program::test::{Finding, Trial};
 use fab_program::{Expect, Program, Test};
@@ -96,7 +97,13 @@ fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
                 "diagnostics": diagnostics,
             })
         },
-        || format!("{n_passed} passed, {n_failed} failed"),
+        || match errors.len() {
+            0 => format!("{n_passed} passed, {n_failed} failed"),
+            n => format!(
+                "{n_passed} passed, {n_failed} failed, {} not run",
+                counted(n, "file")
+            ),
+        },
     );
     Ok(exit)
 }

@@ -132,6 +132,16 @@ fn listed<'a>(
         .collect::<Result<_, _>>()?;
     let kind = kinds[0];
     if let Some(other) = kinds.iter().position(|other| *other != kind) {
+        let unit = match list[other] {
+            Expr::Name(name) if units::find(name.text()).is_some() => Some(name.text()),
+            _ => None,
+        };
+        if let Some(unit) = unit {
+            let message = format!("expected a number and its unit, found `{unit}` alone");
+            let diagnostic = Diagnostic::new(Code::MixedChoices, list[other].span(), message);
+            let help = format!("write a number before it, such as `1{unit}`");
+            return Err(context.error(diagnostic.help(help)));
+        }
         let message = format!(
             "`{}` offers {} and {}",
             name.text(),
@@ -140,13 +150,6 @@ fn listed<'a>(
         );
         let diagnostic = Diagnostic::new(Code::MixedChoices, list[other].span(), message);
         let label = format!("this is one of {}", kind.noun());
-        let diagnostic = match list[other] {
-            Expr::Name(name) if units::find(name.text()).is_some() => diagnostic.help(format!(
-                "`{0}` is a unit: write a number before it, such as `1{0}`",
-                name.text()
-            )),
-            _ => diagnostic,
-        };
         return Err(context.error(diagnostic.also(first.span(), label)));
     }
     offers(row, kind, first.span(), context)?;

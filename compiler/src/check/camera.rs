@@ -106,9 +106,13 @@ pub(crate) fn masks_see_cloth(
         };
         let diagnostic = Diagnostic::new(Code::MaskSeesNoCloth, ends[0].0, message);
         let right = format!(
-            "write `{} = mask(depth < {}mm)`",
+            "write `{} = mask(depth < {}mm)`{}",
             keypoint.name,
-            mm(height_m - CLEAR_OF_TABLE * cloth_m)
+            mm(height_m - CLEAR_OF_TABLE * cloth_m),
+            match mask.file == here {
+                true => String::new(),
+                false => format!(" in `keypoints` of `{}`", merged.task.name().text()),
+            }
         );
         context.remark(diagnostic.also(ends[1].0, ends[1].1).help(right));
     }

@@ -4,6 +4,7 @@ use super::context::Context;
 use super::expressions::{
     AsPercent, Frame, FramedLength, Operand, Scope, common_frame, keypoint, kind_of, operand, point,
 };
+use super::names::Meaning;
 use super::quantity::{no_unit, not_whole, out_of_range, read};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::conditions::{ANGLE_BETWEEN, MARGIN, SIGNS, Sign, WORDS, sign as meaning};
@@ -65,12 +66,30 @@ fn within<'a>(within: Within<'a>, context: &mut Context<'a, '_>) -> Result<Condi
         .map_or(Ok(0.0), |margin| read(margin, &MARGIN, context));
     let point = point(within.point(), context);
     let shapes = [KeypointShape::Mask, KeypointShape::Box];
+    if let Expr::Name(name) = within.region()
+        && context.names.get(name.text()) == Some(Meaning::Keypoint(Some(KeypointShape::Point)))
+    {
+        return Err(near_a_point(within, name, context));
+    }
     let region = keypoint(within.region(), &shapes, Scope::Everywhere, context);
     Ok(Condition::Within {
         point: point?,
         region: region?,
         margin_px: margin_px?,
     })
+}
+
+/// Reports a point in place of a region, with the distance that is meant.
+fn near_a_point(within: Within<'_>, name: Name<'_>, context: &mut Context<'_, '_>) -> Reported {
+    let message = format!("expected a mask or a box, found `{}`", name.text());
+    let diagnostic = Diagnostic::new(Code::WrongKindOfName, name.span(), message);
+    let point = context.written(within.point().span());
+    let margin = within.margin().map(|margin| context.written(margin.span()));
+    let margin = margin.unwrap_or_else(|| "10px".to_owned());
+    context.error(diagnostic.label("this is a point").help(format!(
+        "write `distance({point}, {}) <= {margin}`",
+        name.text()
+    )))
 }
 
 /// Returns the condition that a single word states; `None` if it states none, or if the task declares that name.

@@ -53,7 +53,9 @@ use fab_program::{Material, Program, Test};
 pub(crate) struct Checked {
     /// The tasks and variants of the entry that can run.
     pub programs: Vec<Program>,
-    /// Their tests.
+    /// The task and the name of each variant of the entry that has errors.
+    pub broken_variants: Vec<(String, String)>,
+    /// The tests of those that can run.
     pub tests: Vec<Test>,
     /// The materials that the entry declares or sees.
     pub materials: Vec<Material>,
@@ -163,6 +165,10 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                 match broken {
                     Some(place) => report.absorb_within(place, own),
                     None => report.absorb(own),
+                }
+                if let (true, Some(variant), Err(_)) = (is_entry, &merged.variant, &built) {
+                    let name = task.name().text().to_owned();
+                    checked.broken_variants.push((name, variant.name.clone()));
                 }
                 if let (true, Ok(Some((program, tests)))) = (is_entry, built) {
                     if number == 0 {

@@ -621,9 +621,12 @@ impl<'a> Builder<'_, 'a> {
         let message = format!("the layer `{name}` is drawn, but no prompt says what it is");
         let diagnostic = Diagnostic::new(Code::LayerNotNamed, first.span(), message)
             .about(name)
-            .help(format!(
-                "write `{{{{ {name} }}}}` in a text of the stage that shows it"
-            ));
+            .help(match self.layers.iter().any(|it| it.shows_layers == Ok(true)) {
+                true => format!("write `{{{{ {name} }}}}` in a text of the stage that shows it"),
+                false => format!(
+                    "write `show scene with annotations` in a stage, and `{{{{ {name} }}}}` in a text of it"
+                ),
+            });
         let diagnostic = unnamed.fold(diagnostic, |it, name| it.also(name.span(), "nor this one"));
         // A placeholder that did not parse may name it.
         all = Err(context.missing(true, first.span().file, diagnostic));

@@ -76,6 +76,7 @@ pub(super) fn recognise(
     let mut rows = NAMED.iter();
     if let Some((_, help)) = named.and_then(|(_, word)| rows.find(|(row, _)| *row == word))
         && (!found.starts_with(is_word) || fab_grammar::is_keyword(found))
+        && !found.starts_with(['{', '}'])
     {
         return Some(usual().help(*help));
     }
@@ -224,6 +225,9 @@ pub(super) fn recognise(
         ")" if last_open(before).is_none() => fault(span, "this `)` closes nothing".to_owned())
             .help("write the `(` that it closes, or remove it"),
         "}" | ")" if before.ends_with(',') => usual().help("remove the comma before it"),
+        "," if expects("`)`") && rest[1..].trim_start().starts_with(')') => {
+            usual().help("remove the comma").likely(span, "")
+        }
         _ if expects("a name")
             && found.starts_with(|first: char| first.is_ascii_digit())
             && text[..span.start].ends_with(',')

@@ -53,7 +53,10 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
         Problem::MissingClose { block, .. } => {
             Diagnostic::new(Code::MissingBrace, span, format!("the `{{` of `{block}` is never closed"))
                 .label("stays open")
-                .help("add a `}` where the block ends")
+                .help(match begins_again(block, span, text) {
+                    true => format!("the next line begins `{block}` again: remove one of the two, or add a `}}` where the first ends"),
+                    false => "add a `}` where the block ends".to_owned(),
+                })
         }
         Problem::MissingName { after } => {
             Diagnostic::new(Code::MissingName, span, format!("`{after}` is not followed by a name"))
@@ -96,11 +99,17 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
                 diagnostic.help(format!("remove `{found}`"))
             }
         }
-        Problem::StrayClose => Diagnostic::new(Code::StrayBrace, span, "this `}` closes nothing")
-            .help("remove it, or look for a `}` too many above"),
-        Problem::OutsideTask { word } => {
-            Diagnostic::new(Code::SectionOutsideTask, span, format!("`{word}` is outside of any task"))
-                .help("move it between the braces of a `task`; perhaps a `}` above closes the task too early")
+        Problem::StrayClose { early } => {
+            let diagnostic = Diagnostic::new(Code::StrayBrace, span, "this `}` closes nothing");
+            match early {
+                Some(early) => diagnostic.also(*early, "this one is probably too many").help("remove it, or the one above"),
+                None => diagnostic.help("remove it, or look for a `}` too many above"),
+            }
+        }
+        Problem::OutsideTask { word, early } => {
+            let diagnostic = Diagnostic::new(Code::SectionOutsideTask, span, format!("`{word}` is outside of any task"))
+                .help("move it between the braces of a `task`; perhaps a `}` above closes the task too early");
+            early.iter().fold(diagnostic, |it, early| it.also(*early, "this one is probably too many"))
         }
         Problem::TrailingComma => Diagnostic::new(Code::TrailingComma, span, "a list ends with a comma")
             .help("remove the comma, or add another part")
@@ -175,6 +184,15 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
         }
         None => diagnostic,
     }
+}
+
+/// Returns whether the word of a block comes directly behind its `{`, as in a line that stands there twice.
+fn begins_again(block: &str, open: Span, text: &str) -> bool {
+    let next = text[open.end..].trim_start();
+    let behind = next.strip_prefix(block);
+    behind.is_some_and(|rest| {
+        !rest.starts_with(|letter: char| letter.is_alphanumeric() || letter == '_')
+    })
 }
 
 /// Returns the place of a word if it comes next on the line.

@@ -308,9 +308,11 @@ fn in_words(finding: &Finding) -> String {
             stated,
             ..
         } => format!("refused by `{check}`{}", sources(stated)),
-        Finding::Malformed { field, stated, .. } => {
-            format!("`{field}` cannot be read{}", sources(stated))
-        }
+        Finding::Malformed {
+            field,
+            message,
+            stated,
+        } => format!("`{field}` cannot be read: {message}{}", sources(stated)),
         Finding::Failed { why, .. } => why.clone(),
     }
 }

@@ -45,7 +45,9 @@ enum Extracted {
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// A required mask is empty: the first one, which is the cloth, or one that something is taken from.
-    #[error("no pixel of the picture belongs to `{mask}`: the cloth is out of view{measured}")]
+    #[error(
+        "no pixel of the picture belongs to `{mask}`: the cloth is out of view, or the mask does not fit it{measured}"
+    )]
     OutOfView {
         /// The mask's name.
         mask: String,

@@ -387,7 +387,7 @@ fn what_a_cloth_cannot_show_is_warned_of() {
             .contains("layers keep `0.001` m apart and not the thickness of `0.0001` m")
     );
     assert!(told(&silk, SPACING_M).contains(
-        "gives by `0.68` and not by `0.08` of its length: one so light is not held stiffer"
+        "gives by `0.68` and not by `0.08` of its length: one of this weight is not held stiffer"
     ));
     assert_eq!(told(&towel, SPACING_M), "");
     let soft = Material {
