@@ -308,11 +308,9 @@ fn in_words(finding: &Finding) -> String {
             stated,
             ..
         } => format!("refused by `{check}`{}", sources(stated)),
-        Finding::Malformed {
-            field,
-            message,
-            stated,
-        } => format!("`{field}` cannot be read: {message}{}", sources(stated)),
+        Finding::Malformed { field, stated, .. } => {
+            format!("`{field}` cannot be read{}", sources(stated))
+        }
         Finding::Failed { why, .. } => why.clone(),
     }
 }
