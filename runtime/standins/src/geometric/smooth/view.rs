@@ -60,7 +60,10 @@ impl View {
                 "a side of the picture is shorter than 32 or longer than 4096 px".to_owned(),
             );
         }
-        View::of(&picture).ok_or_else(|| "I see no cloth in the picture: I find faces with more red than green or blue".to_owned())
+        View::of(&picture).ok_or_else(|| {
+            "I see no cloth in the picture: I find faces with more red than green or blue"
+                .to_owned()
+        })
     }
 
     fn of(picture: &RgbImage) -> Option<View> {
