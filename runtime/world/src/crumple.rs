@@ -27,6 +27,20 @@ pub(crate) fn is_start(positions: &[[f32; 3]], cloth: &Start) -> bool {
         .is_some_and(|covered| COVERAGES.contains(&covered))
 }
 
+/// Says how much of the table a crumpled start covers if that is other than recorded starts do: a stiff cloth may open
+/// again after each lift.
+pub fn unlike_recorded(start: &Start) -> Option<String> {
+    let covered =
+        metrics::outlined_coverage(&start.positions, &start.grid, start.outline.as_ref())?;
+    let [least, most] = [COVERAGES.start(), COVERAGES.end()].map(|it| it * 100.0);
+    (!COVERAGES.contains(&covered)).then(|| {
+        format!(
+            "this start covers {:.0} % of the flat cloth, recorded ones cover {least:.0} to {most:.0} %; another seed may lie otherwise",
+            covered * 100.0
+        )
+    })
+}
+
 /// A crumpled start, and how it was had.
 #[derive(Clone, Debug)]
 pub struct Crumpled {
@@ -104,6 +118,12 @@ mod tests {
             up: ImageUp::Y,
         };
         SimulatedWorld::new(&camera, fab_program::Picker::default()).unwrap()
+    }
+
+    #[test]
+    fn a_start_that_lies_open_is_told() {
+        let said = unlike_recorded(&Start::flat(&CLOTH)).unwrap();
+        assert!(said.contains("recorded ones cover 32 to 63 %"), "{said}");
     }
 
     /// Returns the start, and whether it had to be crumpled.

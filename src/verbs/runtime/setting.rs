@@ -149,8 +149,9 @@ fn crumpled(
         &mut announce,
     ) {
         Ok(crumpled) => {
-            if let Some(why) = crumpled.not_kept {
-                io.talk(&format!("note: {why}"));
+            let notes = [crumpled.not_kept, crumple::unlike_recorded(&crumpled.start)];
+            for note in notes.into_iter().flatten() {
+                io.talk(&format!("note: {note}"));
             }
             Ok(crumpled.start)
         }
