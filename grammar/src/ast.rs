@@ -805,7 +805,13 @@ impl<'t> File<'t> {
     pub fn has_lost_name(self) -> bool {
         self.node.tree().nodes().any(|node| match node.kind() {
             Kind::Junk | Kind::JunkSection => lost_name(node),
-            Kind::Stray => node.text().contains('"'),
+            Kind::Stray => {
+                let text = node.text().trim_start();
+                let uses = text
+                    .strip_prefix("use")
+                    .is_some_and(|rest| rest.starts_with([' ', '"']));
+                uses || text.starts_with('"')
+            }
             Kind::Head => {
                 let parent = node.parent().map(Node::kind);
                 let is_named = matches!(

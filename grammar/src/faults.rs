@@ -35,10 +35,17 @@ pub(crate) fn collect(tree: &Tree) -> (Vec<Fault>, bool) {
     (faults, is_torn)
 }
 
-/// Returns the first `}` before a byte that stands further in than the line of its `{`.
+/// Returns the first `}` that stands further in than the line of its `{`, in the last item before a byte.
 fn closed_early(tree: &Tree, byte: usize) -> Option<Span> {
     let text = tree.text();
-    let early = tree.nodes().filter_map(|block| {
+    let items = tree.root().children();
+    let item = { items }
+        .filter(|item| item.child(Kind::Open).is_some() && item.range().start < byte)
+        .last()?;
+    let blocks = tree.nodes().filter(|block| {
+        item.range().start <= block.range().start && block.range().end <= item.range().end
+    });
+    let early = blocks.filter_map(|block| {
         let open = block.child(Kind::Open)?.range().start;
         let close = block.child(Kind::Close)?;
         let (indent, begins_line) = margin(text, close.range().start);
@@ -98,8 +105,8 @@ fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
     let Some(torn) = torn(tree, faults) else {
         return;
     };
-    let reported = faults.iter().position(|fault| closes_on(tree, fault));
-    let reported = reported.filter(|reported| *reported < torn);
+    let before = faults[..torn].iter().take(MOST_BESIDE_TORN);
+    let reported = { before }.position(|fault| closes_on(tree, fault));
     let mut number = 0;
     faults.retain(|fault| {
         number += 1;
@@ -191,7 +198,24 @@ fn closes_on(tree: &Tree, fault: &Fault) -> bool {
     let is_statement = above.contains(|letter: char| letter.is_alphanumeric());
     let is_brace = matches!(fault.problem, Problem::StrayClose { .. });
     let here = [before, after].concat();
-    !is_brace && (closes_more(&here) || is_statement && closes_more(above))
+    !is_brace && (closes_inside(&here) || is_statement && closes_inside(above))
+}
+
+/// Returns whether a line closes more braces than it opens; the one with which it begins closes a block above it.
+fn closes_inside(line: &str) -> bool {
+    let line = line.trim_start();
+    let mut is_text = false;
+    let mut depth = 0;
+    for letter in line.strip_prefix('}').unwrap_or(line).chars() {
+        match letter {
+            '"' => is_text = !is_text,
+            '#' if !is_text => break,
+            '{' if !is_text => depth += 1,
+            '}' if !is_text => depth -= 1,
+            _ => {}
+        }
+    }
+    depth < 0
 }
 
 /// In a file with more unclosed blocks, nobody knows which line belongs to which.
@@ -214,13 +238,10 @@ fn drop_of_unclosed(tree: &Tree, faults: &mut Vec<Fault>) {
         return;
     }
     let begins_outer = |block: Node<'_>, byte: usize| {
-        let text = tree.text();
-        let near = text.floor_char_boundary(byte.saturating_sub(MOST_LINE));
-        let Some(line) = text[near..byte].rfind('\n').map(|at| near + at + 1) else {
-            return false;
-        };
-        let start = text.len() - text[line..].trim_start().len();
-        let first = token_at(text, start..text.len());
+        let (before, after) = line_at(tree.text(), byte);
+        let line = byte - before.len();
+        let whole = [before, after].concat();
+        let first = token_at(whole.trim_start(), 0..whole.trim_start().len());
         line > block.range().start && { block.ancestors() }
             .any(|outer| words(outer.kind()).contains(&first))
     };
@@ -230,16 +251,15 @@ fn drop_of_unclosed(tree: &Tree, faults: &mut Vec<Fault>) {
         .map(|fault| fault.span.start)
         .collect();
     // What is outside of tasks because a block took the `}` of the one around it.
+    let torn_off =
+        { tree.nodes() }.filter(|node| node.kind() == Kind::Stray && closes_more(node.text()));
+    let torn_off: BTreeSet<usize> = torn_off.map(|node| trimmed(node).start).collect();
     let mut strays: Vec<usize> = { faults.iter() }
-        .filter(|fault| match fault.problem {
-            Problem::StrayClose { .. } | Problem::OutsideTask { .. } => true,
-            Problem::UnknownWord { ref block, .. } => block.is_none(),
-            _ => false,
-        })
         .map(|fault| fault.span.start)
+        .filter(|at| torn_off.contains(at))
         .collect();
     // Braces that were reported themselves.
-    let opening: Vec<usize> = { faults.iter() }
+    let opening: BTreeSet<usize> = { faults.iter() }
         .filter(|fault| opens_at(tree, fault))
         .map(|fault| fault.span.start)
         .collect();
@@ -260,7 +280,13 @@ fn drop_of_unclosed(tree: &Tree, faults: &mut Vec<Fault>) {
             let is_in = |at: &usize| block.range().contains(at);
             let holds_unclosed = { unclosed.iter() }
                 .any(|(_, inner)| opened.end <= inner.start && is_in(&inner.start));
-            return !holds_unclosed && !taken.iter().chain(&opening).any(is_in);
+            // What is in an inner block that is closed is another fault.
+            let inner = block
+                .children()
+                .filter(|it| it.child(Kind::Close).is_some());
+            let last = inner.last().map_or(opened.end, |it| it.range().end);
+            let is_behind = |at: &usize| last <= *at && is_in(at);
+            return !holds_unclosed && !taken.iter().any(is_in) && !opening.iter().any(is_behind);
         }
         let depends = matches!(
             fault.problem,
@@ -291,11 +317,15 @@ fn drop_of_unclosed(tree: &Tree, faults: &mut Vec<Fault>) {
 
 /// Returns the word at which an unclosed block ends if it begins a line of a block around it.
 fn misplaced_at_end(block: Node<'_>) -> Option<Span> {
+    if block.child(Kind::Close).is_some() {
+        return None;
+    }
     let tree = block.tree();
     let after = &tree.text()[block.range().end..];
     let start = block.range().end + (after.len() - after.trim_start().len());
     let word = token_at(tree.text(), start..tree.text().len());
-    let is_outer = { block.ancestors() }.any(|outer| words(outer.kind()).contains(&word));
+    let mut outer = { block.ancestors() }.filter(|outer| outer.kind() != Kind::File);
+    let is_outer = outer.any(|outer| words(outer.kind()).contains(&word));
     is_outer.then(|| tree.span(start..start + word.len()))
 }
 
@@ -321,7 +351,8 @@ fn opens_at(tree: &Tree, fault: &Fault) -> bool {
     let (before, after) = line_at(tree.text(), fault.span.start);
     let line = before.trim_start();
     let first = token_at(line, 0..line.len());
-    let is_head = !before.contains('{') && blocks().iter().any(|block| block.name() == first);
+    let begins_block = first == "check" || blocks().iter().any(|block| block.name() == first);
+    let is_head = !before.contains('{') && begins_block;
     let is_behind_open = before.trim_end().ends_with('{') && after.contains('{');
     stands_for_close(tree, fault)
         || is_behind_open

@@ -89,8 +89,13 @@ pub(crate) fn mend(tree: &Tree, mut faults: Vec<Fault>) -> Vec<Fault> {
         };
         for fault in &mut faults {
             back(&mut fault.span);
-            if let Problem::MissingClose { opened, .. } = &mut fault.problem {
-                back(opened);
+            match &mut fault.problem {
+                Problem::MissingClose { opened, .. } => back(opened),
+                Problem::StrayClose { early: Some(early) }
+                | Problem::OutsideTask {
+                    early: Some(early), ..
+                } => back(early),
+                _ => {}
             }
         }
     }

@@ -68,16 +68,20 @@ impl Report {
         }
         if diagnostic.code.is_about_form() {
             self.malformed.push(diagnostic.span);
-        } else if { self.malformed.iter() }.any(|span| span.overlaps(diagnostic.span)) {
+        } else if diagnostic.code != Code::ControlCharacter && { self.malformed.iter() }
+            .any(|span| span.overlaps(diagnostic.span))
+        {
+            // It may only be a consequence.
             return;
         }
+        let mut about = None;
         if let Some(name) = &diagnostic.about {
             let key = (diagnostic.span.file, diagnostic.code, name.clone());
             if let Some(first) = self.about.get(&key) {
                 self.found[*first].also_about(diagnostic);
                 return;
             }
-            self.about.insert(key, self.found.len());
+            about = Some(key);
         }
         if diagnostic.severity == Severity::Error {
             self.files_with_errors.insert(diagnostic.span.file);
@@ -86,6 +90,7 @@ impl Report {
         *count += 1;
         if *n_kept < MAX_FINDINGS {
             *n_kept += 1;
+            self.about.extend(about.map(|key| (key, self.found.len())));
             self.found.push(diagnostic);
         }
     }

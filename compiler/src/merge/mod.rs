@@ -639,7 +639,7 @@ impl<'a> Merged<'a> {
             name.text()
         );
         // An inherited variant is in order where it is declared.
-        let is_inherited = name.span().file != self.task.name().span().file;
+        let is_inherited = !self.task.body().span().contains(name.span());
         let diagnostic = match is_inherited {
             true => Diagnostic::new(Code::NothingToOverride, self.task.name().span(), message)
                 .also(name.span(), "overridden here"),
