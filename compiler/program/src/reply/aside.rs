@@ -210,6 +210,7 @@ const MINE: [&str; 8] = [
 fn quoted(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
     let mut at = 0;
     let mut is_mine = false;
+    let are_weighed = ways::are_weighed(reply);
     for line in reply.split_inclusive('\n') {
         let trimmed = line.trim_start();
         let is_unticked = trimmed
@@ -222,7 +223,7 @@ fn quoted(reply: &str, asides: &mut Vec<(Range<usize>, Aside)>) {
             let said = said.to_lowercase().replace('’', "'");
             is_mine = bare.ends_with(':') && MINE.contains(&&*said);
         }
-        if ways::is_way(trimmed) {
+        if are_weighed && ways::is_way(trimmed) {
             asides.push((at..at + line.trim_end().len(), Aside::Example));
         } else if is_quotation && is_mine && !is_unticked {
             let bare = trimmed.trim_start_matches(['>', ' ']);

@@ -199,11 +199,14 @@ fn without_candidates(reader: &Reader<'_>, text: String) -> String {
     }
     let spans: Vec<Range<usize>> = candidates.iter().map(|it| it.span.clone()).collect();
     let stated = reader.sentences(&aside::blanked(&text, &spans), None);
+    // What is weighed below the answer may take it back.
     let is_passed_over = |candidate: &&Candidate| {
-        let mut own = { stated.iter() }
-            .filter_map(|it| it.value_of(candidate.field))
-            .peekable();
-        own.peek().is_some() && own.all(|value| *value != candidate.value)
+        let own = stated
+            .iter()
+            .filter(|it| it.value_of(candidate.field).is_some());
+        let last = own.clone().map(|it| it.span.start).max();
+        let is_other = |it: &Claim| it.value_of(candidate.field) != Some(&candidate.value);
+        last.is_some_and(|last| candidate.span.end <= last) && own.clone().all(is_other)
     };
     let passed_over = candidates.iter().filter(is_passed_over);
     let spans: Vec<Range<usize>> = passed_over.map(|it| it.span.clone()).collect();

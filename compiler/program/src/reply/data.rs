@@ -256,7 +256,16 @@ fn members(
                 return;
             }
             let moved = moved(reader, found);
-            for (object::Member { key, at, value }, moved) in found.iter().zip(moved) {
+            for (
+                object::Member {
+                    key: written,
+                    at,
+                    value,
+                },
+                moved,
+            ) in found.iter().zip(moved)
+            {
+                let key = written;
                 let is_own = { reader.fields.iter() }.any(|it| it.name.eq_ignore_ascii_case(key));
                 let key = &*if is_own { key.into() } else { numbered(key) };
                 let label = lexer::tokens(key);
@@ -265,7 +274,7 @@ fn members(
                     let span = spanned(value);
                     let begin = if depth == 0 { *at } else { span.start };
                     claims.extend(member(reader, field, rest, value, begin..span.end));
-                } else if is_any(key, CONTAINERS) {
+                } else if is_any(written, CONTAINERS) {
                     match &value.shape {
                         Shape::Text(text) if depth < MAX_STRINGS => {
                             if let Some(inner) = object::whole(text) {
@@ -286,7 +295,7 @@ fn members(
 /// Writes the number of a key behind it: `place2` and `second_place` as `place 2`.
 fn numbered(key: &str) -> Cow<'_, str> {
     let lower = key.to_ascii_lowercase();
-    let second = ["second", "next", "other"].into_iter().find_map(|word| {
+    let second = ["second", "other"].into_iter().find_map(|word| {
         let name = lower
             .strip_prefix(word)?
             .trim_start_matches(['_', ' ', '-']);
@@ -488,15 +497,20 @@ fn written(node: &Node) -> Option<(String, Option<AnswerUnit>)> {
                     .iter()
                     .find(|unit| unit.words().any(|word| key.eq_ignore_ascii_case(word)))
             };
-            let mut values = found
-                .iter()
-                .filter(|member| is_any(&member.key, VALUES) || unit_named(&member.key).is_some());
-            let object::Member { key, value, .. } = values.next()?;
-            // `"pixels": 56` beside `"unit": "edge"` says the same of the picture.
-            let is_in_pixels = |it: &&object::Member| is_any(&it.key, &["px", "pixels"]);
-            if !values.all(|it| is_in_pixels(&it)) {
-                return None;
+            let is_value =
+                |it: &&object::Member| is_any(&it.key, VALUES) || unit_named(&it.key).is_some();
+            // `"pixels": 56` beside `"value": 0.25, "unit": "edge"` says the same of the picture.
+            let is_beside = |it: &&object::Member| {
+                let is_number = bare(&it.value).is_some();
+                is_any(&it.key, &["px", "pixels"]) && is_number && get("unit").is_some()
+            };
+            let mut values: Vec<&object::Member> = found.iter().filter(is_value).collect();
+            if values.len() > 1 {
+                values.retain(|it| !is_beside(it));
             }
+            let [object::Member { key, value, .. }] = values[..] else {
+                return None;
+            };
             let (text, inner) = written(value)?;
             let unit = ["unit", "units"]
                 .iter()

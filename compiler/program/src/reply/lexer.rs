@@ -302,9 +302,13 @@ impl<'t> Lexer<'t> {
     /// A dot between blanks separates fields if a word is behind it: `(10, 20) · Direction: 45 deg`.
     fn separates(&self, after: &str) -> bool {
         let behind = after.trim_start_matches([' ', '*', '_', '`']);
+        // `3 · π`, `0.5 · edge`
+        let is_number = { self.found.last() }.is_some_and(|last| last.kind == Kind::Number);
+        let multiplies = is_number && behind.starts_with(char::is_lowercase);
         self.before() == Some(' ')
             && after.starts_with(' ')
             && behind.starts_with(char::is_alphabetic)
+            && !multiplies
     }
 
     /// `*` multiplies between two operands; otherwise it is Markdown.

@@ -61,8 +61,8 @@ pub(super) struct Reader<'a> {
 const DENYING: &[&str] = words!(
     "case not don't don’t didn't isn't won't wouldn't shouldn't can't cannot never avoid avoiding no nor neither
     previous previously last old earlier former initial initially example e.g. rejected refused wrong incorrect
-    instead than considered considering candidate candidates alternative alternatives alternatively otherwise options choices if
-    unless could might may maybe perhaps possible possibly unlike was were wanted planned intended midpoint midway halfway template tempting without ❌ ✗ rather human ideally"
+    instead than considered considering candidate candidates alternative alternatives alternatively otherwise option options choices if
+    unless could might may maybe perhaps possible possibly unlike was were wanted template tempting without ❌ ✗ rather human ideally"
 );
 
 /// Words between a name and its sign that change nothing.
@@ -358,7 +358,7 @@ impl<'a> Sentences<'a> {
         let heads_list =
             !self.field(mention).is_point() && cursor.peek().is_some_and(|it| it.gap >= Gap::Line);
         if heads_list {
-            let listed = self.listed(start, &context);
+            let listed = self.listed(start..limit, &context);
             if listed.windows(2).any(|pair| pair[0].value != pair[1].value) {
                 let why = "it lists several values".to_owned();
                 let span = mention.at..start + 1;
@@ -422,10 +422,10 @@ impl<'a> Sentences<'a> {
     }
 
     /// Returns the values that begin the items of a list: `- 10 mm: too short ↵ - 62.5 mm: opens it`.
-    fn listed(&self, start: usize, context: &value::Context<'_>) -> Vec<Named> {
-        let tokens = &self.tokens[..self.tokens.len().min(start + MAX_CLAUSE)];
+    fn listed(&self, clause: Range<usize>, context: &value::Context<'_>) -> Vec<Named> {
+        let tokens = &self.tokens[..clause.end];
         let mut values = Vec::new();
-        let mut item = Some(start).filter(|at| tokens[*at].gap == Gap::Item);
+        let mut item = Some(clause.start).filter(|at| tokens[*at].gap == Gap::Item);
         while let Some(at) = item {
             if let Some((value, _)) = value::bare(&mut Cursor::at(tokens, at), context) {
                 values.push(Named {
@@ -825,7 +825,16 @@ impl<'a> Sentences<'a> {
                 && self.tokens[..index]
                     .last()
                     .is_some_and(|it| it.is_any(&["can", "could", "then"]));
+            // `the midpoint of pick and place is (20, 30)`
+            let is_between = token.is_any(&["midpoint", "midway", "halfway"])
+                && self.tokens[index + 1].is_any(&["of", "between"]);
+            // `Option A: corner (10, 20)`
+            let labels = token.is("option") && {
+                let behind = &self.tokens[index + 1..at];
+                matches!(behind, [label, sign, ..] if label.text.len() == 1 && sign.is_sign(':'))
+            };
             let is_proposed = is_supposed
+                || is_between
                 || is_later
                 || token.is("you")
                     && self.tokens[index + 1..at].iter().take(3).any(|next| {
@@ -842,7 +851,7 @@ impl<'a> Sentences<'a> {
                             "want",
                         ])
                     });
-            if is_proposed || (token.is_any(DENYING) && !is_correction && !is_other) {
+            if is_proposed || (token.is_any(DENYING) && !labels && !is_correction && !is_other) {
                 return true;
             }
         }
@@ -980,20 +989,27 @@ impl<'a> Sentences<'a> {
         let found = (0..self.tokens.len()).filter_map(|at| {
             let mut cursor = Cursor::at(self.tokens, at);
             let ends = ["end up", "come to lie", "let go", "land"];
-            let needs = at > 0 && self.tokens[at - 1].is_any(&["must", "should", "to"]);
+            let before = self.tokens[..at].last()?;
+            let needs = before.is_any(&["must", "should", "to"]);
+            // `The lower left corner, (10, 20), goes to the center, (30, 40).`
+            let is_corner = before.is_any(&["corner", "tip", "flap"]) || before.is_sign(',');
             let lands = needs && ends.iter().any(|words| cursor.eat_words(words))
-                // `The lower left corner, (10, 20), goes to the center, (30, 40).`
-                || cursor.eat_words("goes to");
+                || is_corner && cursor.eat_words("goes to");
+            if !lands {
+                return None;
+            }
             let sentence = self.sentence(at);
             let is_unreal = self.tokens[sentence.start..at]
                 .iter()
                 .any(|it| it.is_any(UNREAL));
-            if !lands || is_unreal {
+            if is_unreal {
                 return None;
             }
             let words = { cursor.rest().iter() }.take(MAX_LANDING).take_while(|it| {
                 let is_part = it.kind == Kind::Word || it.is_sign(',');
-                is_part && !it.is_any(UNREAL) && !it.is_any(&["and", "so"])
+                let is_other = it.is_any(value::RELATING) && !it.is("over")
+                    || it.is_any(&["and", "so", "short"]);
+                is_part && !it.is_any(UNREAL) && !is_other
             });
             cursor.at += words.count();
             let begin = cursor.at;
@@ -1019,6 +1035,9 @@ impl<'a> Sentences<'a> {
                 at > 0 && self.tokens[at - 1].is_any(&["the", "a", "this", "each", "that", "one"]);
             let is_passive = at > 0
                 && self.tokens[at - 1].is("be")
+                && !self.tokens[..at - 1]
+                    .last()
+                    .is_some_and(|it| it.is_any(&["can", "cannot"]))
                 && self.tokens[at].is_any(&["moved", "dragged", "pulled", "shifted"]);
             let is_active = self.tokens[at].is_any(&[
                 "move", "moves", "moving", "drag", "drags", "dragging", "pull", "pulls", "pulling",
@@ -1041,7 +1060,9 @@ impl<'a> Sentences<'a> {
             let found = (at + 1..inside.len()).find_map(|begin| {
                 let mut cursor = Cursor::at(inside, begin);
                 let joined = inside[begin - 1]
-                    .is_any(&["by", "it", "cloth", "corner", "for", "over", "just", "only"])
+                    .is_any(&["by", "it", "cloth", "corner", "for", "over"])
+                    || inside[begin - 1].is_any(&["just", "only"])
+                        && (begin == at + 2 || inside[begin - 2].is_any(&["by", "it"]))
                     || inside[begin - 1].is("of")
                         && inside[begin - 2]
                             .is_any(&["pull", "move", "distance", "length", "drag"])
@@ -1304,7 +1325,18 @@ impl<'a> Sentences<'a> {
         else {
             return None;
         };
-        if is_elsewhere || !choices.iter().any(|choice| choice.value == *most) {
+        let is_size = { cursor.rest().iter().take(2) }
+            .any(|it| it.is_any(&["wide", "long", "high", "away", "apart", "thick"]));
+        let is_moved = words[part.start..].iter().any(|it| {
+            it.is_any(&[
+                "distance", "pull", "pulls", "pulled", "move", "moved", "drag", "dragged",
+            ]) || it.is_any(&["travel", "used", "allowed", "safe", "possible", "permitted"])
+        });
+        if is_elsewhere
+            || is_size
+            || !is_moved
+            || !choices.iter().any(|choice| choice.value == *most)
+        {
             return None;
         }
         let within = choices.iter().filter(|choice| choice.value <= *most);

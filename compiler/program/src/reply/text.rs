@@ -737,7 +737,8 @@ fn eat_words(text: &str, words: &str) -> Option<(usize, bool)> {
     }
     let mut sign = rest.trim_start_matches(|found: char| decorates(found) || found == ' ');
     // `Instructions (alternative): Fold it.`
-    if let Some((_, behind)) = sign.strip_prefix('(').and_then(|it| it.split_once(')'))
+    if let Some((remark, behind)) = sign.strip_prefix('(').and_then(|it| it.split_once(')'))
+        && !{ remark.split(' ') }.any(|word| DENYING.contains(&&*word.to_lowercase()))
         && sign.len() - behind.len() <= MAX_REMARK
         && behind
             .trim_start_matches(decorates)

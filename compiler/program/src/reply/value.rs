@@ -86,7 +86,7 @@ const SUBORDINATING: &[&str] = words!(
 );
 
 /// Words that make the point after them another one, or none.
-const RELATING: &[&str] = words!(
+pub(super) const RELATING: &[&str] = words!(
     "near nearby beside between opposite beyond past around toward towards away above below under beneath next adjacent
     not no never than or and half halfway but considered previous previously last old earlier would could might may if
     wrong then except outside over mirror mirrored midway partway third thirds quarter quarters fraction percent inside before after was were left-over avoid along"

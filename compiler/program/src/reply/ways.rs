@@ -5,15 +5,21 @@
 use super::wordlist::{is_any, words};
 
 /// Words with a number or a letter behind them that begin a line about one of several ways to act.
-const WAYS: &[&str] = words!("option candidate possibility choice idea alternative");
+const WAYS: &[&str] = words!("option candidate possibility idea alternative");
 
 /// Words in such a line that may choose what it says.
 const CHOOSING: &[&str] = words!(
-    "best better choose chosen chose choosing select selected selecting prefer preferred winner
-    wins winning final answer yes ✅ ✓ ✔ ⭐"
+    "best better choose chosen chose choosing select selected selecting prefer preferred recommended recommend winner
+    wins winning go going use taken final answer yes ✅ ✓ ✔ ⭐"
 );
 
-/// Returns whether a line tells one of several ways to act, and does not choose it: `Option A: corner (10, 20), 45 deg.`
+/// Returns whether an answer tells ways to act, and chooses none of them where it tells them.
+pub(super) fn are_weighed(reply: &str) -> bool {
+    let mut ways = reply.lines().filter(|line| is_way(line)).peekable();
+    ways.peek().is_some() && !ways.any(chooses)
+}
+
+/// Returns whether a line tells one of several ways to act: `Option A: corner (10, 20), 45 deg.`
 pub(super) fn is_way(line: &str) -> bool {
     let is_mark = |letter: char| matches!(letter, '-' | '*' | '+' | '#' | '>' | '_' | ' ' | '•');
     let line = line.trim_start_matches(is_mark);
@@ -26,7 +32,7 @@ pub(super) fn is_way(line: &str) -> bool {
     let Some(said) = rest.strip_prefix([':', ')', '.', '–', '—', '-']) else {
         return false;
     };
-    is_label && is_any(word, WAYS) && said.contains(char::is_alphanumeric) && !chooses(said)
+    is_label && is_any(word, WAYS) && said.contains(char::is_alphanumeric)
 }
 
 /// Returns whether a line may choose what it says.

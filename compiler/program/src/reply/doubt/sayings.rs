@@ -123,7 +123,7 @@ const ROWS: &[Row] = &[
     row(Later, Answer, "against|contrary|violates the|to|its SHOWN|goal|rule|rules", "not", DOUBTED),
     row(Ever, Author, "would rather not $|answer|say|guess|commit|act|move|do|decide|state", "", HALTED),
     row(Ever, Anything, "following|below|above fails|violates|breaks|contradicts", "not|no|never", DOUBTED),
-    row(After, Anything, "this|my|chosen|the choice|answer|action|pull|fold|pair|selection fails|violates|breaks the|a", "not|no|never|ANOTHER", DOUBTED),
+    row(After, Anything, "this|my|chosen|the choice|answer|action|pull|fold|pair|selection fails|violates|breaks the|a|one * rule|rules|limit|limits|constraint|instruction|check|goal", "not|no|never|ANOTHER", DOUBTED),
     row(Ever, Anything, "then|next|finally|afterwards|and do|repeat the|it|this|that * again|more|twice|opposite|reverse|mirrored|reversed|backwards", "side|sleeve|corner", CHANGED),
     row(Later, Answer, "^ PART BE reversed|exchanged|interchanged|inverted", "not", CHANGED),
     row(Later, Anything, "arm|robot|gripper can|could not", "ANOTHER", DOUBTED),
