@@ -7,7 +7,7 @@ use fab_base::interrupt::Interrupt;
 use fab_program::{Manner, Picker};
 use fab_world::conformance::{PROMISES, camera};
 use fab_world::start::Start;
-use fab_world::{ExternalWorld, Motion, World, WorldError, WorldPoint};
+use fab_world::{ExternalWorld, Motion, SimulatedWorld, World, WorldError, WorldPoint};
 use std::path::Path;
 
 const FABC: &str = env!("CARGO_BIN_EXE_fabc");
@@ -179,6 +179,46 @@ fn a_world_that_knows_no_materials_refuses_one_by_name() {
     let said = finish(fabc(folder.path()).args(["run", &task, "--world", &world]));
     assert_eq!(said.code, 2, "{}", said.stderr);
     assert!(said.stderr.contains(why), "{}", said.stderr);
+}
+
+#[test]
+#[ignore = "long"]
+fn a_cloth_of_a_material_is_crumpled_over_lines_as_in_the_simulator() {
+    let program = support::task("textiles/hem");
+    let material = program.cloth.material.as_ref();
+    let mut flat = Start::flat(&support::small_task().cloth);
+    flat.name = "flat".to_owned();
+    let command = CommandLine::parse(&format!("'{FABC}' world serve")).unwrap();
+    let over_lines = started(&command).unwrap().with_material(material).unwrap();
+    let here = SimulatedWorld::new(&camera(), Picker::default()).unwrap();
+    let heap = |world: &dyn World| {
+        let heap = world.crumple(&flat, 1, &Interrupt::default());
+        heap.unwrap().positions
+    };
+    let of_material = heap(&here.clone().with_material(material));
+    assert!(heap(&over_lines) == of_material);
+    assert!(heap(&here) != of_material);
+}
+
+#[test]
+#[ignore = "long"]
+fn a_suite_of_a_material_is_measured_over_lines() {
+    let folder = super::bench::project(&super::physical::SUITE.replace(
+        "lie = \"operator\"\ncount = 3",
+        "lie = \"flat\"\nsides = [28]\nturns_deg = [0]",
+    ));
+    let task = folder.path().join("tasks/tiny.fab");
+    let text = std::fs::read_to_string(&task).unwrap();
+    let text = format!("use \"lib/materials.fab\"\n{text}");
+    let made = text.replace("cloth grid(28, 28)", "cloth grid(28, 28, material: cotton)");
+    assert_ne!(made, text);
+    std::fs::write(&task, made).unwrap();
+    let world = format!("exec:'{FABC}' world serve");
+    let said = finish(fabc(folder.path()).args([
+        "bench", "tiny", "--world", &world, "--jobs", "1", "--out", "out", "--json",
+    ]));
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    assert!(said.stdout.contains("\"finished\": 1"), "{}", said.stdout);
 }
 
 fn run(folder: &Path, world: &str, out: &str) -> support::Captured {

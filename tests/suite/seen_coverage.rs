@@ -18,7 +18,7 @@ use fab_picture::observation::Observation;
 use fab_program::{Comparison, Goal, Metric, Program};
 use fab_standins::Geometric;
 use fab_world::start::Start;
-use fab_world::{SimulatedWorld, World, WorldError, Wrapper};
+use fab_world::{Executed, Motion, SimulatedWorld, World, WorldError, Wrapper};
 
 /// The simulator's world with a camera only: it does not reveal particles.
 pub(super) struct Blind {
@@ -70,13 +70,19 @@ fn with_goal(metric: Metric, limit: f64) -> Program {
 
 /// Runs the task's first step with the stand-in, and returns its report and its journal.
 fn play(program: &Program, flat: Option<Observation>) -> Result<(Ended, String), RunError> {
-    let steps = program.subgoals.as_ref().map_or(0, |it| it.steps());
-    let make_world = || -> Result<Box<dyn World>, WorldError> {
+    play_in(program, &|| {
         Ok(Box::new(Blind {
             world: SimulatedWorld::new(&program.camera, program.picker)?,
             flat: flat.clone(),
         }))
-    };
+    })
+}
+
+fn play_in(
+    program: &Program,
+    make_world: &(dyn Fn() -> Result<Box<dyn World>, WorldError> + Sync),
+) -> Result<(Ended, String), RunError> {
+    let steps = program.subgoals.as_ref().map_or(0, |it| it.steps());
     let folder = tempfile::tempdir().unwrap();
     let subgoals = SubgoalSet::obtain(
         program,
@@ -101,8 +107,8 @@ fn play(program: &Program, flat: Option<Observation>) -> Result<(Ended, String),
         },
         budget: &Budget::default(),
         recorder: None,
-        make_world: &make_world,
-        make_expert_world: &make_world,
+        make_world,
+        make_expert_world: make_world,
         cache: &Cache::none(),
         interrupt: &Interrupt::default(),
         horizon: Some(1),
@@ -188,4 +194,49 @@ fn a_picture_of_something_else_is_refused() {
     empty.depth_m.fill(0.0);
     let message = play(&program, Some(empty)).unwrap_err().to_string();
     assert!(message.contains("finds no cloth in it"), "{message}");
+}
+
+/// A world that can be seen no more once the cloth was moved.
+struct Blinded {
+    world: SimulatedWorld,
+    program: Program,
+}
+
+impl Wrapper for Blinded {
+    fn inner(&self) -> &dyn World {
+        &self.world
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn World {
+        &mut self.world
+    }
+
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        let done = self.world.act(motion, interrupt)?;
+        self.world = SimulatedWorld::new(&self.program.camera, self.program.picker)?;
+        Ok(done)
+    }
+
+    fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        None
+    }
+}
+
+#[test]
+fn an_action_is_kept_although_nothing_can_be_seen_of_it() {
+    let program = support::small_task();
+    let (report, journal) = play_in(&program, &|| {
+        Ok(Box::new(Blinded {
+            world: SimulatedWorld::new(&program.camera, program.picker)?,
+            program: program.clone(),
+        }))
+    })
+    .unwrap();
+    assert_eq!((report.outcome, report.steps), (Outcome::WorldFailed, 1));
+    let step: serde_json::Value = serde_json::from_str(journal.lines().nth(1).unwrap()).unwrap();
+    assert!(
+        step["executed"]["pick"].is_object() || step["executed"]["motion"].is_object(),
+        "{step}"
+    );
+    assert!(step["stopped"].is_string());
 }

@@ -380,5 +380,9 @@ fn the_pictures_pinned_for_shipped_tasks_fit_them() {
         let interrupt = Interrupt::default();
         let set = SubgoalSet::obtain(&program, &folder, world.as_mut(), &interrupt);
         assert_eq!(set.unwrap().origin, Origin::Pinned, "{name}");
+        let mut slower = program.clone();
+        slower.manner.speed_m_s = Some(0.1);
+        let set = SubgoalSet::obtain(&slower, &folder, world.as_mut(), &interrupt);
+        assert_eq!(set.unwrap().origin, Origin::PinnedByOther, "{name}");
     }
 }

@@ -59,7 +59,7 @@ pub enum Origin {
     Author,
     /// Files that `fabc subgoals` drew earlier.
     Pinned,
-    /// Files that `fabc subgoals` drew earlier, by another simulator.
+    /// Files that `fabc subgoals` drew earlier, by another simulator, of another colour or carried otherwise.
     PinnedByOther,
     /// Drawn for this run, because none are pinned.
     Drawn,

@@ -5,7 +5,7 @@
 //! the first rollout needs them.
 
 use super::lay_starts::{self, LaidStarts};
-use super::on_arm::{self, ArmStop};
+use super::on_arm::{self, ArmStop, Cloths};
 use super::record::{self, FolderContents, Identity, Rollout};
 use super::{Answers, Bench, BenchError, Entry, experts};
 use fab_agent::journal::RunFolder;
@@ -190,11 +190,14 @@ fn interrupted(results: Results) -> Results {
 
 /// Returns the description of a program's world with some values of its own.
 fn about(bench: &Bench<'_>, program: &Program, values: &AxisValues) -> Result<About, WorldError> {
+    let material = program.cloth.material.as_ref();
     if let Some(arm) = &bench.arm {
-        return Ok(arm.about.clone());
+        // A real cloth is what it is.
+        let material = material.filter(|_| arm.cloths == Cloths::Simulated);
+        return Ok(arm.about.with_material(material));
     }
     if let Some(elsewhere) = &bench.elsewhere {
-        return Ok(elsewhere.about.clone());
+        return Ok(elsewhere.about.with_material(material));
     }
     Ok(About::of((bench.make_world)(program, values)?.as_ref()))
 }

@@ -150,6 +150,14 @@ impl About {
             code: world.code(),
         }
     }
+
+    /// Returns what the world reports about itself with a cloth of a material.
+    pub fn with_material(&self, material: Option<&Material>) -> About {
+        About {
+            parameters: parameters_with(self.parameters.clone(), material),
+            ..self.clone()
+        }
+    }
 }
 
 /// Returns why a motion cannot be executed, as [`World::refuses`] does.

@@ -150,7 +150,8 @@ impl Served {
                 self.positions("particles.npy", &particles)?
             }
             Question::Crumple { seed, start } => {
-                let heap = standard()?.crumple(&read(&start)?, seed, interrupt)?;
+                let world = standard()?.with_material(start.material.as_ref());
+                let heap = world.crumple(&read(&start)?, seed, interrupt)?;
                 self.positions("heap.npy", &heap.positions)?
             }
             Question::Reach { .. } => {

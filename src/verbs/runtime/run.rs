@@ -376,7 +376,7 @@ pub fn say_origin(origin: Origin, file: &str, io: &Io) {
     match origin {
         Origin::Author | Origin::Pinned | Origin::Absent => {}
         Origin::PinnedByOther => io.talk(&format!(
-            "note: the pinned subgoal pictures were drawn with other simulator parameters; `fabc subgoals {file}` draws them again"
+            "note: the pinned subgoal pictures were drawn with other simulator parameters, colours or manners; `fabc subgoals {file}` draws them again"
         )),
         Origin::Drawn => io.talk(&format!(
             "no subgoal pictures are pinned: drawn for this run; `fabc subgoals {file}` pins them"

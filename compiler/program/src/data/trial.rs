@@ -72,8 +72,8 @@ pub enum SmallestFold {
 }
 
 impl Program {
-    /// Returns the identity of the task's demonstration: SHA-256 of the flat cloth, the picker and the folds, hex;
-    /// `None` without one.
+    /// Returns the identity of the task's demonstration: SHA-256 of the flat cloth, the picker, the folds and how they
+    /// are carried, hex; `None` without one.
     pub fn demonstration_hash(&self) -> Option<String> {
         let Some(Subgoals::Demonstrate { folds }) = &self.subgoals else {
             return None;
@@ -83,8 +83,12 @@ impl Program {
             start: ClothStart::Flat,
             ..self.cloth.clone()
         };
-        let bytes = serde_json::to_vec(&(cloth, &self.picker, folds))
-            .expect("a demonstration has string keys and finite numbers");
+        let manner = Some(&self.manner).filter(|manner| !manner.is_default());
+        let bytes = match manner {
+            None => serde_json::to_vec(&(cloth, &self.picker, folds)),
+            Some(manner) => serde_json::to_vec(&(cloth, &self.picker, folds, manner)),
+        };
+        let bytes = bytes.expect("a demonstration has string keys and finite numbers");
         Some(hex(&Sha256::digest(bytes)))
     }
 }

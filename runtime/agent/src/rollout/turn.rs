@@ -277,6 +277,9 @@ impl<'j> Turn<'j> {
                 return Ok(self.stop_for(&error));
             }
         };
+        // It was done, whatever can be seen of it.
+        self.line.action = Some(action.clone());
+        self.line.executed = Some(executed.clone());
         if let Some(twins) = &mut memory.twins {
             twins.follow(&executed.motion);
         }
@@ -318,8 +321,6 @@ impl<'j> Turn<'j> {
             pick: action.pick_on_cloth_px,
             place: action.place_px,
         });
-        self.line.action = Some(action);
-        self.line.executed = Some(executed);
         Ok(None)
     }
 

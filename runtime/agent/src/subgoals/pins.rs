@@ -85,13 +85,16 @@ fn of_folder(program: &Program, folds: &[Fold], source: &Path, world: &dyn World
         pictures.push(picture);
     }
     let arrows = pins.arrows.into_iter().map(Some).collect();
+    // Colours and manners are in neither hash. A variant may fold as its task does.
+    let tried = pins.tried.map(|it| it.of);
+    let is_same =
+        tried.is_none() || program.variant.is_some() || tried == program.demonstration_hash();
     Pinned::Fitting(SubgoalSet {
         pictures,
         arrows,
-        origin: if pins.params == world.parameters() {
-            Origin::Pinned
-        } else {
-            Origin::PinnedByOther
+        origin: match pins.params == world.parameters() && is_same {
+            true => Origin::Pinned,
+            false => Origin::PinnedByOther,
         },
     })
 }
