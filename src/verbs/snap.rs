@@ -43,7 +43,7 @@ pub struct SnapArguments {
     /// Pin one more scene, under this name; it is kept from then on.
     #[arg(long, value_name = "NAME")]
     pub scene: Option<String>,
-    /// Seed of the scene's crumpled start; default: the task's own start.
+    /// Seed of the scene's start, turned or crumpled as the task's is; default: the task's own start.
     #[arg(long, value_name = "SEED", requires = "scene")]
     pub start: Option<u64>,
     /// The step to pin; earlier steps are executed as demonstrated, or as the stand-in decides.
