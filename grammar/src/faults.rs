@@ -18,14 +18,17 @@ pub(crate) fn collect(tree: &Tree) -> (Vec<Fault>, bool) {
     let mut faults = all(tree);
     let is_torn = torn(tree, &faults).is_some();
     drop_consequences(tree, &mut faults);
-    let early = |fault: &&mut Fault| {
-        matches!(
-            fault.problem,
-            Problem::StrayClose { .. } | Problem::OutsideTask { .. }
-        )
+    let early = |fault: &&mut Fault| match &fault.problem {
+        Problem::StrayClose { .. } | Problem::OutsideTask { .. } => true,
+        Problem::UnknownWord { block, .. } => block.is_none(),
+        _ => false,
     };
     if let Some(fault) = faults.iter_mut().find(early) {
         let found = closed_early(tree, fault.span.start);
+        if let (Problem::UnknownWord { word, .. }, Some(_)) = (&fault.problem, found) {
+            let word = word.clone();
+            fault.problem = Problem::OutsideTask { word, early: None };
+        }
         if let Problem::StrayClose { early } | Problem::OutsideTask { early, .. } =
             &mut fault.problem
         {

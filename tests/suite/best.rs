@@ -146,6 +146,18 @@ fn a_point_that_is_not_offered_is_named_with_the_line_that_offers_it() {
     );
     assert!(better["value"].as_f64() < start["value"].as_f64());
 
+    // Another field keeps the value of the best offered action.
+    let lifted = LACKING.replace(
+        "    goal ",
+        "    actions { pick: one of corners  place: one of corners, center  lift: one of 50mm }\n    goal ",
+    );
+    let (_, found) = run(folder.path(), &lifted, "--trials 60");
+    let what = found["starts"][0]["unoffered"]["what"].as_str();
+    assert!(
+        what.is_some_and(|it| it.starts_with("place middle(back)")),
+        "{found:#}"
+    );
+
     // Half of the trials, and not one more.
     let (_, found) = run(folder.path(), LACKING, "--trials 12");
     let tried = found["starts"][0]["unoffered_trials"].as_u64().unwrap();
@@ -295,7 +307,9 @@ fn a_search_shows_how_far_it_is_and_prints_what_it_found_when_it_is_interrupted(
     assert!(!start["best"].is_null() || !start["under_way"].as_array().unwrap().is_empty());
     let begun = "--trials 24 --starts 1 --threads 1 --out kept";
     let (_, more) = run(folder.path(), ANYWHERE, begun);
-    assert_eq!(more["starts"][0]["known"], trials.min(24));
+    // With fewer trials it takes fewer actions of a state, so not all that are kept.
+    let known = more["starts"][0]["known"].as_u64().unwrap();
+    assert!((8..=trials).contains(&known), "{known} of {trials}");
 }
 
 #[test]

@@ -306,13 +306,6 @@ fn where_twin_and_camera_disagree_one_question_is_asked_and_something_real_does_
     assert_eq!(model.asked.into_inner().unwrap().len(), 2);
     assert!(aside.record.steps[0].executed.is_some());
 
-    program.rehearsal.as_mut().unwrap().distrusted = Distrusted::Refuses;
-    let model = careless(&[]);
-    let simulated = play(&program, &model, plain, folded);
-    assert!(
-        simulated.record.steps[0].executed.is_some(),
-        "nothing real moves"
-    );
     let real = |world| -> Box<dyn World> {
         Box::new(Disguised {
             world,
@@ -329,6 +322,10 @@ fn where_twin_and_camera_disagree_one_question_is_asked_and_something_real_does_
     assert_eq!(model.asked.lock().unwrap().len(), 0);
     let trusted = play(&program, &model, real, |_| {});
     assert!(trusted.record.steps[0].executed.is_some());
+
+    program.rehearsal.as_mut().unwrap().distrusted = Distrusted::Refuses;
+    let simulated = play(&program, &careless(&[]), plain, folded);
+    assert_eq!(simulated.report.outcome, Outcome::RehearsalRefused);
 }
 
 #[test]

@@ -11,7 +11,8 @@ use crate::lang::rehearse::{REVISIONS, TRUST, TWINS};
 use crate::merge::{Merged, VariantChange, once};
 use fab_grammar::ast::{self, Call, Choose, Name, Rehearse, Revise, Setting, Trust};
 use fab_program::{
-    Cloth, Distrusted, Metric, ModelRole, Read, Rehearsal, RehearsalMeasure, Stage, TwinRanges,
+    Cloth, Distrusted, Material, Metric, ModelRole, Read, Rehearsal, RehearsalMeasure, Stage,
+    TwinRanges,
 };
 
 /// Builds the rehearsal of a stage; `None` in a base without stages.
@@ -140,7 +141,7 @@ fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges,
         let name = material_name(*expr, context)?;
         twin.material = material::named(name, context)?;
         if let Ok(Some(cloth)) = &context.cloth
-            && name_of(&twin) == name_of_cloth(cloth)
+            && is_own(&twin, cloth)
         {
             own_material(name, context);
         }
@@ -165,12 +166,18 @@ fn never_trusted(twin: &TwinRanges, above: f64, line: Trust<'_>, context: &mut C
     }
 }
 
-fn name_of(twin: &TwinRanges) -> Option<&str> {
-    twin.material.as_ref().map(|it| it.name.as_str())
-}
-
-fn name_of_cloth(cloth: &Cloth) -> Option<&str> {
-    cloth.material.as_ref().map(|it| it.name.as_str())
+/// Returns whether a twin is made of what the cloth is made of, by another name or of another colour too.
+fn is_own(twin: &TwinRanges, cloth: &Cloth) -> bool {
+    let (Some(twin), Some(cloth)) = (&twin.material, &cloth.material) else {
+        return twin.material.is_none() && cloth.material.is_none();
+    };
+    let plain = Material {
+        name: cloth.name.clone(),
+        upper: cloth.upper.clone(),
+        under: cloth.under.clone(),
+        ..twin.without_sources()
+    };
+    plain == cloth.without_sources()
 }
 
 /// Warns of a twin that is made of what the judged cloth is made of.

@@ -131,7 +131,7 @@ pub(crate) fn fields(program: &Program, merged: &Merged<'_>, context: &mut Conte
         }
         let message = format!("nothing acts on the field `{name}`");
         let diagnostic = Diagnostic::new(Code::FieldMovesNothing, field.name().span(), message);
-        let help = "the model is asked for it and its answer is recorded; no check reads it, and it does not move the cloth";
+        let help = "the model is asked for it and its answer is recorded; no check reads it, and it does not move the cloth: remove it, or read it in a check";
         let acting = FIELDS.iter().filter(|row| !row.is_expected);
         context.remark(match nearest(name, acting.map(|row| row.name)) {
             Some(meant) => diagnostic.help(format!("{help}; there is `{meant}`, which acts")),

@@ -53,6 +53,8 @@ const MISPLACED: &[Misplaced] = &[
         "variant",
         "variants do not nest: write each in the task, beside the others",
     ),
+    misplaced("stage", "vision", "write `model vision`"),
+    misplaced("stage", "text", "write `model text`"),
     misplaced(
         "subgoals",
         "fold",

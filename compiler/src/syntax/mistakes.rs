@@ -73,6 +73,19 @@ pub(super) fn recognise(
     }
     let is_word = |first: char| first.is_alphanumeric() || first == '_';
     let named = last_word(before).filter(|_| expects("a name"));
+    // `cloth grid const(55, 55)`
+    if let Some((start, word)) = named
+        && found == "("
+        && fab_grammar::is_keyword(word)
+        && last_word(before[..start].trim_end()).is_some_and(|(_, it)| !fab_grammar::is_keyword(it))
+    {
+        let span = Span {
+            start,
+            end: start + word.len(),
+            ..span
+        };
+        return Some(fault(span, format!("unexpected `{word}`")).help("remove it"));
+    }
     let mut rows = NAMED.iter();
     if let Some((_, help)) = named.and_then(|(_, word)| rows.find(|(row, _)| *row == word))
         && (!found.starts_with(is_word) || fab_grammar::is_keyword(found))
@@ -143,7 +156,7 @@ pub(super) fn recognise(
             .help("write `<`, `<=`, `>` or `>=`; words and counts may also be compared with `==`"),
         "=" if is_in_goal(before) => fault(span, "`=` is not a comparison".to_owned())
             .help("write `<` or `<=` for a measure that falls as the cloth is folded, `>` or `>=` for one that grows"),
-        "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() => fault(
+        "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() && !line_of(text[..span.start].trim_end_matches([' ', '\t'])).is_empty() => fault(
             span,
             format!("a comparison has two sides, and `{found}` begins a third"),
         )
@@ -213,6 +226,11 @@ pub(super) fn recognise(
         {
             fault(span, "a number has no exponent".to_owned()).help("write all of its digits")
         }
+        _ if found.starts_with('"') && before.ends_with('}') && line_of(before).trim() == "}" && text[..span.start].ends_with(' ') => {
+            fault(span, "expected `else`, found a text".to_owned())
+                .help("write `else` before it: the message of a check is behind `else`")
+                .likely(Span { end: span.start, ..span }, "else ")
+        }
         _ if rest.starts_with("\"\"\"") => fault(
             sign("\"\"\""),
             "a text of several lines is not allowed here".to_owned(),
@@ -221,6 +239,12 @@ pub(super) fn recognise(
         _ if before.ends_with("expect reject") && found.starts_with(char::is_alphabetic) => {
             fault(span, format!("expected `(`, found `{found}`"))
                 .help(format!("write `expect reject({found})`"))
+        }
+        "," if expected.is_empty() && closes_behind(rest) => usual()
+            .help("the `)` behind it closes nothing: write the `(` in front of the first value"),
+        ")" if last_open(before).is_none() && line_of(before).contains("()") => {
+            fault(span, "this `)` closes nothing".to_owned())
+                .help("the `()` before it is closed too early: write the values between its brackets")
         }
         ")" if last_open(before).is_none() => fault(span, "this `)` closes nothing".to_owned())
             .help("write the `(` that it closes, or remove it"),
@@ -350,6 +374,21 @@ pub(super) fn last_open(before: &str) -> Option<usize> {
         }
     }
     open.pop()
+}
+
+/// Returns the last line of a text.
+fn line_of(before: &str) -> &str {
+    before.rsplit('\n').next().unwrap_or(before)
+}
+
+/// Returns whether the rest of a line has a `)` whose `(` is missing.
+fn closes_behind(rest: &str) -> bool {
+    let line = rest.split(['\n', '#']).next().unwrap_or(rest);
+    let mut depth = 0;
+    line.chars().any(|letter| {
+        depth += i32::from(letter == '(') - i32::from(letter == ')');
+        depth < 0
+    })
 }
 
 /// Returns the place of a comma in `actions` that only a name follows, and the name.

@@ -32,6 +32,15 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
                 _ => diagnostic,
             }
         }
+        // `check far { … } esle "Too far."`
+        Problem::UnknownWord { word, block: Some(block), .. }
+            if block == "verify"
+                && additions::help_for_word(word, Some(block)).is_none()
+                && text[..span.start].trim_end().ends_with('}')
+                && text[span.end..].trim_start_matches(' ').starts_with('"') =>
+        {
+            Diagnostic::new(Code::Unexpected, span, format!("expected `else`, found `{word}`")).meant(span, "else")
+        }
         Problem::UnknownWord { word, candidates, block } => additions::behind_change(word, span, text)
             .unwrap_or_else(|| unknown_word(span, word, candidates, block.as_deref())),
         Problem::Misspelt { word, meant } => {
@@ -180,7 +189,11 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
         None if expected.is_empty() && follows_value(found, span, text) => diagnostic
             .help("a sign such as `<` or a word such as `and` is missing before it, or it has to be removed"),
         None if expected.is_empty() && begins_statement(span, text) => {
-            diagnostic.help("remove it: a statement begins with a word")
+            diagnostic.help(match found {
+                Some("{") => "a block begins with a word: write it before the `{`, or remove the `{`",
+                Some(path) if path.ends_with(".fab\"") => "write `use` before it",
+                _ => "remove it: a statement begins with a word",
+            })
         }
         None => diagnostic,
     }

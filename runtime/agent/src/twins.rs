@@ -277,10 +277,10 @@ impl Twins {
         self.line.aside.as_deref()
     }
 
-    /// Returns why nothing may move, if the task refuses to move without twins and something real would.
+    /// Returns why nothing may move, if something real would, or the task refuses to move without twins.
     pub fn refusal(&self) -> Option<String> {
         let why = self.aside()?;
-        let refuses = self.rehearsal.distrusted == Distrusted::Refuses && !self.is_simulated;
+        let refuses = self.rehearsal.distrusted == Distrusted::Refuses || !self.is_simulated;
         refuses.then(|| format!("the rehearsal refused to move: {why}"))
     }
 

@@ -43,9 +43,9 @@ pub struct TwinRanges {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Distrusted {
-    /// The step is taken without rehearsal.
+    /// In a simulated world, the step is taken without rehearsal. Elsewhere nothing moves, and the rollout ends.
     StandsAside,
-    /// The same in a simulated world; an arm does not move, and the rollout ends.
+    /// Nothing moves in any world, and the rollout ends.
     Refuses,
 }
 

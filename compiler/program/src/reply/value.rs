@@ -773,6 +773,8 @@ fn tail(
                     .ok_or_else(|| goes_on(before, context))?;
             }
             Kind::Sign('.') if token.gap == Gap::None && cursor.rest().len() == 1 => return Ok(()),
+            // `<pick>10, 20</pick>`
+            Kind::Sign(lexer::TAG_END) if closes_own_tag(token, context) => return Ok(()),
             Kind::Sign(',' | ';' | ':' | '–' | '#') => {
                 cursor.at += 1;
                 is_apart = true;
@@ -835,6 +837,13 @@ fn tail(
         }
         is_apart = false;
     }
+}
+
+/// Returns whether a closing tag has a part of the field's name.
+fn closes_own_tag(tag: &Token<'_>, context: &Context<'_>) -> bool {
+    let parts = tag.text.split(|letter: char| !letter.is_alphanumeric());
+    let own = context.expected.field.name.split('_');
+    { parts }.any(|part| !part.is_empty() && own.clone().any(|own| part.eq_ignore_ascii_case(own)))
 }
 
 /// Skips a quantity of another field: `by 0.5 edge` after a direction, `at 45 deg` after a length.

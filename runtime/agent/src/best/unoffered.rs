@@ -162,13 +162,8 @@ fn points(
     found: &Found,
     allowance: &mut Allowance,
 ) -> Result<Option<Better>, BestError> {
-    let fields: Vec<&str> = search
-        .program
-        .actions
-        .iter()
-        .map(|it| it.name.as_str())
-        .collect();
-    let by_points = matches!(fields[..], ["pick", "place"]);
+    let has_field = |name: &str| search.program.field(name).is_some();
+    let by_points = has_field("pick") && has_field("place");
     if found.measure.metric != Metric::ParticleDistance || !by_points {
         return Ok(None);
     }
@@ -337,8 +332,14 @@ impl StepAt<'_> {
             return Ok(None);
         };
         let [pick, place] = candidate.ends_px;
-        let fields = [("pick", pick), ("place", place)];
-        let fields = fields.map(|(name, pixel)| (name.to_owned(), Value::Point(pixel)));
+        let points = [("pick", pick), ("place", place)]
+            .map(|(name, pixel)| (name.to_owned(), Value::Point(pixel)));
+        let offered = self.offered.last.iter();
+        let offered = offered.flat_map(|last| last.proposal.fields.iter().cloned());
+        let others = offered.filter(|(name, _)| name != "pick" && name != "place");
+        let proposal = Proposal {
+            fields: points.into_iter().chain(others).collect(),
+        };
         let motion = key_of(&candidate.motion);
         let root = Node {
             parent: None,
@@ -346,9 +347,7 @@ impl StepAt<'_> {
             grasp: Some(after.executed.grasp),
             key: Cache::key([before.key.as_str(), "not offered", &motion])[..32].to_owned(),
             last: Some(ExecutedAction {
-                proposal: Proposal {
-                    fields: fields.to_vec(),
-                },
+                proposal,
                 pick,
                 place,
             }),
@@ -409,6 +408,11 @@ impl StepAt<'_> {
             }
         }
         let named = self.named(positions, observation);
+        // Of the other fields, the best offered action's values stay.
+        let manner = match &self.offered.choice {
+            Some(Choice::Act { action, .. }) => action.motion.manner,
+            _ => program.manner,
+        };
         let is_offered = |name: &str, at: PixelPoint, offered: &[(PixelPoint, WorldPoint)]| {
             let nearest_px = match program.field(name).map(|field| &field.choices) {
                 Some(Choices::Region { mask }) => scene.distance_px(mask, at),
@@ -425,7 +429,7 @@ impl StepAt<'_> {
                        pick: (PixelPoint, WorldPoint),
                        place: (PixelPoint, WorldPoint)| {
             all.push(Candidate {
-                motion: Motion::new(pick.1, place.1).with_manner(program.manner),
+                motion: Motion::new(pick.1, place.1).with_manner(manner),
                 ends_px: [pick.0, place.0],
                 field,
                 named,
