@@ -4,6 +4,7 @@
 //! the message names both. What an answer takes back, with words such as `no wait`, counts only if nothing replaces it.
 
 use super::claim::{Claim, Claimed};
+use super::chosen;
 use super::claims::{self, Claims};
 use super::corners;
 use super::point::{self, PointFound};
@@ -284,33 +285,20 @@ impl Field<'_> {
             ));
         }
         // `carry it down and to the left` is no 45 deg, and `the shortest pull` not the longest.
-        let worded: Vec<&Claim> = claims
+        let is_taken_back = |claim: &Claim| {
+            let follows = |turn: &usize| claim.span.start < *turn && *turn < span.start;
+            found.turns.iter().any(follows)
+        };
+        let (chosen, said): (Vec<&Claim>, Vec<&Claim>) = claims
             .iter()
             .copied()
-            .filter(|claim| matches!(claim.claimed, Claimed::Course(_) | Claimed::OneOf(_)))
-            .filter(|claim| {
-                let is_taken_back = |turn: &usize| claim.span.start < *turn && *turn < span.start;
-                !found.turns.iter().any(is_taken_back)
-            })
-            .collect();
-        let differs = |claim: &&Claim| match (&claim.claimed, value) {
-            (Claimed::Course(course), Value::Direction { deg }) => {
-                words::apart_deg(*course, *deg) >= 90.0
-            }
-            (Claimed::OneOf(values), value) => !values.contains(value),
-            _ => false,
-        };
-        if let Some(said) = worded.first().filter(|_| worded.iter().all(differs)) {
-            let said = self.reply.get(said.span.clone()).unwrap_or_default();
-            if said.is_empty() {
-                return Err(format!(
-                    "The reasons of your answer contradict its {noun}, {written}."
-                ));
-            }
-            return Err(format!(
-                "Your answer says both `{}` and {written}. State only the {noun} that you choose.",
-                quoted(said)
-            ));
+            .filter(|claim| !is_taken_back(claim))
+            .partition(|claim| matches!(claim.claimed, Claimed::Chosen(_)));
+        let said = said
+            .into_iter()
+            .filter(|claim| matches!(claim.claimed, Claimed::Course(_) | Claimed::OneOf(_)));
+        for words in [said.collect(), chosen] {
+            self.agree_with(value, &words, &written)?;
         }
         let text = self.reply.get(span.clone()).unwrap_or_default();
         if let (Value::Point(_), Some(taken)) = (value, note) {
@@ -327,6 +315,30 @@ impl Field<'_> {
             value: value.clone(),
             span: span.clone(),
             repairs,
+        })
+    }
+
+    /// Fails if all that an answer says of its value in its own words excludes it.
+    fn agree_with(&self, value: &Value, said: &[&Claim], written: &str) -> Result<(), String> {
+        let differs = |claim: &&Claim| match (&claim.claimed, value) {
+            (Claimed::Course(course), Value::Direction { deg }) => {
+                words::apart_deg(*course, *deg) >= 90.0
+            }
+            (Claimed::OneOf(values), value) => !values.contains(value),
+            (Claimed::Chosen(values), value) => !values.iter().any(|it| chosen::is_near(it, value)),
+            _ => false,
+        };
+        let Some(first) = said.first().filter(|_| said.iter().all(differs)) else {
+            return Ok(());
+        };
+        let noun = noun(self.declared);
+        let said = self.reply.get(first.span.clone()).unwrap_or_default();
+        Err(match said.is_empty() {
+            true => format!("The reasons of your answer contradict its {noun}, {written}."),
+            false => format!(
+                "Your answer says both `{}` and {written}. State only the {noun} that you choose.",
+                quoted(said)
+            ),
         })
     }
 
@@ -416,6 +428,7 @@ impl Field<'_> {
                 | Claimed::Course(_)
                 | Claimed::Side(_)
                 | Claimed::OneOf(_)
+                | Claimed::Chosen(_)
                 | Claimed::Unfit(_)
                 | Claimed::Hedge(_)
                 | Claimed::Nothing => {}

@@ -55,6 +55,8 @@ pub(super) enum Claimed {
     Side(f64),
     /// It is one of these, by words that are coarser than the choices: `a short pull`.
     OneOf(Vec<Value>),
+    /// The answer says in its own words that it chooses one of these: `2. (10, 20), the tip of the flap`.
+    Chosen(Vec<Value>),
     /// Words that do not state one value, the reason, and how each value that they name is meant.
     Prose(String, Vec<Named>),
     /// Something that is not a value, and why not.
@@ -71,7 +73,7 @@ impl Claimed {
     pub fn is_worded(&self) -> bool {
         matches!(
             self,
-            Claimed::Course(_) | Claimed::Side(_) | Claimed::OneOf(_)
+            Claimed::Course(_) | Claimed::Side(_) | Claimed::OneOf(_) | Claimed::Chosen(_)
         )
     }
 

@@ -9,6 +9,7 @@ mod around;
 mod aside;
 mod candidates;
 mod choice;
+mod chosen;
 mod claim;
 mod claims;
 mod corners;

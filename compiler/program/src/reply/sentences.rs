@@ -37,12 +37,12 @@ const CARRYING: &[&str] = words!(
 );
 
 /// Nouns after a side: `to the left corner` is a place.
-const THINGS: &[&str] = words!(
+pub(super) const THINGS: &[&str] = words!(
     "corner corners edge edges side hem flap layer part half end tip of sleeve border point wrinkle fold crease"
 );
 
 /// What makes a sentence about a motion none about the answer's own.
-const UNREAL: &[&str] = words!(
+pub(super) const UNREAL: &[&str] = words!(
     "not no never n't would could might may cannot can't don't shouldn't instead rather than avoid avoids without
     previous previously earlier last had was were been next then later after if unless when before already other
     attempt attempts try tried tries wanted planned intended ago already another opposite itself eventually finally rest neighbouring neighboring while whereas went said doesn't isn't won't didn't wouldn't couldn't aren't"
@@ -136,6 +136,7 @@ impl Reader<'_> {
             .chain(sentences.judgements())
             .chain(sentences.carries())
             .chain(sentences.landings())
+            .chain(super::chosen::of(self, text, &tokens, sentences.sentences()))
             .map(|claim| Claim {
                 span: span.clone().unwrap_or(claim.span),
                 ..claim
