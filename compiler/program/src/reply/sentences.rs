@@ -1124,7 +1124,12 @@ impl<'a> Sentences<'a> {
             let clause_end = self.tokens[at..sentence.end]
                 .iter()
                 .position(|it| it.is_sign(',') || it.is_sign(';'));
-            let clause = sentence.start..clause_end.map_or(sentence.end, |end| at + end);
+            // `It may go far, so I take 0.75 edge`
+            let so = self.tokens[sentence.start..at]
+                .windows(2)
+                .rposition(|pair| pair[0].is_sign(',') && pair[1].is_any(&["so", "therefore"]));
+            let begin = sentence.start + so.unwrap_or(0);
+            let clause = begin..clause_end.map_or(sentence.end, |end| at + end);
             let is_unreal = self.tokens[clause].iter().any(|it| it.is_any(UNREAL))
                 || self.tokens[sentence]
                     .iter()
@@ -1330,7 +1335,7 @@ impl<'a> Sentences<'a> {
             .any(|it| it.is_any(&["wide", "long", "high", "away", "apart", "thick"]));
         let is_moved = words[part.start..].iter().any(|it| {
             it.is_any(&[
-                "distance", "pull", "pulls", "pulled", "move", "moved", "drag", "dragged",
+                "distance", "pull", "pulls", "pulled", "move", "moved", "drag", "dragged", "go",
             ]) || it.is_any(&["travel", "used", "allowed", "safe", "possible", "permitted"])
         });
         if is_elsewhere
@@ -1427,11 +1432,18 @@ impl<'a> Sentences<'a> {
                             .tokens
                             .get(at + 1)
                             .is_some_and(|next| next.is("corner"));
+                    let next = self.tokens.get(at + 1);
                     let is_later_step = it.is_any(&["second", "third"])
-                        && self.tokens.get(at + 1).is_some_and(|next| next.is("step"));
+                        && next.is_some_and(|next| next.is("step"));
+                    // `the one that has to be folded next`
+                    let is_turn = it.is("next")
+                        && self.tokens[..at].last().is_some_and(|last| {
+                            last.is_any(&["is", "folded", "picked", "moved", "taken"])
+                        });
                     (is_later_step || it.is_any(UNREAL))
                         && !is_corner
-                        && (it.at < till || !it.is_any(&["then", "next", "after"]))
+                        && !is_turn
+                        && (it.at < till || !it.is_any(&["then", "next", "after", "itself"]))
                 })
             };
             let found =
