@@ -40,7 +40,7 @@ const DRAWN: &[&str] = words!("arrow motion movement");
 const MAX_BACK: usize = 30;
 
 /// What may stand before a verb that is an action of the answer: `I`, `the robot`; otherwise it may be a noun.
-const ACTING: &[&str] = words!("i we to and robot arm gripper it therefore so must should will");
+const ACTING: &[&str] = words!("i we to and robot arm gripper step it therefore so must should will");
 
 /// What makes `at` lead to the place: `let go at the upper left corner`.
 const RELEASING: &[&str] = words!("go released releases placed dropped down ends ending");
@@ -98,13 +98,18 @@ pub(super) fn of_sentence(
                 || tokens[at - 1].kind != Kind::Word && tokens[at - 1].kind != Kind::Number
                 || tokens[at - 1].is_any(ACTING));
         let begins = tokens[at].is_any(&["starts", "begins"]) && is_drawn(tokens, at);
-        let taken = match is_act || begins {
+        // `the pick point is the lower left corner`
+        let is_point = tokens[at].is_any(&["is", "lies"])
+            && at >= sentence.start + 2
+            && tokens[at - 1].is("point")
+            && tokens[at - 2].is_any(&["pick", "grasp"]);
+        let taken = match is_act || begins || is_point {
             true => taken(Cursor::at(within, at + 1)),
             false => corner(within, at)
                 .filter(|corner| is_taken(Cursor::at(within, corner.end), notation)),
         };
         // The tail of an arrow is seen roughly, so only a corner's name counts.
-        let Some(taken) = taken.filter(|it| !begins || it.deg.is_some()) else {
+        let Some(taken) = taken.filter(|it| !(begins || is_point) || it.deg.is_some()) else {
             continue;
         };
         add(pick, at, taken);
@@ -167,7 +172,8 @@ fn taken(mut cursor: Cursor<'_, '_>) -> Option<Corner> {
 fn is_taken(mut behind: Cursor<'_, '_>, notation: &Notation) -> bool {
     // `corner of the` was read with the side.
     behind.eat_any(&["cloth", "towel", "fabric", "napkin", "shirt"]);
-    // `the top left corner (41, 41) is gripped`
+    // `the top left corner (41, 41) is gripped`, `the top left corner at (41, 41) is taken`
+    behind.eat_word("at");
     let _ = point::read(&mut behind, notation, Brackets::Needed);
     behind.eat_sign(',');
     let is_active = behind.eat_any(&["which", "that"]) && behind.eat_any(&["i", "we"]);
