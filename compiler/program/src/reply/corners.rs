@@ -5,8 +5,9 @@
 
 use super::claim::{Claim, Claimed};
 use super::cursor::Cursor;
-use super::lexer::{Gap, Kind, Token};
+use super::lexer::{self, Gap, Kind, Token};
 use super::point::{self, Brackets, PointFound};
+use super::value;
 use super::wordlist::words;
 use super::words;
 use crate::data::actions::Value;
@@ -36,8 +37,14 @@ const TO_BE_TAKEN: &[&str] = words!(
 /// What an action is drawn as, if its ends are named: `the arrow starts at the lower right corner`.
 const DRAWN: &[&str] = words!("arrow motion movement");
 
+/// The end of an arrow that is picked: `its tail lies at the lower right corner`.
+const TAILS: &[&str] = words!("tail ring");
+
 /// The most tokens back from `It starts at …` to what it is.
 const MAX_BACK: usize = 30;
+
+/// The most tokens from an arrow's end to its verb: `the ring of the arrow marks`.
+const MAX_TO_TAIL: usize = 4;
 
 /// What may stand before a verb that is an action of the answer: `I`, `the robot`; otherwise it may be a noun.
 const ACTING: &[&str] = words!("i we to and robot arm gripper step it therefore so must should will");
@@ -56,8 +63,9 @@ const BETWEEN: &[&str] =
 /// What leads to the place.
 const LEADING: &[&str] = words!("to onto on over toward towards");
 
-/// The fewest degrees between a side in words and the side on which a point lies that nobody can mean.
-const OPPOSITE_DEG: f64 = 120.0;
+/// The fewest degrees between a side in words and the side on which a point lies, or another side, that nobody can mean.
+/// The corner next to the one that is meant lies 83 degrees off or more in the folds of rectangles with sides up to 4:3.
+const APART_DEG: f64 = 80.0;
 
 /// Nouns for what is taken, where no corner is named.
 const THINGS: &[&str] = words!("corner flap tip edge hem rim");
@@ -97,7 +105,12 @@ pub(super) fn of_sentence(
                 || tokens[at].gap >= Gap::Line
                 || tokens[at - 1].kind != Kind::Word && tokens[at - 1].kind != Kind::Number
                 || tokens[at - 1].is_any(ACTING));
-        let begins = tokens[at].is_any(&["starts", "begins"]) && is_drawn(tokens, at);
+        let is_tail = tokens[at].is_any(&["is", "lies", "sits", "marks"])
+            && tokens[at.saturating_sub(MAX_TO_TAIL).max(sentence.start)..at]
+                .iter()
+                .any(|it| it.is_any(TAILS));
+        let begins =
+            tokens[at].is_any(&["starts", "begins"]) && is_drawn(tokens, at) || is_tail;
         // `the pick point is the lower left corner`
         let is_point = tokens[at].is_any(&["is", "lies"])
             && at >= sentence.start + 2
@@ -218,6 +231,34 @@ fn side(tokens: &[Token<'_>], at: usize, is_known: bool) -> Option<Corner> {
     })
 }
 
+/// Returns whether the corners that one text takes are all others than those that another text takes.
+pub(super) fn differ(one: &str, other: &str) -> bool {
+    let sides = |text: &str| {
+        let tokens = lexer::tokens(text);
+        let ends = (0..tokens.len())
+            .filter(|at| value::ends_sentence(&tokens, *at) || at + 1 == tokens.len());
+        let mut begin = 0;
+        let mut sides = Vec::new();
+        for end in ends {
+            let sentence = begin..end + 1;
+            begin = end + 1;
+            let found = of_sentence(&tokens, sentence, (0, Some(1)), &Notation::pixels());
+            sides.extend(found.iter().filter_map(|claim| match claim.claimed {
+                Claimed::Side(deg) if claim.field == 0 => Some(deg),
+                _ => None,
+            }));
+        }
+        sides
+    };
+    let (one, other) = (sides(one), sides(other));
+    let is_apart = |side: &f64| {
+        other
+            .iter()
+            .all(|other| words::apart_deg(*side, *other) >= APART_DEG)
+    };
+    !one.is_empty() && !other.is_empty() && one.iter().all(is_apart)
+}
+
 /// Returns whether a point lies on the other side of the other point than words say.
 ///
 /// - `own`: the point that the words describe; `other`: the other end of the motion.
@@ -230,5 +271,5 @@ pub(super) fn contradicts(deg: f64, own: &Value, other: &Value) -> bool {
         f64::from(own.v) - f64::from(other.v),
     );
     let seen = (-down).atan2(right).to_degrees();
-    own != other && words::apart_deg(seen, deg) >= OPPOSITE_DEG
+    own != other && words::apart_deg(seen, deg) >= APART_DEG
 }

@@ -5,6 +5,7 @@
 
 use super::around;
 use super::aside;
+use super::corners;
 use super::data;
 use super::doubt::{Place, Prose};
 use super::lexer;
@@ -137,6 +138,13 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
             "Your answer has two different lines that begin with \"{before}\": `{}` and `{}`.",
             quoted(&first.value),
             quoted(&other.value)
+        )));
+    }
+    let explanation = rest.filter(|_| corners::differ(&first.value, rest.unwrap_or_default()));
+    if explanation.is_some() {
+        return Err(wrong(format!(
+            "Your explanation speaks of another corner than `{}`.",
+            quoted(&first.value)
         )));
     }
     let length = first.value.chars().count();
