@@ -51,7 +51,7 @@ pub fn standing(reply: &str) -> Standing {
 }
 
 /// Phrases that take back what stands before them.
-const TURNS: [&str; 19] = [
+const TURNS: [&str; 24] = [
     "oops",
     "no wait",
     "no , wait",
@@ -68,6 +68,11 @@ const TURNS: [&str; 19] = [
     "corrected answer",
     "corrected final answer",
     "corrected , final answer",
+    "i change the",
+    "let me change",
+    "second try :",
+    "second attempt :",
+    "new attempt :",
     "let me correct",
     "let me revise",
     "let me reconsider",

@@ -4,7 +4,7 @@
 
 use super::claim::{Claim, Claimed};
 use super::cursor::Cursor;
-use super::lexer::{self, Kind};
+use super::lexer::{self, Kind, Token};
 use super::names;
 use super::object::{self, Node, Shape};
 use super::point;
@@ -239,7 +239,8 @@ fn members(
                     Shape::Text(text) if is_any(&member.key, &LABELS) => Some(text),
                     _ => None,
                 });
-            if let Some(field) = label.and_then(|label| named(reader, label)) {
+            let labelled = label.and_then(|label| named(reader, label));
+            if let Some(field) = labelled {
                 // Models that write such objects count y first, in thousandths.
                 let counts_other = reader.notation.is_native()
                     && found.iter().any(|member| {
@@ -253,7 +254,6 @@ fn members(
                     None => Claimed::Nothing,
                 };
                 claims.push(Claim::new(field, spanned(node), claimed));
-                return;
             }
             let moved = moved(reader, found);
             for (
@@ -270,11 +270,12 @@ fn members(
                 let key = &*if is_own { key.into() } else { numbered(key) };
                 let label = lexer::tokens(key);
                 let moved = moved.map(|field| (field, &[][..]));
-                if let Some((field, rest)) = names::labelled(reader.fields, &label).or(moved) {
+                let own = names::labelled(reader.fields, &label).or(moved);
+                if let Some((field, rest)) = own.filter(|(field, _)| labelled != Some(*field)) {
                     let span = spanned(value);
                     let begin = if depth == 0 { *at } else { span.start };
                     claims.extend(member(reader, field, rest, value, begin..span.end));
-                } else if is_any(written, CONTAINERS) {
+                } else if labelled.is_none() && is_any(written, CONTAINERS) {
                     match &value.shape {
                         Shape::Text(text) if depth < MAX_STRINGS => {
                             if let Some(inner) = object::whole(text) {
@@ -327,11 +328,12 @@ fn moved(reader: &Reader<'_>, found: &[object::Member]) -> Vec<Option<usize>> {
     fields
 }
 
-/// Returns the field that a label names, if it names nothing else.
+/// Returns the field that a label names, if it names nothing else; what follows a comma or stands in brackets describes it.
 fn named(reader: &Reader<'_>, label: &str) -> Option<usize> {
     let label = lexer::tokens(label);
     let (field, rest) = names::labelled(reader.fields, &label)?;
-    rest.is_empty().then_some(field)
+    let is_described = |it: &Token<'_>| it.is_sign(',') || it.is_sign('(');
+    rest.first().is_none_or(is_described).then_some(field)
 }
 
 /// Reads tags such as `<point x="151" y="178" alt="pick point">`; returns where they are.

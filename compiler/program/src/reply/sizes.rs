@@ -5,7 +5,7 @@
 
 use super::claim::{Claim, Claimed};
 use super::lexer::{Gap, Kind, Token};
-use super::wordlist::words;
+use super::wordlist::{self, words};
 use crate::data::actions::{ActionField, Choices, Value};
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ const LENGTH: Scale = Scale {
 const FORCE: Scale = Scale {
     low: words!("soft gentl light weak loose delicate"),
     high: words!("firm strong tight hard"),
-    nouns: words!("grip grips pinch hold grasp squeeze pressure touch"),
+    nouns: words!("grip grips pinch hold grasp squeeze pressure touch option one"),
     verbs: words!(
         "pinch pinches pinched pinching grip grips gripped gripping hold holds grasped grasps"
     ),
@@ -108,7 +108,8 @@ impl Scale {
         let behind = &words[at + 1..];
         // `longer` compares with another value, `long enough` says little, and `the second longest` means another.
         let before = &words[at.saturating_sub(3)..at];
-        if words[at].text.to_ascii_lowercase().ends_with("er")
+        let is_of_two = behind.len() > 2 && behind[0].is("of") && behind[2].is("two");
+        if words[at].text.to_ascii_lowercase().ends_with("er") && !is_of_two
             || behind.first().is_some_and(|it| it.is("enough"))
             || before.iter().any(|it| it.is_any(SHORT_OF))
             // `between the shortest and the longest pull`
@@ -120,8 +121,9 @@ impl Scale {
         }
         let is_as =
             at > 0 && words[at - 1].is("as") && behind.first().is_some_and(|it| it.is("as"));
-        let is_extreme =
-            is_superlative || is_as && behind.get(1).is_some_and(|it| it.is("possible"));
+        let is_extreme = is_superlative
+            || is_of_two
+            || is_as && behind.get(1).is_some_and(|it| it.is("possible"));
         // `as long as` compares, or means `while`.
         if !is_extreme && (is_as || self.only_extremes) {
             return None;
@@ -148,8 +150,12 @@ impl Scale {
             let is_verb = it.kind == Kind::Word && it.text.ends_with('s') && !it.is_any(CHOOSING);
             is_verb || it.is_any(SUPPOSING) || it.is("is") && is_number
         });
-        let noun = behind.get(n_between);
-        !is_limited && !is_general && noun.is_some_and(|it| it.is_any(self.nouns))
+        let is_noun = |it: &Token<'_>| {
+            let one = it.text.strip_suffix('s').unwrap_or(it.text);
+            // `the smallest of the distances`
+            it.is_any(self.nouns) || behind[0].is("of") && wordlist::is_any(one, self.nouns)
+        };
+        !is_limited && !is_general && behind.get(n_between).is_some_and(is_noun)
     }
 
     /// `pinches it as (gently)`

@@ -143,6 +143,8 @@ const ROWS: &[Row] = &[
     row(Later, Anything, "^ half|quarter|third|tenth * BE overkill|excessive|plenty|ample|all", "not", OTHERWISE),
     row(Later, Anything, "BE a|another different|separate one|corner|edge|fold|step", "not|no", OTHERWISE),
     row(Later, Nobody, "^ repeat|do|run|execute this|it|that * times|twice", "", CHANGED),
+    row(After, Anything, "this|the|that|chosen corner|point|place|tip should|must not be pulled|picked|used|moved|grasped|taken|lifted", "again|ANOTHER", DOUBTED),
+    row(Later, Anything, "^ ANOTHER corner|point|direction|distance|grip has|must|should|needs|ought to|be", "next|then|later|follow|after|afterwards", OTHERWISE),
     // Nothing is to be done.
     row(After, Nobody, "^ hold|park|stop|halt the robot|arm|gripper|motion", "", HALTED),
     row(Later, Nobody, "^ confirm|review|approve|delete|replace|adjust $", "", HALTED),
@@ -322,7 +324,7 @@ const PLAIN: &[Row] = &[
     row(Later, Anything, "^ what should|must|has|needs|ought * now|instead", "", OTHERWISE),
     row(Later, Author, "not think|believe|recommend|advise the|that|this|it|we * should|ought|be", "problem|matter|issue|risk|obstacle", DOUBTED),
     row(Later, Anything, "skip|omit|cancel the|this|that movement|move|motion|pull|action|command", "not|next", HALTED),
-    row(Later, Anything, "nothing more has|needs|is to|needed", "", HALTED),
+    row(Later, Anything, "nothing more has|needs|is to|needed", "lift|hold|grip|than", HALTED),
     row(Later, Anything, "nothing should|must|can be folded|moved|pulled|done|executed|picked", "", HALTED),
     row(Later, Author, "listed|put|wrote|gave|stated|entered the target|goal|destination|place|start|pick * first|line|second", "", CHANGED),
     row(Ever, Anything, "not received|seen|got|given|been * pictures|picture|image|images|photo|photos", "corner|flap", DOUBTED),
