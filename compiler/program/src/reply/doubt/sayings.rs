@@ -143,8 +143,6 @@ const ROWS: &[Row] = &[
     row(Later, Anything, "^ half|quarter|third|tenth * BE overkill|excessive|plenty|ample|all", "not", OTHERWISE),
     row(Later, Anything, "BE a|another different|separate one|corner|edge|fold|step", "not|no", OTHERWISE),
     row(Later, Nobody, "^ repeat|do|run|execute this|it|that * times|twice", "", CHANGED),
-    row(After, Anything, "this|the|that|chosen corner|point|place|tip should|must not be pulled|picked|used|moved|grasped|taken|lifted", "again|ANOTHER", DOUBTED),
-    row(Later, Anything, "^ ANOTHER corner|point|direction|distance|grip has|must|should|needs|ought to|be", "next|then|later|follow|after|afterwards", OTHERWISE),
     // Nothing is to be done.
     row(After, Nobody, "^ hold|park|stop|halt the robot|arm|gripper|motion", "", HALTED),
     row(Later, Nobody, "^ confirm|review|approve|delete|replace|adjust $", "", HALTED),
@@ -194,6 +192,8 @@ const ROWS: &[Row] = &[
 /// What takes an answer back in a remark and in the midst of a long explanation alike, whomever the clause speaks of.
 #[rustfmt::skip]
 const PLAIN: &[Row] = &[
+    row(After, Anything, "this|the|that|chosen corner|point|place|tip should|must not be pulled|picked|used|moved|grasped|taken|lifted", "again|ANOTHER", DOUBTED),
+    row(Later, Anything, "^ ANOTHER corner|point|direction|distance|grip has|must|should|needs|ought to|be * chosen|picked|used|taken|found|selected", "next|then|later|follow|after|afterwards|before", OTHERWISE),
     // Somebody else has to look, choose or send something first.
     row(Later, Anything, "^ you|we|one|i send|resend|upload|provide|share|attach|supply|repeat|detect * image|images|picture|pictures|photo|version|list|frame|view|scan|corners|again|first", "", HALTED),
     row(Later, Anything, "can|could|would you send|resend|upload|provide|share|attach|supply|repeat|detect|confirm|check|verify|tell|clarify", "explain", HALTED),
