@@ -8,7 +8,7 @@ use super::chosen;
 use super::claims::{self, Claims};
 use super::corners;
 use super::point::{self, PointFound};
-use super::reading::{Malformed, Reading, Stated, bounded, quoted};
+use super::reading::{Malformed, Reading, Stated, bounded, quoted, with_marks};
 use super::sentences::Reader;
 use super::words;
 use crate::data::actions::Proposal;
@@ -307,7 +307,7 @@ impl Field<'_> {
             let taking = note.as_ref().map(|note| format!(", taking {note}"));
             repairs.push(format!(
                 "read `{}` as the {noun} {written}{}",
-                quoted(text),
+                quoted(&self.reply[with_marks(self.reply, span.clone())]),
                 taking.unwrap_or_default()
             ));
         }

@@ -4,6 +4,7 @@
 //! (`What not to do:`), values of other fields' kinds that a short remark states without a name (`Better: 180 deg.`), and fields
 //! that a line of values alone states.
 
+use super::aside::Aside;
 use super::claim::{Claim, Claimed};
 use super::lexer::{Gap, Kind, Token};
 use super::names;
@@ -13,6 +14,7 @@ use super::value::{self, Clarity};
 use super::wordlist::{says, words};
 use crate::data::actions::{ActionField, Choices, Value};
 use std::mem::discriminant;
+use std::ops::Range;
 
 /// The most tokens of a heading, and of a remark that only states a value.
 const MAX_SHORT: usize = 24;
@@ -48,12 +50,23 @@ const STATING: &[&str] = words!(
 
 /// Returns why the lines below the heading directly above an answer are none.
 ///
+/// - `asides`: what is blank in the text because it states nothing.
 /// - `at`: where the answer begins in the text, bytes.
-pub(super) fn heading(text: &str, tokens: &[Token<'_>], at: usize) -> Option<&'static str> {
+pub(super) fn heading(
+    text: &str,
+    asides: &[(Range<usize>, Aside)],
+    tokens: &[Token<'_>],
+    at: usize,
+) -> Option<&'static str> {
     let first = tokens.partition_point(|token| token.at < at);
     // Objects and tables have no tokens.
     let above = tokens[..first].last()?;
     if !text.get(above.end()..at)?.contains('\n') {
+        return None;
+    }
+    // Below `Rejected:`, what it heads may have been set aside; the answer comes after that.
+    let heads_aside = |(aside, _): &(Range<usize>, Aside)| above.end() <= aside.start && aside.end <= at;
+    if asides.iter().any(heads_aside) {
         return None;
     }
     let line = (0..first).rev().find(|at| tokens[*at].gap >= Gap::Line);
@@ -240,7 +253,9 @@ fn others(
             let tokens = &sentence[at..cursor.at.max(at + 1)];
             let leads =
                 field.is_point() && sentence[..at].iter().any(|it| it.is_any(&["to", "place"]));
-            if !is_stated(&value) && (has_place || !leads) {
+            // `175 px from (10, 20)`
+            let is_origin = field.is_point() && at > 0 && sentence[at - 1].is("from");
+            if !is_stated(&value) && (has_place || !leads) && !is_origin {
                 let span = tokens[0].at..tokens[tokens.len() - 1].end();
                 found.push(Claim::new(index, span, Claimed::Value(value, None)));
             }

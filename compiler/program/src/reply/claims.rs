@@ -51,7 +51,7 @@ pub fn standing(reply: &str) -> Standing {
 }
 
 /// Phrases that take back what stands before them.
-const TURNS: [&str; 24] = [
+const TURNS: [&str; 26] = [
     "oops",
     "no wait",
     "no , wait",
@@ -73,6 +73,8 @@ const TURNS: [&str; 24] = [
     "second try :",
     "second attempt :",
     "new attempt :",
+    "thinking about it again",
+    "my answer is then :",
     "let me correct",
     "let me revise",
     "let me reconsider",
@@ -171,7 +173,8 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         (Some(_), Some(first)) => tokens.partition_point(|token| token.at < first.span.start),
         _ => 0,
     };
-    let heading = stated.and_then(|stated| around::heading(&text, &tokens, stated.first));
+    let heading = stated
+        .and_then(|stated| around::heading(&text, &cleared.asides, &tokens, stated.first));
     let doubt = heading
         .or_else(|| remarks::doubt_in(&tokens[..above], None, Place::Before, prose))
         .or_else(|| remarks::doubt_in(&tokens[judged..], stated, Place::Before, prose))

@@ -47,7 +47,7 @@ const MAX_BACK: usize = 30;
 const MAX_TO_TAIL: usize = 4;
 
 /// What may stand before a verb that is an action of the answer: `I`, `the robot`; otherwise it may be a noun.
-const ACTING: &[&str] = words!("i we to and robot arm gripper step it therefore so must should will");
+const ACTING: &[&str] = words!("i i'd i'll we we'd we'll let's to and robot arm gripper step it therefore so must should will");
 
 /// What makes `at` lead to the place: `let go at the upper left corner`.
 const RELEASING: &[&str] = words!("go released releases placed dropped down ends ending");

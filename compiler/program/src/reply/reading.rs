@@ -54,7 +54,7 @@ impl Stated {
 }
 
 /// Adds the marks around a piece of an answer, `**Pick**` and `\boxed{…}`, so that no half of a pair is shown.
-fn with_marks(reply: &str, span: Range<usize>) -> Range<usize> {
+pub(super) fn with_marks(reply: &str, span: Range<usize>) -> Range<usize> {
     let is_mark = |letter: char| matches!(letter, '*' | '_' | '`' | '$');
     let (Some(before), Some(text), Some(after)) = (
         reply.get(..span.start),
@@ -63,15 +63,45 @@ fn with_marks(reply: &str, span: Range<usize>) -> Range<usize> {
     ) else {
         return span;
     };
-    let start = before.trim_end_matches(is_mark).len();
-    let open = text
-        .matches('{')
-        .count()
-        .saturating_sub(text.matches('}').count());
+    let count = |brace: char| text.matches(brace).count();
+    let unopened = count('}').saturating_sub(count('{'));
+    let start = (0..unopened).fold(before.len(), |start, _| opened(&before[..start]).unwrap_or(start));
+    let start = before[..start].trim_end_matches(is_mark).len();
+    let open = count('{').saturating_sub(count('}'));
     let closes = after.chars().take_while(|letter| *letter == '}').take(open);
     let end = span.end + closes.count();
+    let is_quoted = text.matches('"').count() % 2 == 1 && reply[end..].starts_with('"');
+    let end = end + usize::from(is_quoted);
+    let is_formula = text.contains("\\(") && !text.contains("\\)");
+    let closed = reply[end..].strip_prefix("\\)").or(reply[end..].strip_prefix(")\\)"));
+    let end = closed
+        .filter(|_| is_formula)
+        .map_or(end, |rest| reply.len() - rest.len());
     let marks = reply[end..].chars().take_while(|letter| is_mark(*letter));
-    start..end + marks.map(char::len_utf8).sum::<usize>()
+    let end = end + marks.map(char::len_utf8).sum::<usize>();
+    match before[..start].strip_suffix('<') {
+        Some(before) => before.len()..end + tag_end(&reply[end..]),
+        None => start..end,
+    }
+}
+
+/// Returns how long the rest of a tag is at the start of a text: `</pick>`, `/>`.
+fn tag_end(rest: &str) -> usize {
+    /// The longest rest of a tag, bytes.
+    const MOST: usize = 80;
+    let inside = { rest.bytes().take(MOST) }.take_while(|it| !matches!(it, b'>' | b'\n'));
+    let length = inside.count();
+    match rest.as_bytes().get(length) {
+        Some(b'>') if rest.trim_start().starts_with(['<', '/']) => length + 1,
+        _ => 0,
+    }
+}
+
+/// Returns where an open brace at the end of a text begins, with its command: `\text{`.
+fn opened(before: &str) -> Option<usize> {
+    let command = before.strip_suffix('{')?;
+    let name = command.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
+    Some(name.strip_suffix('\\').map_or(command.len(), str::len))
 }
 
 /// Why an answer cannot be read.

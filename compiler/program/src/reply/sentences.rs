@@ -398,7 +398,11 @@ impl<'a> Sentences<'a> {
         if mention.form == Form::VerbTo && !self.is_moved_to(named, cursor.at) {
             return None;
         }
-        let leads = |token: &Token<'_>| token.is_any(&["to", "onto", "toward", "towards", "until"]);
+        // `A short pull puts it at about (10, 20)` tells where it leads.
+        let leads = |token: &Token<'_>| {
+            token.is_any(&["to", "onto", "toward", "towards", "until"])
+                || token.is_any(&["puts", "ends", "lands", "leaves"])
+        };
         if matches!(mention.form, Form::VerbAt | Form::PassiveAt)
             && self.tokens[named..cursor.at].iter().any(leads)
         {

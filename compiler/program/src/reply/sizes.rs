@@ -35,7 +35,7 @@ const FORCE: Scale = Scale {
     high: words!("firm strong tight hard"),
     nouns: words!("grip grips pinch hold grasp squeeze pressure touch option one"),
     verbs: words!(
-        "pinch pinches pinched pinching grip grips gripped gripping hold holds grasped grasps"
+        "pinch pinches pinched pinching grip grips gripped gripping hold holds grasped grasps close closes closing"
     ),
     only_extremes: true,
 };
@@ -123,7 +123,7 @@ impl Scale {
             at > 0 && words[at - 1].is("as") && behind.first().is_some_and(|it| it.is("as"));
         let is_extreme = is_superlative
             || is_of_two
-            || is_as && behind.get(1).is_some_and(|it| it.is("possible"));
+            || is_as && behind[1..].iter().take(3).any(|it| it.is_any(&["possible", "possibly"]));
         // `as long as` compares, or means `while`.
         if !is_extreme && (is_as || self.only_extremes) {
             return None;

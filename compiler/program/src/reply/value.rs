@@ -889,8 +889,14 @@ fn dismissed(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) 
     let rest = cursor.rest();
     let is_plain = || {
         let changes = |token: &Token<'_>| token.is_any(ALTERING) || token.is_any(PREFERRING);
+        // `90 deg would stretch the left part`
+        let is_worded = |at: usize| {
+            matches!(context.expected.field.choices, Choices::Directions { .. })
+                && rest[at].kind == Kind::Word
+        };
         !rest.iter().any(changes)
-            && (0..rest.len()).all(|at| bare(&mut Cursor::at(rest, at), context).is_none())
+            && (0..rest.len())
+                .all(|at| is_worded(at) || bare(&mut Cursor::at(rest, at), context).is_none())
     };
     if !(is_other && is_conditional && is_plain()) {
         *cursor = start;

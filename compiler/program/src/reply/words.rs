@@ -39,12 +39,12 @@ const ARROWS: [(char, f64); 10] = [
 /// Words before a direction that do not change it.
 const LEADING: &[&str] = words!(
     "to toward towards the pointing points straight directly diagonally diagonal horizontally vertically going in into
-    due facing heading"
+    due facing heading empty free open bare"
 );
 
 /// Words after a direction that do not change it.
 const TRAILING: &[&str] = words!(
-    "direction diagonal diagonally corner side edge of the image picture frame in image's part border"
+    "direction diagonal diagonally corner side edge of the image picture frame table in image's part border"
 );
 
 /// Reads a direction in words, `straight up`, `top-left`, `left and up`; degrees. Otherwise the cursor does not move.

@@ -367,7 +367,13 @@ impl<'a> Clause<'a> {
             if revised && !denies && modal.is_some_and(|it| DUTIES.contains(&it)) && !is_it {
                 return Some(CHANGED);
             }
+            // `These are the ends of the crease left by the previous fold`
+            let is_mark = |at: &usize| {
+                let marks = words!("crease creases wrinkle wrinkles pleat pleats");
+                rest[..*at].iter().any(|it| marks.contains(it))
+            };
             let from = rest.iter().position(|it| ORIGINATING.contains(it));
+            let from = from.filter(|at| !is_mark(at));
             if from.is_some_and(|at| rest[at..].iter().take(6).any(|it| ELSEWHERE.contains(it)))
                 && !denies
                 && !is_it

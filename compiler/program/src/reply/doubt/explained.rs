@@ -112,7 +112,9 @@ impl Clause<'_> {
             || named
                 .windows(2)
                 .any(|near| matches!(near[0], "first" | "last") && TRIES.contains(&near[1]));
-        regrets || gave || had || wondered || is_named
+        // `I was not sure at first whether …`
+        let at_first = self.words.windows(2).any(|pair| pair == ["at", "first"]);
+        regrets || gave || had || wondered || is_named || at_first && self.words.contains(&"was")
     }
 
     /// `I am a bit worried by the scale`, `I did not go for half an edge`, `I am not entirely certain of this`
