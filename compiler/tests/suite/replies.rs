@@ -366,8 +366,14 @@ proptest! {
         let statement = |form: usize, value: usize| FORMS[form](NAMES[field], VALUES[field][value]);
         let rest: Vec<String> = (0..3).filter(|it| *it != field).map(|it| FORMS[0](NAMES[it], VALUES[it][1])).collect();
         let answer = format!("{}{between}{}\n{}", statement(forms.0, first), statement(forms.1, other), rest.join("\n"));
-        let read = reply::read_action(&program, &answer);
-        prop_assert!(read.is_err(), "{}\n{:?}", answer, read);
+        match reply::read_action(&program, &answer) {
+            Err(refused) => for value in [first, other] {
+                // The offered values are listed in the sentence after that.
+                let why = refused.message.split(" Choose one").next().unwrap();
+                prop_assert!(why.contains(VALUES[field][value]), "{}\n{}", answer, refused.message);
+            },
+            Ok(reading) => prop_assert!(false, "{}\n{:?}", answer, reading),
+        }
     }
 
     #[test]

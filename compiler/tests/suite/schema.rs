@@ -1,7 +1,9 @@
 //! The JSON Schema of an answer accepts exactly the offered values.
 
 use crate::common;
+use crate::pointing;
 use crate::spaces;
+use fab_program::pointing::{CoordinateUnit, Frame, Notation, Order, Pointing};
 use fab_program::reply;
 use fab_program::space;
 use fab_program::{PixelPoint, Program, Value};
@@ -258,39 +260,78 @@ fn instances(property: &Json) -> Vec<Json> {
 
 #[test]
 fn schema_and_reader_admit_the_same_actions() {
-    for name in ["points", "paper", "region", "grip"] {
-        let program = spaces::space(name);
-        let offered = offered(&program, &[(10, 20), (0, 223), (-3, 4)]);
+    let mut programs: Vec<Program> = ["points", "paper", "region", "grip", "manner"]
+        .map(spaces::space)
+        .into();
+    programs.push(common::program("task.fab", &asking_for_reasons()));
+    for program in &programs {
+        let offered = offered(program, &[(10, 20), (0, 223), (-3, 4)]);
         for schema in [
-            reply::schema(&program, &offered),
-            reply::static_schema(&program),
+            reply::schema(program, &offered),
+            reply::static_schema(program),
         ] {
-            let properties = schema["properties"].as_object().unwrap();
-            let most = properties
-                .values()
-                .map(|it| instances(it).len())
-                .max()
-                .unwrap();
-            for index in 0..most {
-                let chosen = properties.iter().map(|(name, property)| {
-                    let all = instances(property);
-                    (name.clone(), all[index % all.len()].clone())
-                });
-                let answer = Json::Object(chosen.collect());
-                assert!(fits(&schema, &answer), "{answer}");
-                let read = reply::read_action(&program, &answer.to_string())
-                    .unwrap_or_else(|refused| panic!("{answer}: {}", refused.message));
-                // What is read is what the schema states, and the schema can state what is read.
-                for (field, (_, value)) in program.actions.iter().zip(&read.value.fields) {
-                    assert_eq!(
-                        answer[&field.name],
-                        json!(space::text(field, value)),
-                        "{answer}"
-                    );
-                }
-            }
+            assert_reads_all_instances(program, &Notation::pixels(), &schema);
         }
     }
+}
+
+#[test]
+fn schema_and_reader_admit_the_same_actions_in_every_notation() {
+    let known = pointing::known();
+    let size = [224; 2];
+    let units = [
+        CoordinateUnit::Pixels,
+        CoordinateUnit::Fraction,
+        CoordinateUnit::Percent,
+        CoordinateUnit::PerMille,
+    ];
+    let frames = units.into_iter().flat_map(|unit| {
+        [Order::Xy, Order::Yx].map(|order| Frame {
+            unit,
+            order,
+            size,
+            sent: [448; 2],
+        })
+    });
+    let marks = Pointing::Marks(Frame::pixels(size));
+    for pointing in frames.map(Pointing::Frame).chain([marks]) {
+        for name in ["points", "paper", "grip", "manner"] {
+            let program = spaces::space(name);
+            let notation = Notation::of(pointing, &program.actions, &known);
+            let fields = program.actions.iter();
+            let offered: Vec<_> = fields
+                .map(|field| (field.name.clone(), space::choices(field, &known)))
+                .collect();
+            let schema = reply::schema_in(&program, &notation, &offered);
+            assert_reads_all_instances(&program, &notation, &schema);
+        }
+    }
+}
+
+/// Reads an instance of a schema with each choice of each property: what is read is what the schema states.
+fn assert_reads_all_instances(program: &Program, notation: &Notation, schema: &Json) {
+    let properties = schema["properties"].as_object().unwrap();
+    let counts = properties.values().map(|it| instances(it).len());
+    for index in 0..counts.max().unwrap() {
+        let chosen = properties.iter().map(|(name, property)| {
+            let all = instances(property);
+            (name.clone(), all[index % all.len()].clone())
+        });
+        let answer = Json::Object(chosen.collect());
+        assert!(fits(schema, &answer), "{answer}");
+        let read = reply::read_action_in(program, notation, &answer.to_string())
+            .unwrap_or_else(|refused| panic!("{answer}: {}", refused.message));
+        for (field, (_, value)) in program.actions.iter().zip(&read.value.fields) {
+            let stated = json!(notation.stated_value(field, value));
+            assert_eq!(answer[&field.name], stated, "{answer}");
+        }
+    }
+}
+
+/// Returns the small task, whose prompt asks for reasons.
+fn asking_for_reasons() -> String {
+    let format = "{{ actions.format }}";
+    common::TASK.replace(format, &format!("{format} Then give your reasons."))
 }
 
 #[test]
@@ -344,9 +385,5 @@ fn a_prompt_that_asks_for_reasons_has_a_place_for_them() {
             .contains(&json!("reason"))
     };
     assert!(!asks(text));
-    let format = "{{ actions.format }}";
-    assert!(text.contains(format), "{text}");
-    assert!(asks(
-        &text.replace(format, &format!("{format} Then give your reasons."))
-    ));
+    assert!(asks(&asking_for_reasons()));
 }

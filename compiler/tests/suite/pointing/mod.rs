@@ -25,7 +25,7 @@ fn points(of: &[[i32; 2]]) -> Vec<PixelPoint> {
     of.iter().map(|point| PixelPoint::from(*point)).collect()
 }
 
-fn known() -> Known {
+pub fn known() -> Known {
     let corners = points(&[[41, 167], [167, 41], [57, 58], [0, 223]]);
     Known {
         points: vec![("corners", corners), ("center", points(&[[112, 112]]))],
