@@ -263,7 +263,7 @@ fn drop_of_unclosed(tree: &Tree, faults: &mut Vec<Fault>) {
         .collect();
     // Braces that were reported themselves.
     let opening: BTreeSet<usize> = { faults.iter() }
-        .filter(|fault| opens_at(tree, fault))
+        .filter(|fault| may_open_too_many(tree, fault))
         .map(|fault| fault.span.start)
         .collect();
     let mut misplaced = Vec::new();
@@ -332,9 +332,9 @@ fn misplaced_at_end(block: Node<'_>) -> Option<Span> {
     is_outer.then(|| tree.span(start..start + word.len()))
 }
 
-/// Returns whether a fault is at a token that stands in place of a `}`: it ends its line, which opens a block, or is
+/// Guesses whether a fault is at a token that stands in place of a `}`: it ends its line, which opens a block, or is
 /// all of it.
-fn stands_for_close(tree: &Tree, fault: &Fault) -> bool {
+fn may_stand_for_close(tree: &Tree, fault: &Fault) -> bool {
     let (before, after) = line_at(tree.text(), fault.span.start);
     let token = token_at(after, 0..after.len());
     let is_last = after[token.len()..].trim().is_empty();
@@ -343,8 +343,8 @@ fn stands_for_close(tree: &Tree, fault: &Fault) -> bool {
         && (before.trim().is_empty() || before.contains('{') && !before.contains('}'))
 }
 
-/// Returns whether a fault is at a `{` or `"""` that is too many, or at what stands in place of a `}`.
-fn opens_at(tree: &Tree, fault: &Fault) -> bool {
+/// Guesses whether a fault is at a `{` or `"""` that is too many, or at what stands in place of a `}`.
+fn may_open_too_many(tree: &Tree, fault: &Fault) -> bool {
     let found = match &fault.problem {
         Problem::Unexpected { found, .. } => found.as_deref(),
         Problem::UnknownWord { word, .. } => Some(word.as_str()),
@@ -357,7 +357,7 @@ fn opens_at(tree: &Tree, fault: &Fault) -> bool {
     let begins_block = first == "check" || blocks().iter().any(|block| block.name() == first);
     let is_head = !before.contains('{') && begins_block;
     let is_behind_open = before.trim_end().ends_with('{') && after.contains('{');
-    stands_for_close(tree, fault)
+    may_stand_for_close(tree, fault)
         || is_behind_open
         || after.starts_with("\"\"\"")
         || !is_head && (after.starts_with('{') || found.is_some_and(|it| it.starts_with('{')))

@@ -3,8 +3,8 @@
 //! For each field, an answer states a set of values. One value is read. None, or two different ones, are refused, and
 //! the message names both. What an answer takes back, with words such as `no wait`, counts only if nothing replaces it.
 
-use super::claim::{Claim, Claimed};
 use super::chosen;
+use super::claim::{Claim, Claimed};
 use super::claims::{self, Claims};
 use super::corners;
 use super::point::{self, PointFound};

@@ -65,7 +65,8 @@ pub(super) fn heading(
         return None;
     }
     // Below `Rejected:`, what it heads may have been set aside; the answer comes after that.
-    let heads_aside = |(aside, _): &(Range<usize>, Aside)| above.end() <= aside.start && aside.end <= at;
+    let heads_aside =
+        |(aside, _): &(Range<usize>, Aside)| above.end() <= aside.start && aside.end <= at;
     if asides.iter().any(heads_aside) {
         return None;
     }

@@ -53,7 +53,9 @@ pub(super) fn of(
     let mut claims = Vec::new();
     let mut add = |field: usize, part: Range<usize>| {
         let words = &tokens[part.clone()];
-        let is_weighed = words.iter().any(|it| it.is_any(UNREAL) || it.is_any(WEIGHING));
+        let is_weighed = words
+            .iter()
+            .any(|it| it.is_any(UNREAL) || it.is_any(WEIGHING));
         if is_weighed || words.len() > MAX_PART {
             return;
         }
@@ -130,7 +132,9 @@ const ROUNDED_DEG: f64 = 67.5;
 /// Returns whether an answer that says that it chooses one value may mean the other.
 pub(super) fn is_near(said: &Value, value: &Value) -> bool {
     match (said, value) {
-        (Value::Direction { deg: said }, Value::Direction { deg }) => words::apart_deg(*said, *deg) < ROUNDED_DEG,
+        (Value::Direction { deg: said }, Value::Direction { deg }) => {
+            words::apart_deg(*said, *deg) < ROUNDED_DEG
+        }
         _ => said == value,
     }
 }

@@ -173,8 +173,8 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         (Some(_), Some(first)) => tokens.partition_point(|token| token.at < first.span.start),
         _ => 0,
     };
-    let heading = stated
-        .and_then(|stated| around::heading(&text, &cleared.asides, &tokens, stated.first));
+    let heading =
+        stated.and_then(|stated| around::heading(&text, &cleared.asides, &tokens, stated.first));
     let doubt = heading
         .or_else(|| remarks::doubt_in(&tokens[..above], None, Place::Before, prose))
         .or_else(|| remarks::doubt_in(&tokens[judged..], stated, Place::Before, prose))

@@ -47,7 +47,9 @@ const MAX_BACK: usize = 30;
 const MAX_TO_TAIL: usize = 4;
 
 /// What may stand before a verb that is an action of the answer: `I`, `the robot`; otherwise it may be a noun.
-const ACTING: &[&str] = words!("i i'd i'll we we'd we'll let's to and robot arm gripper step it therefore so must should will");
+const ACTING: &[&str] = words!(
+    "i i'd i'll we we'd we'll let's to and robot arm gripper step it therefore so must should will"
+);
 
 /// What makes `at` lead to the place: `let go at the upper left corner`.
 const RELEASING: &[&str] = words!("go released releases placed dropped down ends ending");
@@ -109,8 +111,7 @@ pub(super) fn of_sentence(
             && tokens[at.saturating_sub(MAX_TO_TAIL).max(sentence.start)..at]
                 .iter()
                 .any(|it| it.is_any(TAILS));
-        let begins =
-            tokens[at].is_any(&["starts", "begins"]) && is_drawn(tokens, at) || is_tail;
+        let begins = tokens[at].is_any(&["starts", "begins"]) && is_drawn(tokens, at) || is_tail;
         // `the pick point is the lower left corner`
         let is_point = tokens[at].is_any(&["is", "lies"])
             && at >= sentence.start + 2

@@ -65,7 +65,9 @@ pub(super) fn with_marks(reply: &str, span: Range<usize>) -> Range<usize> {
     };
     let count = |brace: char| text.matches(brace).count();
     let unopened = count('}').saturating_sub(count('{'));
-    let start = (0..unopened).fold(before.len(), |start, _| opened(&before[..start]).unwrap_or(start));
+    let start = (0..unopened).fold(before.len(), |start, _| {
+        opened(&before[..start]).unwrap_or(start)
+    });
     let start = before[..start].trim_end_matches(is_mark).len();
     let open = count('{').saturating_sub(count('}'));
     let closes = after.chars().take_while(|letter| *letter == '}').take(open);
@@ -73,7 +75,9 @@ pub(super) fn with_marks(reply: &str, span: Range<usize>) -> Range<usize> {
     let is_quoted = text.matches('"').count() % 2 == 1 && reply[end..].starts_with('"');
     let end = end + usize::from(is_quoted);
     let is_formula = text.contains("\\(") && !text.contains("\\)");
-    let closed = reply[end..].strip_prefix("\\)").or(reply[end..].strip_prefix(")\\)"));
+    let closed = reply[end..]
+        .strip_prefix("\\)")
+        .or(reply[end..].strip_prefix(")\\)"));
     let end = closed
         .filter(|_| is_formula)
         .map_or(end, |rest| reply.len() - rest.len());

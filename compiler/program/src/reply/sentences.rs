@@ -136,7 +136,12 @@ impl Reader<'_> {
             .chain(sentences.judgements())
             .chain(sentences.carries())
             .chain(sentences.landings())
-            .chain(super::chosen::of(self, text, &tokens, sentences.sentences()))
+            .chain(super::chosen::of(
+                self,
+                text,
+                &tokens,
+                sentences.sentences(),
+            ))
             .map(|claim| Claim {
                 span: span.clone().unwrap_or(claim.span),
                 ..claim
@@ -1437,8 +1442,8 @@ impl<'a> Sentences<'a> {
                             .get(at + 1)
                             .is_some_and(|next| next.is("corner"));
                     let next = self.tokens.get(at + 1);
-                    let is_later_step = it.is_any(&["second", "third"])
-                        && next.is_some_and(|next| next.is("step"));
+                    let is_later_step =
+                        it.is_any(&["second", "third"]) && next.is_some_and(|next| next.is("step"));
                     // `the one that has to be folded next`
                     let is_turn = it.is("next")
                         && self.tokens[..at].last().is_some_and(|last| {

@@ -123,7 +123,11 @@ impl Scale {
             at > 0 && words[at - 1].is("as") && behind.first().is_some_and(|it| it.is("as"));
         let is_extreme = is_superlative
             || is_of_two
-            || is_as && behind[1..].iter().take(3).any(|it| it.is_any(&["possible", "possibly"]));
+            || is_as
+                && behind[1..]
+                    .iter()
+                    .take(3)
+                    .any(|it| it.is_any(&["possible", "possibly"]));
         // `as long as` compares, or means `while`.
         if !is_extreme && (is_as || self.only_extremes) {
             return None;

@@ -101,8 +101,14 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
     let first = found.iter().map(|it| it.span.start).min();
     let first = first.and_then(|at| cleared.text.get(..at));
     let line = first.map(|above| above.rfind('\n').map_or(0, |at| at + 1));
-    let heading =
-        line.and_then(|at| around::heading(&cleared.text, &cleared.asides, &lexer::tokens(&cleared.text), at));
+    let heading = line.and_then(|at| {
+        around::heading(
+            &cleared.text,
+            &cleared.asides,
+            &lexer::tokens(&cleared.text),
+            at,
+        )
+    });
     if heading.is_some() {
         return Err(wrong(
             "The line above your text says that it is no answer.".to_owned(),
