@@ -33,14 +33,7 @@ const WEIGHING: &[&str] = wordlist::words!("too or either between both exceeds f
 const MAX_PART: usize = 60;
 
 /// Returns the values that numbered lines begin with, and the points that sentences choose.
-///
-/// - `sentences`: where each stands, as indices of tokens.
-pub(super) fn of(
-    reader: &Reader<'_>,
-    text: &str,
-    tokens: &[Token<'_>],
-    sentences: impl Iterator<Item = Range<usize>>,
-) -> Vec<Claim> {
+pub(super) fn of(reader: &Reader<'_>, text: &str, tokens: &[Token<'_>]) -> Vec<Claim> {
     let kinds: [fn(&ActionField) -> bool; 3] = [
         ActionField::is_point,
         |field| matches!(field.choices, Choices::Directions { .. }),
@@ -83,7 +76,7 @@ pub(super) fn of(
         }
     }
     let point = names::only(reader.fields, ActionField::is_point);
-    for (sentence, field) in sentences.filter_map(|it| Some((it, point?))) {
+    for (sentence, field) in value::sentences(tokens).filter_map(|it| Some((it, point?))) {
         let context = reader.context(field, text, None, Clarity::Spoken);
         let within = &tokens[..sentence.end];
         let is_point = |mut cursor: Cursor<'_, '_>| {

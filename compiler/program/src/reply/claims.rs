@@ -6,6 +6,7 @@
 use super::around;
 use super::aside::{self, Aside, Cleared};
 use super::candidates::{self, Candidate};
+use super::chosen;
 use super::claim::{Claim, Claimed};
 use super::data;
 use super::doubt::{self, Place};
@@ -100,6 +101,8 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     text = aside::blanked(&text, &tables);
     text = without_candidates(reader, text);
     claims.extend(reader.sentences(&text, None));
+    let tokens = lexer::tokens(&text);
+    claims.extend(chosen::of(reader, &text, &tokens));
     let reasons = worded(reader, &beside.reasons, reply).into_iter();
     // A direction in words may stand for an angle, but not from within a reason.
     let is_stated = |field| {
@@ -110,7 +113,6 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
         .filter(|it| !matches!(it.claimed, Claimed::Course(_)) || is_stated(it.field))
         .collect();
     claims.extend(reasons);
-    let tokens = lexer::tokens(&text);
     let unnamed = around::unnamed(reader, &text, &tokens, &claims);
     claims.extend(unnamed);
     claims.sort_by_key(|claim| claim.span.start);

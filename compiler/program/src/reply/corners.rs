@@ -236,13 +236,8 @@ fn side(tokens: &[Token<'_>], at: usize, is_known: bool) -> Option<Corner> {
 pub(super) fn differ(one: &str, other: &str) -> bool {
     let sides = |text: &str| {
         let tokens = lexer::tokens(text);
-        let ends = (0..tokens.len())
-            .filter(|at| value::ends_sentence(&tokens, *at) || at + 1 == tokens.len());
-        let mut begin = 0;
         let mut sides = Vec::new();
-        for end in ends {
-            let sentence = begin..end + 1;
-            begin = end + 1;
+        for sentence in value::sentences(&tokens) {
             let found = of_sentence(&tokens, sentence, (0, Some(1)), &Notation::pixels());
             sides.extend(found.iter().filter_map(|claim| match claim.claimed {
                 Claimed::Side(deg) if claim.field == 0 => Some(deg),

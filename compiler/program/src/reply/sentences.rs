@@ -136,12 +136,6 @@ impl Reader<'_> {
             .chain(sentences.judgements())
             .chain(sentences.carries())
             .chain(sentences.landings())
-            .chain(super::chosen::of(
-                self,
-                text,
-                &tokens,
-                sentences.sentences(),
-            ))
             .map(|claim| Claim {
                 span: span.clone().unwrap_or(claim.span),
                 ..claim

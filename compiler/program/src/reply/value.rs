@@ -15,6 +15,7 @@ use crate::data::actions::{Choices, Value};
 use crate::pointing::Notation;
 use crate::space;
 use crate::units::{Dimension, LengthUnit, UNITS};
+use std::ops::Range;
 
 /// What was found where a value is expected.
 pub(super) enum Found {
@@ -301,6 +302,16 @@ fn clause_of<'a, 't>(cursor: &Cursor<'a, 't>) -> &'a [Token<'t>] {
         }
     }
     tokens
+}
+
+/// Returns where each sentence stands, as indices of tokens; a line ends it.
+pub(super) fn sentences(tokens: &[Token<'_>]) -> impl Iterator<Item = Range<usize>> {
+    let mut begin = 0;
+    let ends = (0..tokens.len()).filter(|at| {
+        let next = tokens.get(at + 1);
+        ends_sentence(tokens, *at) || next.is_none_or(|next| next.gap >= Gap::Line)
+    });
+    ends.map(move |end| std::mem::replace(&mut begin, end + 1)..end + 1)
 }
 
 /// Returns whether a sentence ends with this token.
