@@ -5,9 +5,10 @@
 
 use super::claim::{Claim, Claimed};
 use super::cursor::Cursor;
-use super::lexer::{Gap, Token};
+use super::lexer::{Gap, Kind, Token};
 use super::names;
 use super::sentences::{Reader, THINGS, UNREAL};
+use super::sizes;
 use super::value::{self, Clarity};
 use super::wordlist;
 use super::words;
@@ -25,6 +26,9 @@ const BEST: &[&str] = wordlist::words!("best");
 
 /// Nouns for a point that may be chosen.
 const CORNERS: &[&str] = wordlist::words!("corner one choice candidate point");
+
+/// Verbs for how a gripper reaches the cloth.
+const COMING: &[&str] = wordlist::words!("come comes coming approach approaches approaching");
 
 /// What makes a line or sentence no choice, besides what makes it unreal.
 const WEIGHING: &[&str] = wordlist::words!("too or either between both exceeds far already also");
@@ -73,6 +77,24 @@ pub(super) fn of(reader: &Reader<'_>, text: &str, tokens: &[Token<'_>]) -> Vec<C
             if is_value {
                 add(*field, line.clone());
             }
+        }
+    }
+    let angle = names::only(reader.fields, kinds[1]);
+    let parts = value::sentences(tokens).flat_map(|it| sizes::parts(tokens, it));
+    for (part, field) in parts.filter_map(|it| Some((it, angle?))) {
+        let context = reader.context(field, text, None, Clarity::Spoken);
+        let within = &tokens[..part.end];
+        // `The fingers have to come in flat, at 0 deg`
+        let verb = part.clone().find(|at| within[*at].is_any(COMING));
+        let comes = verb.is_some_and(|verb| {
+            (verb + 1..part.end).any(|at| {
+                let is_number = within.get(at + 1).is_some_and(|it| it.kind == Kind::Number);
+                let mut cursor = Cursor::at(within, at + 1);
+                within[at].is("at") && is_number && value::bare(&mut cursor, &context).is_some()
+            })
+        });
+        if comes {
+            add(field, part);
         }
     }
     let point = names::only(reader.fields, ActionField::is_point);

@@ -16,7 +16,7 @@ use std::ops::Range;
 
 /// Verbs for what happens to the picked corner.
 const TAKING: &[&str] = words!(
-    "pick picks picking picked grasp grasps grasping grasped grab grabs grabbing grabbed take takes taking taken lift lifts
+    "pick picks picking picked grip grips gripping grasp grasps grasping grasped grab grabs grabbing grabbed take takes taking taken lift lifts
     lifting lifted fold folds folding folded bring brings bringing brought carry carries carrying carried move moves
     moving moved drag drags dragging dragged pull pulls pulling"
 );
@@ -48,7 +48,7 @@ const MAX_TO_TAIL: usize = 4;
 
 /// What may stand before a verb that is an action of the answer: `I`, `the robot`; otherwise it may be a noun.
 const ACTING: &[&str] = words!(
-    "i i'd i'll we we'd we'll let's to and robot arm gripper step it therefore so must should will"
+    "i i'd i'll we we'd we'll let's to and robot arm gripper step it therefore so must should will would"
 );
 
 /// What makes `at` lead to the place: `let go at the upper left corner`.
@@ -60,7 +60,7 @@ const COMPARING: &[&str] =
 
 /// What may stand between a verb and its corner.
 const BETWEEN: &[&str] =
-    words!("the its this up by at hold of cloth cloth's fabric towel my your towel's fabric's");
+    words!("the its this up by at on hold of cloth cloth's fabric towel my your towel's fabric's");
 
 /// What leads to the place.
 const LEADING: &[&str] = words!("to onto on over toward towards");
@@ -68,6 +68,9 @@ const LEADING: &[&str] = words!("to onto on over toward towards");
 /// The fewest degrees between a side in words and the side on which a point lies, or another side, that nobody can mean.
 /// The corner next to the one that is meant lies 83 degrees off or more in the folds of rectangles with sides up to 4:3.
 const APART_DEG: f64 = 80.0;
+
+/// The same for the tips of a cloth that lies on one.
+const TIP_APART_DEG: f64 = 120.0;
 
 /// Nouns for what is taken, where no corner is named.
 const THINGS: &[&str] = words!("corner flap tip edge hem rim");
@@ -131,7 +134,9 @@ pub(super) fn of_sentence(
             let mut cursor = Cursor::at(within, to + 1);
             cursor.eat_any(&["the", "its"]);
             let is_lead = tokens[to].is_any(LEADING) && !tokens[to - 1].is_any(COMPARING)
-                || tokens[to].is("at") && tokens[to - 1].is_any(RELEASING);
+                || tokens[to].is("at")
+                    && (tokens[to - 1].is_any(RELEASING)
+                        || to > 2 && tokens[to - 3].is("go") && tokens[to - 1].is("it"));
             corner(within, cursor.at).filter(|_| is_lead)
         });
         if let (Some(put), Some(place)) = (put, place) {
@@ -185,7 +190,8 @@ fn taken(mut cursor: Cursor<'_, '_>) -> Option<Corner> {
 /// Returns whether a corner is said to be taken: `is picked`, `, which I grab`.
 fn is_taken(mut behind: Cursor<'_, '_>, notation: &Notation) -> bool {
     // `corner of the` was read with the side.
-    behind.eat_any(&["cloth", "towel", "fabric", "napkin", "shirt"]);
+    behind.eat_words("of the");
+    behind.eat_any(&["cloth", "towel", "fabric", "napkin", "shirt", "diamond"]);
     // `the top left corner (41, 41) is gripped`, `the top left corner at (41, 41) is taken`
     behind.eat_word("at");
     let _ = point::read(&mut behind, notation, Brackets::Needed);
@@ -226,7 +232,9 @@ fn side(tokens: &[Token<'_>], at: usize, is_known: bool) -> Option<Corner> {
     let is_corner = read.iter().any(|it| it.is("corner"));
     // `pull the cloth to the upper left corner`
     let leads = read.iter().any(|it| it.is_any(LEADING));
-    (!leads && (is_corner || is_known) && deg % 90.0 != 0.0).then_some(Corner {
+    // The cloth may lie on its tip: `the left tip of the diamond`.
+    let is_tip = deg % 90.0 == 0.0 && cursor.eat_word("tip");
+    (!leads && (is_tip || (is_corner || is_known) && deg % 90.0 != 0.0)).then_some(Corner {
         deg: Some(deg),
         end: cursor.at,
     })
@@ -267,5 +275,10 @@ pub(super) fn contradicts(deg: f64, own: &Value, other: &Value) -> bool {
         f64::from(own.v) - f64::from(other.v),
     );
     let seen = (-down).atan2(right).to_degrees();
-    own != other && words::apart_deg(seen, deg) >= APART_DEG
+    let apart = match deg % 90.0 == 0.0 {
+        // A tip may be the next one in a fold along a side.
+        true => TIP_APART_DEG,
+        false => APART_DEG,
+    };
+    own != other && words::apart_deg(seen, deg) >= apart
 }

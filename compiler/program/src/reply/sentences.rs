@@ -1443,8 +1443,14 @@ impl<'a> Sentences<'a> {
                         && self.tokens[..at].last().is_some_and(|last| {
                             last.is_any(&["is", "folded", "picked", "moved", "taken"])
                         });
+                    // `I would take the lower left corner`
+                    let is_mine = it.is("would")
+                        && self.tokens[..at]
+                            .last()
+                            .is_some_and(|last| last.is_any(&["i", "we"]));
                     (is_later_step || it.is_any(UNREAL))
                         && !is_corner
+                        && !is_mine
                         && !is_turn
                         && (it.at < till || !it.is_any(&["then", "next", "after", "itself"]))
                 })

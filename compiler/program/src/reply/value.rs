@@ -1307,6 +1307,9 @@ fn bracket(
 /// Words for what happens after a point is picked.
 const MOVING: &[&str] = words!("move fold drag pull bring lift carry push slide");
 
+/// Verbs for what the gripper does besides.
+const HOLDING: &[&str] = words!("holds grips pinches grasps lifts carries closes releases");
+
 /// Words that place a point in another frame or picture.
 const REFRAMING: &[&str] = words!(
     "measured counted grid cell tile normalized normalised relative fraction fractions percent mm cm origin enlarged
@@ -1426,8 +1429,12 @@ fn explanation(
     });
     let is_point = context.expected.field.is_point();
     // `pick (10, 20) and fold it up`
-    let goes_further =
-        is_point && first.is("and") && rest.get(1).is_some_and(|next| next.is_any(MOVING));
+    // and `with a distance of 10 mm, and holds the cloth`
+    let behind = usize::from(first.is_sign(',')) + 1;
+    let goes_further = rest[behind - 1].is("and")
+        && rest
+            .get(behind)
+            .is_some_and(|next| is_point && next.is_any(MOVING) || next.is_any(HOLDING));
     if goes_further {
         return Ok(());
     }

@@ -88,7 +88,7 @@ const ROWS: &[Row] = &[
     row(After, Answer, "^ it is the * that needs|should|must|ought", "", OTHERWISE),
     row(After, Answer, "^ it is the * that has to", "", OTHERWISE),
     row(Later, World, "ANOTHER * BE needed|required|due|called", "not", OTHERWISE),
-    row(After, World, "should|must|ought be|to * CHOSEN", "", OTHERWISE),
+    row(After, World, "should|must|ought be|to * CHOSEN", "to|towards|toward|over|back|outward|outwards", OTHERWISE),
     row(After, World, "should|must|ought to|be|start|begin|go|come start|begin|go|come|with|at|first|from", "", OTHERWISE),
     row(After, Answer, "fold|pick|pull ought|should to|begin|start", "", OTHERWISE),
     row(After, Nobody, "^ start|begin with|at|from|on", "", OTHERWISE),
