@@ -216,9 +216,15 @@ fn is_taken(mut behind: Cursor<'_, '_>, notation: &Notation) -> bool {
     (is_active || is_passive) && behind.peek().is_some_and(|it| it.is_any(verbs))
 }
 
-/// Reads `lower left corner`.
+/// Reads `lower left corner` and `corner at the lower left`.
 fn corner(tokens: &[Token<'_>], at: usize) -> Option<Corner> {
-    side(tokens, at, false)
+    let mut cursor = Cursor::at(tokens, at);
+    let is_behind = cursor.eat_word("corner") && cursor.eat_any(&["at", "in", "on"]);
+    cursor.eat_word("the");
+    match is_behind {
+        true => side(tokens, cursor.at, true),
+        false => side(tokens, at, false),
+    }
 }
 
 /// The same, also without its noun if it is known what stands there.

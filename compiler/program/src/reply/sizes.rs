@@ -33,7 +33,7 @@ const LENGTH: Scale = Scale {
 const FORCE: Scale = Scale {
     low: words!("soft gentl light weak loose delicate"),
     high: words!("firm strong tight hard"),
-    nouns: words!("grip grips pinch hold grasp squeeze pressure touch option one"),
+    nouns: words!("grip grips pinch hold grasp squeeze pressure touch option setting one"),
     verbs: words!(
         "pinch pinches pinched pinching grip grips gripped gripping hold holds grasped grasps close closes closing"
     ),
@@ -185,8 +185,13 @@ pub(super) fn parts(tokens: &[Token<'_>], sentence: Range<usize>) -> Vec<Range<u
         let is_dash = matches!(tokens[at].kind, Kind::Sign('-' | '–' | '—'))
             && is_apart(at)
             && is_apart(at + 1);
+        // `the strongest grip to make sure that it does not slip`
+        let is_aim = tokens[at].is("to")
+            && tokens
+                .get(at + 1)
+                .is_some_and(|it| it.is_any(&["make", "ensure", "avoid", "prevent", "keep"]));
         let is_sign = is_dash || matches!(tokens[at].kind, Kind::Sign(';' | ':'));
-        if is_reason || is_sign {
+        if is_reason || is_aim || is_sign {
             parts.push(begin..at);
             begin = at + usize::from(is_sign);
         }

@@ -777,6 +777,13 @@ fn tail(
                     return Err(goes_on(before, context));
                 }
             }
+            // `(10, 20) → top corner`
+            Kind::Sign('→') if context.expected.field.is_point() && is_worded(cursor) => {
+                cursor.at += 1;
+                return explanation(cursor, context, value, true);
+            }
+            // `0.25 edge → about (10, 20), which is on the table`
+            Kind::Sign('→') if leads_to_point(cursor, context) => return Ok(()),
             Kind::Sign('=' | '≈' | '/' | '|' | '→') => {
                 cursor.at += 1;
                 restated(&mut cursor, context, value)?
@@ -848,6 +855,20 @@ fn tail(
         }
         is_apart = false;
     }
+}
+
+/// Returns whether only words follow an arrow.
+fn is_worded(cursor: Cursor<'_, '_>) -> bool {
+    let behind = &cursor.rest()[1..];
+    !behind.is_empty() && behind.iter().all(|it| it.kind == Kind::Word)
+}
+
+/// Returns whether an arrow leads from a length to the point where it ends.
+fn leads_to_point(mut cursor: Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    cursor.at += 1;
+    cursor.skip(ABOUT, &['≈']);
+    let is_length = matches!(context.expected.field.choices, Choices::Lengths { .. });
+    is_length && point_begins(cursor, context)
 }
 
 /// Returns whether a closing tag has a part of the field's name.
