@@ -28,10 +28,13 @@ pub(crate) const MOST_SHEAR: f32 = 0.33;
 const SLACK_BIAS: f32 = 1.1;
 // Bending length on the bias of a cloth without twist, by the declared one, from which on it is warned of.
 const SOFT_BIAS: f32 = 1.05;
+// The bounds below were found by trial: `tests/suite/textile/declarable.rs` measures materials from all ranges, and 342 cantilevers
+// on the bias had warps of 15 to 65 mm, wefts from a quarter of that on, and biases of 0.7 to 1.6 of what the threads allow.
+//
 // Spacing by bending length of threads up to which loops and folds are as high as the elastica, within 10 %.
 const SHARP_SHARE: f32 = 0.5;
-// Substeps per second up to which momentum stays within 0.005 in 0.4 s, whatever else is declared. Bends are taken ahead of where particles are, so the
-// forces of stiff ones have a moment.
+// Substeps per second up to which momentum stays within 0.005 in 0.4 s, whatever else is declared. Bends are taken ahead of where
+// particles are, so the forces of stiff ones have a moment.
 const STEADY_SUBSTEPS_PER_S: f64 = 4000.0;
 // Share of the bending length on the bias, by plate theory, from which on a strip that curls and twists is warned of; and what
 // strips show of that share at least.
@@ -203,7 +206,7 @@ impl std::fmt::Display for MaterialWarning {
                 spacing_m,
             } => write!(
                 f,
-                "loops and folds of a bending length of `{length_m}` m are met within 10 %, and creases within 15 degrees, only at a spacing of up to `{spacing_m:.4}` m"
+                "loops and folds of a bending length of `{length_m}` m are met within 10 %, and creases within 16 degrees, only at a spacing of up to `{spacing_m:.4}` m"
             ),
             MaterialWarning::Unsteady {
                 length_m,
@@ -435,13 +438,14 @@ impl Material {
     /// Returns how much of its bending length on the bias a strip shows that is free to curl and to twist, as a share.
     ///
     /// Of a plate that bends by `bias = s + t` as a cylinder, with `s = (warp + weft) / 4`, a narrow strip shows `4 h t / (h + t)`, with
-    /// `h = warp * weft / (warp + weft)`. How near an overhang of two bending lengths comes to that follows from its length by
-    /// the strip's width, as tried.
+    /// `h = warp * weft / (warp + weft)`. How near an overhang of two bending lengths comes to that is a guess from its
+    /// length by the strip's width, which the cantilevers bear out.
     fn curl(&self) -> f64 {
         let [warp, weft, _] = self.cubes();
         let (twist, threads) = (self.twist(), warp * weft / (warp + weft));
         let narrow = 4.0 * threads * twist / ((threads + twist) * (0.25 * (warp + weft) + twist));
-        let slender = f64::from(2.0 * self.bending_length_m.bias / BIAS_STRIP_M).powi(2);
+        let bias_m = self.bending_length_m.bias.max(self.least_bias_m());
+        let slender = f64::from(2.0 * bias_m / BIAS_STRIP_M).powi(2);
         (1.0 - slender / (slender + 1.0) * (1.0 - narrow)).cbrt()
     }
 

@@ -38,7 +38,7 @@ fn bound(what: &str, expected: f64, gap_m: f32, spacing_m: f32) -> [f64; 2] {
         "bending length, bias" => [0.1, 0.0],
         _ if what.starts_with("bending") && expected >= 2.4 * fine => [0.05, 0.0],
         "crease recovery, warp" | "crease recovery, weft" => {
-            [0.0, if gap_m > 0.002 { 21.0 } else { 15.0 }]
+            [0.0, if gap_m > 0.002 { 21.0 } else { 16.0 }]
         }
         "stretch, bias" => [0.1, 0.0],
         _ if what.starts_with("stretch") => [0.01, 0.0],
