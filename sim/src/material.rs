@@ -41,7 +41,7 @@ const STEADY_SUBSTEPS_PER_S: f64 = 4000.0;
 const CURLS: f64 = 0.93;
 const LEAST_OF_CURL: f64 = 0.86;
 // Rigidity of shear by that of threads from which on it is warned of.
-const SHARED_BY_SHEAR: f32 = 0.012;
+const SHARED_BY_SHEAR: f32 = 0.01;
 // Angle by which a crease opens more than declared from which on it is warned of, degrees.
 const WIDE_CREASE_DEG: f32 = 5.0;
 /// Width of a strip on the bias, metres. Wider than others, since the cells at its zigzag rims are missing, and twist with
@@ -143,7 +143,7 @@ pub enum MaterialWarning {
         /// Spacing up to which they are met, metres.
         spacing_m: f32,
     },
-    /// A cloth that nothing touches changes its momentum: bending is too stiff for the step.
+    /// A cloth that nothing touches changes its momentum, and a light one's layers do not lie flat: bending is too stiff for the step.
     Unsteady {
         /// The longest bending length, metres.
         length_m: f32,
@@ -213,7 +213,7 @@ impl std::fmt::Display for MaterialWarning {
                 spacing_m,
             } => write!(
                 f,
-                "with a bending length of `{length_m}` m a cloth in the air may change its momentum by more than `0.005` in 0.4 s; from a spacing of `{spacing_m:.4}` m on it does not"
+                "with a bending length of `{length_m}` m a cloth in the air may change its momentum by more than `0.005` in 0.4 s, and the layers of a light one may not lie down on each other; from a spacing of `{spacing_m:.4}` m on neither happens"
             ),
             MaterialWarning::Curls { bias_m, least_m } => write!(
                 f,

@@ -436,7 +436,7 @@ fn what_a_cloth_cannot_show_is_warned_of() {
                     bias: 0.057,
                 }
             }),
-            "with a bending length of `0.06` m a cloth in the air may change its momentum by more than `0.005` in 0.4 s; from a spacing of `0.0084` m on it does not",
+            "with a bending length of `0.06` m a cloth in the air may change its momentum by more than `0.005` in 0.4 s, and the layers of a light one may not lie down on each other; from a spacing of `0.0084` m on neither happens",
         ),
         (
             of(&|it| it.stretch.weft = 0.3),

@@ -15,7 +15,7 @@ fn named(warning: &MaterialWarning) -> Vec<(&'static str, f32)> {
     match warning {
         MaterialWarning::Coarse { .. } => within(&["bending length"]),
         MaterialWarning::Sharp { .. } => within(&["loop", "fold", "gap between layers", "crease"]),
-        MaterialWarning::Unsteady { .. } => within(&["momentum"]),
+        MaterialWarning::Unsteady { .. } => within(&["momentum", "fold", "gap between layers"]),
         MaterialWarning::Curls { least_m, .. } => vec![
             ("bending length, bias", 1000.0 * least_m),
             ("loop", f32::NEG_INFINITY),
