@@ -88,7 +88,9 @@ fn a_step_that_springs_back_is_warned_of_with_the_smallest_fold_that_stays() {
     let (share, _) = cure.split_once('`').unwrap();
     fs::write(folder.path().join("pocket.fab"), task(share)).unwrap();
     assert!(warned(&check()).is_empty(), "an old result is used");
-    assert!(begins("its pictures are of another cloth, picker or demonstration"));
+    assert!(begins(
+        "its pictures are of another cloth, picker or demonstration"
+    ));
     let drawn = json(&said(folder.path(), &["subgoals", "pocket.fab", "--json"]));
     assert!(warned(&drawn).is_empty(), "{drawn}");
     assert_eq!(unjudged(), None);

@@ -81,7 +81,9 @@ task stiff extends folding {
     let task = &json(&checked.stdout)["tasks"][0];
     let differs = task["material"]["simulated"][0].as_str().unwrap();
     assert!(
-        differs.starts_with("the cloth cannot be laid: a cloth with a bending length of up to `0.09` m"),
+        differs.starts_with(
+            "the cloth cannot be laid: a cloth with a bending length of up to `0.09` m"
+        ),
         "{task}"
     );
     let twins = task["twins"].as_str().unwrap();
