@@ -4,6 +4,7 @@
 //! substeps. `textile` moves a cloth with these numbers; without a material a cloth is the recorded scene's (the
 //! other numbers of [`Params`](crate::Params)).
 
+use crate::bending::Friction;
 use serde::{Deserialize, Serialize};
 
 /// Acceleration by which a bending length is converted to a rigidity, m/s^2.
@@ -27,6 +28,25 @@ pub(crate) const MOST_SHEAR: f32 = 0.33;
 const SLACK_BIAS: f32 = 1.1;
 // Bending length on the bias of a cloth without twist, by the declared one, from which on it is warned of.
 const SOFT_BIAS: f32 = 1.05;
+// The bounds below were found by trial: `tests/suite/textile/declarable.rs` measures materials from all ranges, and 342 cantilevers
+// on the bias had warps of 15 to 65 mm, wefts from a quarter of that on, and biases of 0.7 to 1.6 of what the threads allow.
+//
+// Spacing by bending length of threads up to which loops and folds are as high as the elastica, within 10 %.
+const SHARP_SHARE: f32 = 0.5;
+// Substeps per second up to which momentum stays within 0.005 in 0.4 s, whatever else is declared. Bends are taken ahead of where
+// particles are, so the forces of stiff ones have a moment.
+const STEADY_SUBSTEPS_PER_S: f64 = 4000.0;
+// Share of the bending length on the bias, by plate theory, from which on a strip that curls and twists is warned of; and what
+// strips show of that share at least.
+const CURLS: f64 = 0.93;
+const LEAST_OF_CURL: f64 = 0.86;
+// Rigidity of shear by that of threads from which on it is warned of.
+const SHARED_BY_SHEAR: f32 = 0.01;
+// Angle by which a crease opens more than declared from which on it is warned of, degrees.
+const WIDE_CREASE_DEG: f32 = 5.0;
+/// Width of a strip on the bias, metres. Wider than others, since the cells at its zigzag rims are missing, and twist with
+/// them.
+pub(crate) const BIAS_STRIP_M: f32 = 0.04;
 // Loads of the extensions E100 and EB5 of FAST, newtons per metre of width.
 pub(crate) const THREAD_LOAD_N_M: f64 = 98.1;
 pub(crate) const BIAS_LOAD_N_M: f64 = 4.905;
@@ -116,6 +136,41 @@ pub enum MaterialWarning {
         /// Spacing up to which a bending length is met within 10 %, metres.
         spacing_m: f32,
     },
+    /// Loops, folds and creases are sharper than the particles can follow.
+    Sharp {
+        /// The shorter bending length of warp and weft, metres.
+        length_m: f32,
+        /// Spacing up to which they are met, metres.
+        spacing_m: f32,
+    },
+    /// A cloth that nothing touches changes its momentum, and a light one's layers do not lie flat: bending is too stiff for the step.
+    Unsteady {
+        /// The longest bending length, metres.
+        length_m: f32,
+        /// Spacing from which on momentum is kept, metres.
+        spacing_m: f32,
+    },
+    /// A strip on the bias curls across or twists, and bends more than a wide cloth.
+    Curls {
+        /// The bending length of a wide cloth, metres.
+        bias_m: f32,
+        /// The least that a strip shows, metres.
+        least_m: f32,
+    },
+    /// Shear resists where threads give: the cloth gives less along them.
+    Threads {
+        /// The greater declared extension of warp and weft, a share of the length.
+        declared: f32,
+        /// The least of the simulated cloth.
+        least: f32,
+    },
+    /// A crease opens wider than its material's.
+    Crease {
+        /// The declared angle, degrees.
+        declared_deg: f32,
+        /// That of the simulated cloth, degrees.
+        least_deg: f32,
+    },
     /// The cloth gives more on the bias than its material: substeps hold no stiffer a resistance to shear.
     Shear {
         /// The declared extension on the bias, a share of the length.
@@ -145,6 +200,35 @@ impl std::fmt::Display for MaterialWarning {
             } => write!(
                 f,
                 "a bending length of `{length_m}` m is met within 10 % only at a spacing of up to `{spacing_m:.4}` m"
+            ),
+            MaterialWarning::Sharp {
+                length_m,
+                spacing_m,
+            } => write!(
+                f,
+                "loops and folds of a bending length of `{length_m}` m are met within 10 %, and creases within 16 degrees, only at a spacing of up to `{spacing_m:.4}` m"
+            ),
+            MaterialWarning::Unsteady {
+                length_m,
+                spacing_m,
+            } => write!(
+                f,
+                "with a bending length of `{length_m}` m a cloth in the air may change its momentum by more than `0.005` in 0.4 s, and the layers of a light one may not lie down on each other; from a spacing of `{spacing_m:.4}` m on neither happens"
+            ),
+            MaterialWarning::Curls { bias_m, least_m } => write!(
+                f,
+                "a strip on the bias curls or twists: it shows a bending length of as little as `{least_m:.4}` m and not `{bias_m:.4}` m, and long loops and folds of it tip over"
+            ),
+            MaterialWarning::Threads { declared, least } => write!(
+                f,
+                "along its threads the cloth gives by as little as `{least:.3}` and not by `{declared}` of its length, and more on the bias: shear is nearly as stiff as such threads"
+            ),
+            MaterialWarning::Crease {
+                declared_deg,
+                least_deg,
+            } => write!(
+                f,
+                "a crease opens to `{least_deg:.0}` degrees and not to `{declared_deg}`: bends below 40/m leave none"
             ),
             MaterialWarning::Shear { declared, shown } => write!(
                 f,
@@ -230,6 +314,20 @@ impl Material {
                 spacing_m: limit,
             });
         }
+        let thread_m = warp.min(weft);
+        if spacing_m > SHARP_SHARE * thread_m * 1.0001 {
+            warnings.push(MaterialWarning::Sharp {
+                length_m: thread_m,
+                spacing_m: SHARP_SHARE * thread_m,
+            });
+        }
+        let haste = (self.substeps_per_s(spacing_m) / STEADY_SUBSTEPS_PER_S).sqrt() as f32;
+        if haste > 1.0 {
+            warnings.push(MaterialWarning::Unsteady {
+                length_m: warp.max(weft).max(bias),
+                spacing_m: spacing_m * haste,
+            });
+        }
         let shown = self.least_bias_stretch(spacing_m);
         if shown > SLACK_BIAS * self.stretch.bias {
             warnings.push(MaterialWarning::Shear {
@@ -237,11 +335,35 @@ impl Material {
                 shown,
             });
         }
+        let slackest = self.stretch.warp.max(self.stretch.weft);
+        let shear_n_m = self.shear_n_m().min(self.most_shear_n_m(spacing_m));
+        let shared = (shear_n_m / THREAD_LOAD_N_M) as f32 * slackest;
+        if shared > SHARED_BY_SHEAR {
+            warnings.push(MaterialWarning::Threads {
+                declared: slackest,
+                least: slackest / (1.0 + shared),
+            });
+        }
         let least_m = self.least_bias_m();
         if least_m > SOFT_BIAS * bias {
             warnings.push(MaterialWarning::SoftBias {
                 bias_m: bias,
                 least_m,
+            });
+        }
+        let curl = self.curl();
+        if curl < CURLS {
+            let bias_m = bias.max(least_m);
+            warnings.push(MaterialWarning::Curls {
+                bias_m,
+                least_m: bias_m * (LEAST_OF_CURL * curl) as f32,
+            });
+        }
+        let least_deg = self.least_recovery_deg(spacing_m);
+        if least_deg > self.crease_recovery_deg + WIDE_CREASE_DEG {
+            warnings.push(MaterialWarning::Crease {
+                declared_deg: self.crease_recovery_deg,
+                least_deg,
             });
         }
         Ok(warnings)
@@ -305,6 +427,26 @@ impl Material {
     pub(crate) fn least_bias_m(&self) -> f32 {
         let [warp, weft, _] = self.cubes();
         (0.25 * (warp + weft)).cbrt() as f32
+    }
+
+    /// Returns the least angle to which a crease opens, degrees.
+    pub(crate) fn least_recovery_deg(&self, spacing_m: f32) -> f32 {
+        let friction = Friction::new(self.crease_recovery_deg, spacing_m);
+        friction.map_or(180.0, |friction| friction.farthest.to_degrees())
+    }
+
+    /// Returns how much of its bending length on the bias a strip shows that is free to curl and to twist, as a share.
+    ///
+    /// Of a plate that bends by `bias = s + t` as a cylinder, with `s = (warp + weft) / 4`, a narrow strip shows `4 h t / (h + t)`, with
+    /// `h = warp * weft / (warp + weft)`. How near an overhang of two bending lengths comes to that is a guess from its
+    /// length by the strip's width, which the cantilevers bear out.
+    fn curl(&self) -> f64 {
+        let [warp, weft, _] = self.cubes();
+        let (twist, threads) = (self.twist(), warp * weft / (warp + weft));
+        let narrow = 4.0 * threads * twist / ((threads + twist) * (0.25 * (warp + weft) + twist));
+        let bias_m = self.bending_length_m.bias.max(self.least_bias_m());
+        let slender = f64::from(2.0 * bias_m / BIAS_STRIP_M).powi(2);
+        (1.0 - slender / (slender + 1.0) * (1.0 - narrow)).cbrt()
     }
 
     /// Returns the mass of a particle.

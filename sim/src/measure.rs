@@ -12,12 +12,13 @@ pub use sliding::{limp, patch_on_sheet, self_friction, table_friction};
 pub use table::{Reading, textile_table};
 
 use crate::error::{SimError, StartError};
-use crate::grid::{Grid, GridError};
+use crate::grid::{Grid, GridError, MAX_DIM};
 use crate::mask::{Mask, MaskError};
-use crate::material::{BIAS_LOAD_N_M, Directions, Material, THREAD_LOAD_N_M};
+use crate::material::{BIAS_LOAD_N_M, BIAS_STRIP_M, Directions, Material, THREAD_LOAD_N_M};
 use crate::mesh;
 use crate::params::Params;
 use crate::simulator::{RestShortcut, Simulator};
+use std::f64::consts::PI;
 
 /// A measurement that could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -82,9 +83,6 @@ impl From<f32> for Fineness {
 
 /// Width of a strip, metres (ASTM D1388: 25 mm).
 const STRIP_M: f32 = 0.025;
-/// Width of a strip on the bias, metres. Wider, since the cells at its zigzag rims are missing, and twist with
-/// them.
-const BIAS_STRIP_M: f32 = 0.04;
 /// Height at which strips are held, metres: above the table, whatever hangs from there.
 const HIGH_M: f32 = 1.0;
 
@@ -180,9 +178,14 @@ fn calm(material: &Material, at: Fineness) -> Params {
     }
 }
 
-/// Steps until no particle moves faster than 0.1 mm/s, at most for a time.
+/// Steps in which a specimen that has come to rest is slow.
+const SLOW_STEPS: u32 = 10;
+
+/// Steps until no particle has moved faster than 0.1 mm/s for some steps, at most for a time.
 fn settle(cloth: &mut Simulator, most_secs: f32) -> Result<(), SimError> {
     cloth.set_rest_shortcut(RestShortcut::Skip);
+    // One slow step may be where a swing turns.
+    let mut slow = 0;
     for step in 0..(100.0 * most_secs) as u32 {
         cloth.step()?;
         let fastest = cloth
@@ -190,7 +193,8 @@ fn settle(cloth: &mut Simulator, most_secs: f32) -> Result<(), SimError> {
             .iter()
             .flatten()
             .fold(0.0f32, |most, v| most.max(v.abs()));
-        if step > 20 && fastest < 1e-4 {
+        slow = if fastest < 1e-4 { slow + 1 } else { 0 };
+        if step > 20 && slow >= SLOW_STEPS {
             break;
         }
     }
@@ -304,13 +308,23 @@ pub fn hanging_loop(
     let strip = Strip::cut(Cut::Warp, rows, spacing_m)?;
     let (p, gap) = (f64::from(spacing_m), 1.2 * f64::from(material.gap_m()));
     let half = 0.5 * (rows - 2) as f64 * p;
-    let turn = shape.clamp_rad() + std::f64::consts::PI;
-    // A curve whose direction turns evenly, bent so that its end comes below the clamp.
+    // Hardly above where it will hang: a stiff heart that begins higher may come to rest on its clamp.
+    let direction = |share: f64| match shape {
+        Loop::Heart => {
+            let over = (share / 0.4).min(1.0);
+            let under = ((share - 0.6) / 0.4).max(0.0);
+            PI * (0.5 - over - 0.5 * under)
+        }
+        Loop::Ring => -PI * share,
+    };
     let along = |s: f64| {
-        let angle = shape.clamp_rad() - turn * s / half;
-        let radius = half / turn;
-        let x = radius * (shape.clamp_rad().sin() - angle.sin());
-        [x, radius * (angle.cos() - shape.clamp_rad().cos())]
+        const PIECES: usize = 64;
+        let middles = (0..PIECES).map(|i| (i as f64 + 0.5) / PIECES as f64);
+        let angles = middles.map(|middle| direction(middle * s / half));
+        let sum = angles.fold([0.0, 0.0], |[x, z], angle| {
+            [x + angle.cos(), z + angle.sin()]
+        });
+        sum.map(|sum| sum * s / PIECES as f64)
     };
     let end = along(half)[0];
     let place = |row: usize| {
@@ -375,6 +389,9 @@ pub fn fold_height(gap: f64) -> f64 {
     0.906 + 0.128 * gap
 }
 
+/// Friction that holds the flap of a free fold.
+const HOLDS: f32 = 0.6;
+
 /// Measures a free fold of a strip along the warp, without internal friction.
 pub fn free_fold(material: &Material, at: impl Into<Fineness>) -> Result<Fold, MeasureError> {
     let at = at.into();
@@ -384,12 +401,21 @@ pub fn free_fold(material: &Material, at: impl Into<Fineness>) -> Result<Fold, M
         f64::from(material.bending_length_m.warp),
     );
     let gap = f64::from(material.gap_m());
-    let flap = 6.0 * c;
     let radius = 0.5 * c;
-    let arc = std::f64::consts::PI * radius;
-    let rows = ((2.0 * flap + 2.0 * c + arc) / p).round() as usize;
+    let arc = PI * radius;
+    // The stiffest cloths have a shorter flap, so that the strip is a grid; five bending lengths would stay, too.
+    let longest = MAX_DIM as f64 * p;
+    let flap = (6.0 * c).min(0.5 * (longest - arc - 0.5 * c));
+    let length = (2.0 * flap + 2.0 * c + arc).min(longest);
+    let rows = (length / p).round() as usize;
     let strip = Strip::cut(Cut::Warp, rows, spacing_m)?;
-    let params = calm(&frictionless(material), at);
+    // With less friction between the layers the fold would push its flap away.
+    let rough = Material {
+        table_friction: material.table_friction.max(HOLDS),
+        self_friction: material.self_friction.max(HOLDS),
+        ..frictionless(material)
+    };
+    let params = calm(&rough, at);
     let low = f64::from(params.rest_height_m());
     let bottom = rows as f64 * p - arc - flap;
     let place = |row: usize| {
@@ -573,10 +599,22 @@ pub fn extension(
     let at = at.into();
     // A sheared sheet has one cell less along the edge than particles to carry.
     let sheared = 0.25 * (LONG - 1) as f64 / LONG as f64;
+    let (load_n_m, gravity_m_s2, most) = match cut {
+        Cut::Warp | Cut::Weft => (THREAD_LOAD_N_M, 98.0, 0.01),
+        Cut::Bias => (BIAS_LOAD_N_M, 9.8, 0.05),
+    };
+    // A heavy or slack cloth is drawn less, so that it gives in proportion.
+    let slack = cut.of(material.stretch).max(match cut {
+        Cut::Warp | Cut::Weft => 0.0,
+        Cut::Bias => material.least_bias_stretch(at.spacing_m),
+    });
+    let weight_kg_m = material.weight_kg_m2 * at.spacing_m * LONG as f32;
+    let in_proportion = most * load_n_m as f32 / (weight_kg_m * slack).max(1e-6);
+    let g = in_proportion.min(gravity_m_s2);
     let ([dimx, dimy], gravity_m_s2, load_n_m) = match cut {
-        Cut::Warp => ([LONG, 6], [98.0, 0.0, 0.0], THREAD_LOAD_N_M),
-        Cut::Weft => ([6, LONG], [0.0, -98.0, 0.0], THREAD_LOAD_N_M),
-        Cut::Bias => ([LONG, 10], [9.8, 0.0, 0.0], BIAS_LOAD_N_M * sheared),
+        Cut::Warp => ([LONG, 6], [g, 0.0, 0.0], load_n_m),
+        Cut::Weft => ([6, LONG], [0.0, -g, 0.0], load_n_m),
+        Cut::Bias => ([LONG, 10], [g, 0.0, 0.0], load_n_m * sheared),
     };
     let grid = Grid::new(dimx, dimy, at.spacing_m)?;
     let params = Params {

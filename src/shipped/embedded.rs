@@ -1,7 +1,7 @@
 //! The tasks embedded in the program: sources, libraries, pinned subgoal pictures, demonstrations.
 //!
-//! A test compares the list with `tasks/`. The list leaves out tasks that need an arm (`real`), those of
-//! measured cloths (`textiles`), snapshots, and suites.
+//! A test compares the list with `tasks/`. The list leaves out tasks that need an arm (`real`), the
+//! paper's folds of measured cloths (`textiles`), snapshots, and suites.
 
 /// Lists files of `tasks/` with their bytes.
 macro_rules! embed {
@@ -48,6 +48,10 @@ pub const FILES: &[(&str, &[u8])] = embed![
     "double_triangle.subgoals/1.png",
     "double_triangle.subgoals/2.png",
     "double_triangle.subgoals/pins.json",
+    "hem.fab",
+    "hem.subgoals/0.png",
+    "hem.subgoals/1.png",
+    "hem.subgoals/pins.json",
     "house.fab",
     "house.subgoals/0.png",
     "house.subgoals/1.png",
@@ -65,6 +69,17 @@ pub const FILES: &[(&str, &[u8])] = embed![
     "open_envelope.subgoals/2.png",
     "open_envelope.subgoals/3.png",
     "open_envelope.subgoals/pins.json",
+    "paper_plane.fab",
+    "paper_plane.subgoals/0.png",
+    "paper_plane.subgoals/1.png",
+    "paper_plane.subgoals/2.png",
+    "paper_plane.subgoals/3.png",
+    "paper_plane.subgoals/pins.json",
+    "pocket_envelope.fab",
+    "pocket_envelope.subgoals/0.png",
+    "pocket_envelope.subgoals/1.png",
+    "pocket_envelope.subgoals/2.png",
+    "pocket_envelope.subgoals/pins.json",
     "sash.fab",
     "sash.subgoals/0.png",
     "sash.subgoals/1.png",

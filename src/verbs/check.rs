@@ -121,9 +121,12 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
             for (name, note) in program.notes() {
                 task[name] = json!(note);
             }
+            task["demonstration"] = json!(unjudged(program, &beside));
             if let Some(material) = &program.cloth.material {
-                task["material"] = json!({ "name": material.name, "sources": material.sources });
+                let differs = differs(material, program.cloth.spacing_m);
+                task["material"] = json!({ "name": material.name, "sources": material.sources, "simulated": differs });
             }
+            task["twins"] = json!(twin_too_stiff(program));
             tasks.push(task);
         }
         if !arguments.json && compiled.programs.is_empty() && !compiled.has_errors() {
@@ -156,12 +159,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
 fn notes(program: &Program, beside: &Path) -> String {
     let notes = program.notes().into_iter();
     let notes = notes.map(|(name, note)| format!("\n  {name}: {note}"));
-    let wanted = program.demonstration_hash();
-    let tried = sources::pinned_trial(beside, &program.title());
-    let untried = wanted.zip(tried).filter(|(wanted, it)| it.of != *wanted);
-    let untried = untried.map(|_| {
-        "\n  its pictures are of another cloth, picker or demonstration: `fabc subgoals` draws them anew, and tells whether each step changes the cloth".to_owned()
-    });
+    let unjudged = unjudged(program, beside).map(|why| format!("\n  {why}"));
     let material = program.cloth.material.iter().flat_map(|material| {
         let sources = material.sources.iter();
         let sources = sources.map(|it| format!("\n    {}: {}", it.property, it.from));
@@ -174,7 +172,24 @@ fn notes(program: &Program, beside: &Path) -> String {
             .chain(differs)
     });
     let twin = twin_too_stiff(program).map(|why| format!("\n  its twins: {why}"));
-    notes.chain(untried).chain(material).chain(twin).collect()
+    notes.chain(unjudged).chain(material).chain(twin).collect()
+}
+
+/// Returns why nobody knows whether each step of the task's demonstration changes the cloth, if so.
+fn unjudged(program: &Program, beside: &Path) -> Option<&'static str> {
+    let wanted = program.demonstration_hash()?;
+    let titles = [program.title(), program.task.clone()];
+    let tried = titles.map(|title| sources::pinned_trial(beside, &title));
+    let mut tried = tried.iter().flatten().peekable();
+    if tried.peek().is_none() {
+        return Some(
+            "its demonstration was never tried: `fabc subgoals` draws its pictures, and tells whether each step changes the cloth",
+        );
+    }
+    let is_another = tried.all(|it| it.of != wanted);
+    is_another.then_some(
+        "its pictures are of another cloth, picker or demonstration: `fabc subgoals` draws them anew, and tells whether each step changes the cloth",
+    )
 }
 
 /// Returns why the smallest twin of a rehearsal cannot be laid, if it cannot.

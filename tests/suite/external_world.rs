@@ -154,8 +154,8 @@ fn a_world_is_asked_only_for_the_manners_that_it_announces() {
 
 #[test]
 fn a_world_that_knows_no_materials_refuses_one_by_name() {
-    let task = project("tasks/textiles/hem.fab");
-    let program = support::task("textiles/hem");
+    let task = project("tasks/hem.fab");
+    let program = support::task("hem");
     let material = program.cloth.material.as_ref();
     let why =
         "its `hello` does not say `\"materials\": true`, and the task's cloth is made of `cotton`";
@@ -184,7 +184,7 @@ fn a_world_that_knows_no_materials_refuses_one_by_name() {
 #[test]
 #[ignore = "long"]
 fn a_cloth_of_a_material_is_crumpled_over_lines_as_in_the_simulator() {
-    let program = support::task("textiles/hem");
+    let program = support::task("hem");
     let material = program.cloth.material.as_ref();
     let mut flat = Start::flat(&support::small_task().cloth);
     flat.name = "flat".to_owned();

@@ -6,14 +6,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-const NAMES: [&str; 9] = [
+const NAMES: [&str; 12] = [
     "all_corners_inward",
     "corners_edges_inward",
     "cupboard",
     "double_straight",
     "double_triangle",
+    "hem",
     "house",
     "open_envelope",
+    "paper_plane",
+    "pocket_envelope",
     "sash",
     "smoothing",
 ];
@@ -99,7 +102,7 @@ fn every_shipped_task_can_be_named_in_an_empty_folder() {
 #[test]
 fn small_flaps_of_napkins_compile_without_a_warning() {
     for name in NAPKINS {
-        let program = task(&format!("textiles/{name}"));
+        let program = task(name);
         assert_eq!(program.cloth.material.unwrap().name, "cotton", "{name}");
         assert_eq!(program.manner.speed_m_s, Some(0.1), "{name}");
     }
@@ -111,7 +114,7 @@ fn small_flaps_of_napkins_compile_without_a_warning() {
 fn small_flaps_of_napkins_stay_where_an_expert_folds_them() {
     let user = User::new();
     for name in NAPKINS {
-        let file = root().join(format!("tasks/textiles/{name}.fab"));
+        let file = root().join(format!("tasks/{name}.fab"));
         let call = format!("run {} --policy expert --out {name} --json", file.display());
         let said = user.run(&call);
         assert_eq!(said.code, 0, "{name}: {}", said.stderr);

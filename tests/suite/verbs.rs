@@ -69,6 +69,30 @@ task stiff extends folding {
     ] {
         assert!(said.stdout.contains(line), "{line}\n{}", said.stdout);
     }
+    // JSON has the same, also of a cloth that cannot be laid.
+    std::fs::write(
+        folder.path().join("stiff.fab"),
+        text.replace("material: silk", "material: board"),
+    )
+    .unwrap();
+    let said = finish(fabc(folder.path()).args(["check", "stiff.fab"]));
+    let checked = finish(fabc(folder.path()).args(["check", "stiff.fab", "--json"]));
+    assert_eq!([said.code, checked.code], [0, 0], "{}", said.stderr);
+    let task = &json(&checked.stdout)["tasks"][0];
+    let differs = task["material"]["simulated"][0].as_str().unwrap();
+    assert!(
+        differs.starts_with(
+            "the cloth cannot be laid: a cloth with a bending length of up to `0.09` m"
+        ),
+        "{task}"
+    );
+    let twins = task["twins"].as_str().unwrap();
+    for line in [
+        format!("\n    in the simulator, {differs}"),
+        format!("\n  its twins: {twins}"),
+    ] {
+        assert!(said.stdout.contains(&line), "{line}\n{}", said.stdout);
+    }
 }
 
 #[test]

@@ -50,6 +50,7 @@ pub fn textile_table(
     let slack = stretch.bias.max(material.least_bias_stretch(at.spacing_m));
     let stiff = bias.max(material.least_bias_m());
     let recovery = material.crease_recovery_deg;
+    let opens = recovery.max(material.least_recovery_deg(at.spacing_m));
     let [table, itself] = [material.table_friction, material.self_friction];
     let same = |value: f32| [Some(f64::from(value)); 2];
     let but =
@@ -64,8 +65,8 @@ pub fn textile_table(
         ("depth of a ring loop", "elastica, Plaut 2015", "mm", only(ring), ring_m),
         ("height of a free fold", "elastica, Plaut 2015", "mm", only(fold_m), fold.height_m),
         ("gap between layers", "free fold", "mm", but(material.thickness_m, gap_m), fold.gap_m),
-        ("crease recovery, warp", "ISO 2313", "deg", same(recovery), recovers(Cut::Warp)?),
-        ("crease recovery, weft", "ISO 2313", "deg", same(recovery), recovers(Cut::Weft)?),
+        ("crease recovery, warp", "ISO 2313", "deg", but(recovery, opens), recovers(Cut::Warp)?),
+        ("crease recovery, weft", "ISO 2313", "deg", but(recovery, opens), recovers(Cut::Weft)?),
         ("stretch, warp", "hanging sheet, E100", "", same(stretch.warp), gives(Cut::Warp)?),
         ("stretch, weft", "hanging sheet, E100", "", same(stretch.weft), gives(Cut::Weft)?),
         ("stretch, bias", "sheared sheet, EB5", "", but(stretch.bias, slack), gives(Cut::Bias)?),

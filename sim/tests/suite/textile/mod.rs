@@ -5,6 +5,7 @@
 
 mod bending;
 mod crossings;
+mod declarable;
 mod elastica;
 mod folding;
 mod motion;
