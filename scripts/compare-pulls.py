@@ -47,7 +47,7 @@ GRASPS = [
     ("its inside", lambda pull: pull["side"] > NEAR),
 ]
 
-LIE = ["true coverage", "offered corners", "layers", "underside up", "rim uppermost", "corners uppermost"]
+LIE = ["true coverage", "offered corners", "layers", "underside up", "rim uppermost", "corners uppermost", "creases, sides", "height, mm"]
 
 
 def main(folders):

@@ -36,7 +36,7 @@ use fab_world::simulated::trials::{Trial, try_motions};
 use fab_world::start::Start;
 use fab_world::{Grasp, SimulatedWorld, World, WorldPoint};
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs::File;
@@ -448,12 +448,9 @@ impl Lie<'_> {
         let over = self.triangles.iter().enumerate();
         let over = over.filter_map(|(index, corners)| {
             let [a, b, c] = corners.map(|corner| self.start.positions[corner].map(f64::from));
-            let twice = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
-                (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-            };
             let [pa, pb, pc] = [a, b, c].map(|[x, y, _]| [x, y]);
-            let (at, whole) = ([x, y], twice(pa, pb, pc));
-            let shares = [twice(at, pb, pc), twice(pa, at, pc), twice(pa, pb, at)];
+            let (at, whole) = ([x, y], twice_area([pa, pb, pc]));
+            let shares = [[at, pb, pc], [pa, at, pc], [pa, pb, at]].map(twice_area);
             // A triangle without area has shares that are no numbers, and no layer there.
             let [in_a, in_b, in_c] = shares.map(|part| part / whole);
             let is_there = in_a >= 0.0 && in_b >= 0.0 && in_c >= 0.0;
@@ -478,8 +475,9 @@ impl Lie<'_> {
         [i.min(j), i.max(j)]
     }
 
-    /// Returns the mean number of layers at the cloth's triangles; of those that are uppermost the share whose underside is up; the
-    /// uppermost share of the triangles at the rim, and the number of uppermost corners, each with commas between.
+    /// Returns, with commas between: the mean number of layers at the cloth's triangles; of those that are uppermost the share whose
+    /// underside is up; the uppermost share of the triangles at the rim; the number of uppermost corners; the length of all creases,
+    /// which are where a triangle faces up and its neighbour down, in sides of the cloth; the particles' mean height, mm.
     fn line(&self) -> String {
         let (mut layers, mut seen, mut under) = (0, 0, 0);
         let (mut rim, mut rim_seen) = (0, 0);
@@ -503,13 +501,35 @@ impl Lie<'_> {
             }
         }
         let share = |part: usize, whole: usize| part as f64 / whole.max(1) as f64;
+        let heights = self.start.positions.iter().map(|[.., z]| f64::from(*z));
         format!(
-            "{:.4},{:.4},{:.4},{}",
+            "{:.4},{:.4},{:.4},{},{:.3},{:.2}",
             share(layers, self.triangles.len()),
             share(under, seen),
             share(rim_seen, rim),
-            corners.len()
+            corners.len(),
+            self.creases_m() / metrics::whole_area_m2(&self.start.grid).sqrt(),
+            1e3 * heights.sum::<f64>() / self.start.positions.len() as f64
         )
+    }
+
+    fn creases_m(&self) -> f64 {
+        let at = |particle: usize| self.start.positions[particle].map(f64::from);
+        let mut faces: BTreeMap<[usize; 2], bool> = BTreeMap::new();
+        let mut creases_m = 0.0;
+        for &[a, b, c] in &self.triangles {
+            let [pa, pb, pc] = [a, b, c].map(at);
+            let is_under = twice_area([pa, pb, pc].map(|[x, y, _]| [x, y])) < 0.0;
+            for (one, other) in [(a, b), (b, c), (c, a)] {
+                let edge = [one.min(other), one.max(other)];
+                if faces.insert(edge, is_under) == Some(!is_under) {
+                    let [from, to] = edge.map(at);
+                    let along = [0, 1, 2].map(|axis| (to[axis] - from[axis]).powi(2));
+                    creases_m += along.iter().sum::<f64>().sqrt();
+                }
+            }
+        }
+        creases_m
     }
 
     /// Returns the number of layers at a pick, which of them was taken, 1 for the uppermost and 0 for none, and the distances of the
@@ -528,6 +548,11 @@ impl Lie<'_> {
             taken.map_or(0, |at| at + 1)
         )
     }
+}
+
+/// Returns twice the signed area of a triangle, positive if its corners are anticlockwise.
+fn twice_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Writes the words and the picture of a question.
@@ -650,6 +675,10 @@ fn chosen(
     let Some(own) = best().find(is_own) else {
         return Vec::new();
     };
+    // The checks accepted it, also where a limit is rounded differently here.
+    if !candidates.contains(&own) {
+        candidates.push(own.clone());
+    }
     if kind == Kind::Pick {
         candidates.retain(|candidate| candidate.pick == own.pick);
     }
