@@ -192,6 +192,23 @@ fn pulls_anywhere_are_sampled_and_say_so() {
     assert!(after[1] >= after[0], "{after:?}");
 }
 
+#[test]
+#[ignore = "long"]
+fn the_best_actions_skip_steps_that_would_spoil_the_cloth_however_few_the_trials() {
+    let folder = tempfile::tempdir().unwrap();
+    let longer = ANYWHERE
+        .replace("improvement > 0.3", "improvement > 1")
+        .replace("horizon 2", "horizon 3");
+    let (code, found) = run(folder.path(), &longer, "--start 1 --trials 18");
+    assert_eq!(code, 3, "{found:#}");
+    let start = &found["starts"][0];
+    let after = start["after"].as_array().unwrap();
+    let after: Vec<f64> = after.iter().map(|it| it.as_f64().unwrap()).collect();
+    assert!(after.is_sorted(), "{after:?}");
+    assert_eq!(start["value"].as_f64(), after.last().copied());
+    assert_eq!(start["trials"], 18);
+}
+
 /// Searches the known fold; `stop_after` so many trials.
 fn searched(folder: &Path, stop_after: Option<u32>) -> Found {
     let path = folder.join("known.fab");

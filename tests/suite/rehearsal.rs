@@ -5,6 +5,7 @@ use fab_agent::outcome::Outcome;
 use fab_agent::policy::Prompted;
 use fab_agent::record::{Record, RehearsedStep};
 use fab_agent::rollout::{Ended, Event};
+use fab_base::interrupt::Interrupt;
 use fab_model::calls::Calls;
 use fab_model::{Model, ModelError, ModelKind, ModelRole, Models, Part, Reply, Request};
 use fab_program::{Distrusted, Program, Rehearsal, RehearsalMeasure, TwinRanges};
@@ -223,6 +224,90 @@ fn a_candidate_that_is_not_answered_leaves_the_choice_among_those_that_are() {
     let line = played.line.unwrap();
     assert_eq!((line.chosen, line.calls, line.shortfall), (None, 0, None));
     assert_eq!(played.report.outcome, Outcome::ModelFailed);
+}
+
+#[test]
+fn the_declared_measure_decides_which_candidate_is_taken() {
+    // The first answer folds the cloth in half, the second a corner to the center; the third repeats the first.
+    for (choose, chosen) in [
+        (RehearsalMeasure::Overlap, 1),
+        (RehearsalMeasure::Coverage, 2),
+    ] {
+        let mut program = rehearsing();
+        program.rehearsal.as_mut().unwrap().choose = Some(choose);
+        let line = play(&program, &careless(&[1]), plain, |_| {}).line.unwrap();
+        assert_eq!(line.chosen, Some(chosen), "{line:?}");
+        if choose == RehearsalMeasure::Coverage {
+            let covered = line.candidates.iter().map(|it| it.measure.unwrap());
+            for (covered, expected) in covered.zip([1.0 / 2.0, 7.0 / 8.0, 1.0 / 2.0]) {
+                assert!((covered - expected).abs() < 0.05, "{line:?}");
+            }
+        }
+    }
+}
+
+/// A model that asks to stop as it answers a candidate.
+struct Stopping<M> {
+    answers: M,
+    at: u32,
+    interrupt: Interrupt,
+}
+
+impl<M: Model> Model for Stopping<M> {
+    fn name(&self) -> &str {
+        self.answers.name()
+    }
+
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
+    }
+
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
+        if request.role == ModelRole::Text && request.candidate == self.at {
+            self.interrupt.raise();
+        }
+        self.answers.ask(request, calls)
+    }
+}
+
+#[test]
+fn a_step_that_is_interrupted_while_an_answer_is_tried_keeps_what_was_found_and_is_taken_again() {
+    let program = rehearsing();
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let mut trial = Trial::new(&program, folder.path(), Look::default());
+    trial.horizon = Some(1);
+    let model = Stopping {
+        answers: careless(&[1]),
+        at: 1,
+        interrupt: trial.interrupt.clone(),
+    };
+    let models = |model| Models {
+        vision: model,
+        text: model,
+    };
+    let mut n_asked = 0;
+    let stopped = trial.run(models(&model), &run, &mut |event| {
+        n_asked += u32::from(matches!(event, Event::Asked { .. }));
+    });
+    assert_eq!(stopped.outcome, Outcome::Interrupted);
+    let step = Record::read(&run).unwrap().steps.remove(0);
+    let line = step.rehearsal.unwrap();
+    // The second answer came and is kept; it was not tried to its end, and no third one was asked for.
+    assert_eq!((n_asked, step.attempts.len()), (3, 3));
+    let [first] = line.candidates.as_slice() else {
+        panic!("{line:?}");
+    };
+    assert_eq!((line.chosen, line.calls), (None, 1));
+    assert!(first.measure.is_some() && step.executed.is_none());
+
+    trial.interrupt = Interrupt::default();
+    let ended = trial.run(models(&careless(&[1])), &run, &mut |_| {});
+    assert_eq!(ended.steps, 1);
+    let again = Record::read(&run).unwrap().steps.pop().unwrap();
+    let line = again.rehearsal.unwrap();
+    assert_eq!((&line.candidates[0], line.candidates.len()), (first, 3));
+    assert_eq!((line.chosen, line.calls), (Some(1), 2));
 }
 
 #[test]

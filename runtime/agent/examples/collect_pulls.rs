@@ -8,9 +8,10 @@
 //! [`KINDS`] with numbers of pulls. `each` tries some of every kind and executes the stand-in's own pull half of the time.
 //! `fit` tries the likely ones, others of the same pick and two drawn ones, and executes its own mostly. A list
 //! executes the best that was tried. Out: on stdout, each start's improvement after each action, as the smoothing suite
-//! measures it. FOLDER, which must not hold pulls yet, gets each question's picture and words, and `pulls.csv` with a line per
-//! pull: start, step, true coverage before, gain, pick, direction, distance, kind. `describe_pulls` turns it into what
-//! `scripts/fit-pulls.py` reads, and `scripts/compare-pulls.py` compares the kinds of `each`.
+//! measures it. FOLDER, which must not hold pulls yet, gets each question's picture and words, and two tables. `states.csv` has a line
+//! per state: start, step, true coverage, offered corners, and how the cloth lies ([`Lie`]). `pulls.csv` has one per pull: start,
+//! step, true coverage before, gain, pick, direction, distance, what the picker took ([`Lie::took`]), kind. `describe_pulls` turns
+//! it into what `scripts/fit-pulls.py` reads, and `scripts/compare-pulls.py` compares kinds, grasps and starts.
 
 use fab_agent::action::Action;
 use fab_agent::examples::Examples;
@@ -33,8 +34,9 @@ use fab_world::crumple;
 use fab_world::metrics;
 use fab_world::simulated::trials::{Trial, try_motions};
 use fab_world::start::Start;
-use fab_world::{SimulatedWorld, World};
+use fab_world::{Grasp, SimulatedWorld, World, WorldPoint};
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs::File;
@@ -331,6 +333,14 @@ fn smooth(
         };
         let question = heard.question().clone();
         let offered = offers(&question)?;
+        let lie = Lie::of(&start);
+        let corners = points(fab_program::verify::offered(&program, &scene, "pick"));
+        let line = format!(
+            "{seed},{step},{before:.5},{},{}\n",
+            corners.len(),
+            lie.line()
+        );
+        append(&folder.join("states.csv"), &line)?;
         keep(&question, &folder.join(format!("{seed}-{step}")))?;
         let seldom = if step % 2 == 1 {
             search.seldom.as_slice()
@@ -339,7 +349,7 @@ fn smooth(
         };
         let mut picked: Vec<(Kind, Candidate)> = Vec::new();
         for &(kind, count) in search.kinds.iter().chain(seldom) {
-            let mut picks = points(fab_program::verify::offered(&program, &scene, "pick"));
+            let mut picks = corners.clone();
             if kind == Kind::Elsewhere {
                 // A corner of which the stand-in considers no pull counts as not offered.
                 picks.extend(picks_elsewhere(&start, &observation));
@@ -366,13 +376,14 @@ fn smooth(
             })
             .collect();
         let ends = try_motions(&trials, 1, &interrupt, |_, end| {
-            Ok::<_, Failure>(end.state.positions)
+            Ok::<_, Failure>((end.state.positions, end.executed.grasp))
         })?;
         let mut tried: Vec<Tried> = Vec::new();
         let mut lines = String::new();
         for ((kind, candidate, proposal, action), end) in lowered.into_iter().zip(ends) {
+            let (positions, grasp) = end.ok_or("a trial that ended")?;
             let end = Start {
-                positions: end.ok_or("a trial that ended")?,
+                positions,
                 ..start.clone()
             };
             let coverage = coverage(&end)?;
@@ -381,9 +392,10 @@ fn smooth(
             let (deg, far) = (candidate.direction_deg, candidate.distance);
             let name = KINDS.iter().find(|(_, known)| *known == kind);
             let kind = name.map_or("own", |(name, _)| name);
+            let took = lie.took(action.motion.pick, grasp);
             writeln!(
                 lines,
-                "{seed},{step},{before:.5},{gain:.6},{u},{v},{deg},{far},{kind}"
+                "{seed},{step},{before:.5},{gain:.6},{u},{v},{deg},{far},{took},{kind}"
             )?;
             tried.push(Tried {
                 proposal,
@@ -392,11 +404,7 @@ fn smooth(
                 end,
             });
         }
-        let mut pulls = File::options()
-            .create(true)
-            .append(true)
-            .open(folder.join("pulls.csv"))?;
-        std::io::Write::write_all(&mut pulls, lines.as_bytes())?;
+        append(&folder.join("pulls.csv"), &lines)?;
         let is_own = search.own.is_some_and(|[of, all]| chance.below(all) < of);
         let best = tried
             .iter()
@@ -416,6 +424,135 @@ fn smooth(
         improved.push(frozen.unwrap_or(now));
     }
     Ok(improved)
+}
+
+fn append(file: &Path, lines: &str) -> Result<(), Failure> {
+    let mut file = File::options().create(true).append(true).open(file)?;
+    Ok(std::io::Write::write_all(&mut file, lines.as_bytes())?)
+}
+
+/// How a cloth lies on the table, as true particles tell.
+struct Lie<'s> {
+    start: &'s Start,
+    triangles: Vec<[usize; 3]>,
+}
+
+impl Lie<'_> {
+    fn of(start: &Start) -> Lie<'_> {
+        let triangles = metrics::whole_triangles(&start.grid);
+        Lie { start, triangles }
+    }
+
+    /// Returns the triangles over a point of the table, uppermost first, each with whether its underside is up.
+    fn layers(&self, [x, y]: [f64; 2]) -> Vec<(usize, bool)> {
+        let over = self.triangles.iter().enumerate();
+        let over = over.filter_map(|(index, corners)| {
+            let [a, b, c] = corners.map(|corner| self.start.positions[corner].map(f64::from));
+            let [pa, pb, pc] = [a, b, c].map(|[x, y, _]| [x, y]);
+            let (at, whole) = ([x, y], twice_area([pa, pb, pc]));
+            let shares = [[at, pb, pc], [pa, at, pc], [pa, pb, at]].map(twice_area);
+            // A triangle without area has shares that are no numbers, and no layer there.
+            let [in_a, in_b, in_c] = shares.map(|part| part / whole);
+            let is_there = in_a >= 0.0 && in_b >= 0.0 && in_c >= 0.0;
+            is_there.then(|| (in_a * a[2] + in_b * b[2] + in_c * c[2], index, whole < 0.0))
+        });
+        let mut over: Vec<_> = over.collect();
+        over.sort_by(|a, b| b.0.total_cmp(&a.0));
+        (over
+            .into_iter()
+            .map(|(_, index, is_under)| (index, is_under)))
+        .collect()
+    }
+
+    /// Returns a particle's distances from the nearer side and from the nearest corner, in particles.
+    fn inside(&self, particle: usize) -> [usize; 2] {
+        let [columns, rows] = [self.start.grid.dimx, self.start.grid.dimy].map(|dim| dim as usize);
+        let off = |at: usize, dim: usize| at.min(dim - 1 - at);
+        let [i, j] = [
+            off(particle % columns, columns),
+            off(particle / columns, rows),
+        ];
+        [i.min(j), i.max(j)]
+    }
+
+    /// Returns, with commas between: the mean number of layers at the cloth's triangles; of those that are uppermost the share whose
+    /// underside is up; the uppermost share of the triangles at the rim; the number of uppermost corners; the length of all creases,
+    /// which are where a triangle faces up and its neighbour down, in sides of the cloth; the particles' mean height, mm.
+    fn line(&self) -> String {
+        let (mut layers, mut seen, mut under) = (0, 0, 0);
+        let (mut rim, mut rim_seen) = (0, 0);
+        let mut corners: BTreeSet<usize> = BTreeSet::new();
+        for (index, triangle) in self.triangles.iter().enumerate() {
+            let middle = [0, 1].map(|axis| {
+                let points = triangle.map(|corner| f64::from(self.start.positions[corner][axis]));
+                points.iter().sum::<f64>() / 3.0
+            });
+            let over = self.layers(middle);
+            layers += over.len();
+            let uppermost = over.first().filter(|(first, _)| *first == index);
+            let at_rim = triangle.iter().filter(|&&at| self.inside(at)[0] == 0);
+            let is_at_rim = at_rim.count() > 1;
+            rim += usize::from(is_at_rim);
+            if let Some((_, is_under)) = uppermost {
+                seen += 1;
+                under += usize::from(*is_under);
+                rim_seen += usize::from(is_at_rim);
+                corners.extend(triangle.iter().filter(|&&at| self.inside(at)[1] == 0));
+            }
+        }
+        let share = |part: usize, whole: usize| part as f64 / whole.max(1) as f64;
+        let heights = self.start.positions.iter().map(|[.., z]| f64::from(*z));
+        format!(
+            "{:.4},{:.4},{:.4},{},{:.3},{:.2}",
+            share(layers, self.triangles.len()),
+            share(under, seen),
+            share(rim_seen, rim),
+            corners.len(),
+            self.creases_m() / metrics::whole_area_m2(&self.start.grid).sqrt(),
+            1e3 * heights.sum::<f64>() / self.start.positions.len() as f64
+        )
+    }
+
+    fn creases_m(&self) -> f64 {
+        let at = |particle: usize| self.start.positions[particle].map(f64::from);
+        let mut faces: BTreeMap<[usize; 2], bool> = BTreeMap::new();
+        let mut creases_m = 0.0;
+        for &[a, b, c] in &self.triangles {
+            let [pa, pb, pc] = [a, b, c].map(at);
+            let is_under = twice_area([pa, pb, pc].map(|[x, y, _]| [x, y])) < 0.0;
+            for (one, other) in [(a, b), (b, c), (c, a)] {
+                let edge = [one.min(other), one.max(other)];
+                if faces.insert(edge, is_under) == Some(!is_under) {
+                    let [from, to] = edge.map(at);
+                    let along = [0, 1, 2].map(|axis| (to[axis] - from[axis]).powi(2));
+                    creases_m += along.iter().sum::<f64>().sqrt();
+                }
+            }
+        }
+        creases_m
+    }
+
+    /// Returns the number of layers at a pick, which of them was taken, 1 for the uppermost and 0 for none, and the distances of the
+    /// taken particle from the nearer side and from the nearest corner, in particles, with commas between.
+    fn took(&self, pick: WorldPoint, grasp: Grasp) -> String {
+        let over = self.layers([pick.x, pick.y]);
+        let Grasp::Particle(particle) = grasp else {
+            return format!("{},0,,", over.len());
+        };
+        let particle = particle as usize;
+        let taken = (over.iter()).position(|(layer, _)| self.triangles[*layer].contains(&particle));
+        let [side, corner] = self.inside(particle);
+        format!(
+            "{},{},{side},{corner}",
+            over.len(),
+            taken.map_or(0, |at| at + 1)
+        )
+    }
+}
+
+/// Returns twice the signed area of a triangle, positive if its corners are anticlockwise.
+fn twice_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Writes the words and the picture of a question.
@@ -538,6 +675,10 @@ fn chosen(
     let Some(own) = best().find(is_own) else {
         return Vec::new();
     };
+    // The checks accepted it, also where a limit is rounded differently here.
+    if !candidates.contains(&own) {
+        candidates.push(own.clone());
+    }
     if kind == Kind::Pick {
         candidates.retain(|candidate| candidate.pick == own.pick);
     }

@@ -335,5 +335,8 @@ pub fn search(search: &Search<'_>) -> Result<(Found, Tree), BestError> {
         tree.follow(search, hint)?;
     }
     tree.widen(search, search.limits.trials.saturating_sub(tree.trials))?;
+    if let Some(choices) = tree.best_and_then_skipped(search) {
+        tree.follow(search, &choices)?;
+    }
     Ok((tree.found(search), tree))
 }

@@ -13,8 +13,8 @@ use crate::scene::{Scene, SceneError};
 use fab_base::cache::Cache;
 use fab_base::parallel::in_parallel;
 use fab_picture::observation::Observation;
-use fab_program::Metric;
 use fab_program::facts::ExecutedAction;
+use fab_program::{Exhausted, Metric};
 use fab_world::simulated::trials::{Snapshot, Trial, TrialEnd, try_motions};
 use fab_world::{Grasp, SimulatedWorld, World};
 use std::sync::Arc;
@@ -119,7 +119,7 @@ impl Tree {
     pub(super) fn follow(&mut self, search: &Search<'_>, hint: &[Choice]) -> Result<(), BestError> {
         let mut node = 0;
         for choice in hint {
-            if self.interrupted || self.nodes[node].ended || self.trials >= search.limits.trials {
+            if self.interrupted || self.nodes[node].ended {
                 break;
             }
             self.look(search, &[node])?;
@@ -133,6 +133,9 @@ impl Tree {
                 offers.choices.len() - 1
             });
             if place >= it.tried {
+                if *choice != Choice::Skip && self.trials >= search.limits.trials {
+                    break;
+                }
                 offers.choices[it.tried..=place].rotate_right(1);
                 let choice = it.tried;
                 self.make(search, &[Due { node, choice }])?;
@@ -146,6 +149,19 @@ impl Tree {
             node = next;
         }
         Ok(())
+    }
+
+    /// Returns the choices that lead to the best state of all and then skip all steps, where the task skips steps: a cloth
+    /// that more actions would spoil can be left as it is.
+    pub(super) fn best_and_then_skipped(&self, search: &Search<'_>) -> Option<Vec<Choice>> {
+        if search.program.verify.exhausted != Exhausted::Skips {
+            return None;
+        }
+        let best = self.best_of(&mut (0..self.nodes.len()))?;
+        let path = self.path(best).into_iter();
+        let taken = path.filter_map(|node| self.nodes[node].choice.clone());
+        let skipped = std::iter::repeat_n(Choice::Skip, search.steps() as usize);
+        Some(taken.chain(skipped).collect())
     }
 
     /// Goes through all depths with more and more states, until everything was tried, as many as the beam is wide, or
