@@ -125,7 +125,7 @@ fn contradicted<'a>(
         }
         let declared = &actions[index];
         let why = format!(
-            "Your answer says `{}`, but its {} {} is on the other side of its {}.",
+            "Your answer says `{}`, but its {} {} is not there, seen from its {}.",
             quoted(reply.get(first.span.clone()).unwrap_or_default()),
             noun(declared),
             notation.stated_value(declared, own),
@@ -284,11 +284,9 @@ impl Field<'_> {
                 "Your answer calls its own {noun}, {written}, unfit."
             ));
         }
+        let last_turn = found.turns.iter().rfind(|turn| **turn < span.start);
+        let is_taken_back = |claim: &Claim| last_turn.is_some_and(|turn| claim.span.start < *turn);
         // `carry it down and to the left` is no 45 deg, and `the shortest pull` not the longest.
-        let is_taken_back = |claim: &Claim| {
-            let follows = |turn: &usize| claim.span.start < *turn && *turn < span.start;
-            found.turns.iter().any(follows)
-        };
         let (chosen, said): (Vec<&Claim>, Vec<&Claim>) = claims
             .iter()
             .copied()
@@ -325,7 +323,9 @@ impl Field<'_> {
                 words::apart_deg(*course, *deg) >= 90.0
             }
             (Claimed::OneOf(values), value) => !values.contains(value),
-            (Claimed::Chosen(values), value) => !values.iter().any(|it| chosen::is_near(it, value)),
+            (Claimed::Chosen(values), value) => {
+                !values.iter().any(|it| chosen::may_mean(it, value))
+            }
             _ => false,
         };
         let Some(first) = said.first().filter(|_| said.iter().all(differs)) else {

@@ -65,8 +65,10 @@ pub(super) fn heading(
         return None;
     }
     // Below `Rejected:`, what it heads may have been set aside; the answer comes after that.
-    let heads_aside =
-        |(aside, _): &(Range<usize>, Aside)| above.end() <= aside.start && aside.end <= at;
+    let heads_aside = |(aside, kind): &(Range<usize>, Aside)| {
+        let is_said = !matches!(kind, Aside::Comment | Aside::Mark | Aside::Thought);
+        is_said && above.end() <= aside.start && aside.end <= at
+    };
     if asides.iter().any(heads_aside) {
         return None;
     }
@@ -166,7 +168,7 @@ pub(super) fn unnamed(
     claims: &[Claim],
 ) -> Vec<Claim> {
     let mut is_missing = vec![true; reader.fields.len()];
-    for claim in claims {
+    for claim in claims.iter().filter(|it| !it.claimed.is_worded()) {
         is_missing[claim.field] = false;
     }
     if !is_missing.contains(&true) {
@@ -255,7 +257,10 @@ fn others(
             let leads =
                 field.is_point() && sentence[..at].iter().any(|it| it.is_any(&["to", "place"]));
             // `175 px from (10, 20)`
-            let is_origin = field.is_point() && at > 0 && sentence[at - 1].is("from");
+            let is_origin = field.is_point()
+                && at > 1
+                && sentence[at - 1].is("from")
+                && sentence[at - 2].is_any(&["px", "pixel", "pixels", "mm"]);
             if !is_stated(&value) && (has_place || !leads) && !is_origin {
                 let span = tokens[0].at..tokens[tokens.len() - 1].end();
                 found.push(Claim::new(index, span, Claimed::Value(value, None)));

@@ -3,15 +3,14 @@
 //! In: the tokens of an answer. Out: claims that a field has one of the values that such a line or sentence names. They
 //! state nothing; the value in the asked form is held against them.
 
-use super::claim::{Claim, Claimed};
+use super::claim::{Claim, Claimed, Named};
 use super::cursor::Cursor;
 use super::lexer::{Gap, Kind, Token};
 use super::names;
-use super::sentences::{Reader, THINGS, UNREAL};
+use super::sentences::Reader;
 use super::sizes;
 use super::value::{self, Clarity};
-use super::wordlist::words;
-use super::words::apart_deg;
+use super::wordlist::{PLACES, UNREAL, words};
 use crate::data::actions::{ActionField, Choices, Value};
 use std::ops::Range;
 
@@ -28,10 +27,11 @@ const CORNERS: &[&str] = words!("corner one choice candidate point");
 const COMING: &[&str] = words!("come comes coming approach approaches approaching");
 
 /// What makes a line or sentence no choice, besides what makes it unreal.
-const WEIGHING: &[&str] = words!("too or either between both exceeds far already also");
+const WEIGHING: &[&str] = words!("too or either between both exceeds far also most limit maximum");
 
-/// The most tokens of a point.
-const MAX_POINT: usize = 6;
+/// Words that call what was just said unfit.
+const DROPPING: &[&str] =
+    words!("too near rules ruled out ring last excluded forbidden invalid breaks violates");
 
 /// The most tokens of a line or sentence that is looked at.
 const MAX_PART: usize = 60;
@@ -50,18 +50,25 @@ pub(super) fn of(reader: &Reader<'_>, text: &str, tokens: &[Token<'_>]) -> Vec<C
     let length = only(|it| matches!(it.choices, Choices::Lengths { .. }));
     let mut claims = Vec::new();
     for field in [point, angle, length].into_iter().flatten() {
-        let lines = answer.numbered_lines(field);
-        claims.extend(lines.filter_map(|part| answer.claim(field, part)));
+        let line = answer.numbered_line(field);
+        claims.extend(line.and_then(|part| answer.claim(field, part)));
     }
-    if let Some(field) = angle {
+    // Of a pull, `the crease comes down at 135 deg` says nothing.
+    let is_pull = |field: &usize| names::is_compass(&reader.fields[*field]);
+    if let Some(field) = angle.filter(|field| !is_pull(field)) {
         let parts = value::sentences(tokens).flat_map(|it| sizes::parts(tokens, it));
         let comes = parts.filter(|part| answer.comes_at(field, part.clone()));
         claims.extend(comes.filter_map(|part| answer.claim(field, part)));
     }
     if let Some(field) = point {
-        let sentences = value::sentences(tokens);
-        let chooses = sentences.filter(|it| answer.chooses_point(field, it.clone()));
-        claims.extend(chooses.filter_map(|part| answer.claim(field, part)));
+        let sentences: Vec<Range<usize>> = value::sentences(tokens).collect();
+        let chooses = sentences.iter().enumerate().filter(|(at, it)| {
+            let is_dropped = sentences
+                .get(at + 1)
+                .is_some_and(|next| answer.drops(next.clone()));
+            !is_dropped && answer.chooses_point(field, (*it).clone())
+        });
+        claims.extend(chooses.filter_map(|(_, part)| answer.claim(field, part.clone())));
     }
     claims
 }
@@ -85,28 +92,36 @@ impl<'a> Answer<'a> {
             return None;
         }
         let context = self.context(field);
-        let values = (0..words.len())
-            .filter_map(|at| value::bare(&mut Cursor::at(words, at), &context))
-            .map(|(value, _)| value)
-            .collect();
+        let values = (0..words.len()).filter_map(|at| {
+            let (value, _) = value::bare(&mut Cursor::at(words, at), &context)?;
+            let is_worded = words[at].kind == Kind::Word;
+            Some(Named { value, is_worded })
+        });
+        let values = values.collect();
         let span = words.first()?.at..words.last()?.end();
         Some(Claim::new(field, span, Claimed::Chosen(values)))
     }
 
-    /// Returns the numbered lines that begin with a value of a field.
-    fn numbered_lines(&self, field: usize) -> impl Iterator<Item = Range<usize>> {
+    /// Returns the numbered line that begins with a value of a field, if only one does; several list what there is.
+    fn numbered_line(&self, field: usize) -> Option<Range<usize>> {
         let numbered =
             (0..self.tokens.len()).filter(|at| is_numbered(self.text, &self.tokens[*at]));
-        numbered.filter_map(move |at| {
+        let mut lines = numbered.filter_map(|at| {
             let end = (at + 1..self.tokens.len()).find(|next| self.tokens[*next].gap >= Gap::Line);
             let end = end.unwrap_or(self.tokens.len());
             let mut cursor = Cursor::at(&self.tokens[..end], at);
             value::bare(&mut cursor, &self.context(field))?;
-            // `3. The lower left corner` is no direction.
-            let is_place = cursor.peek().is_some_and(|it| it.is_any(THINGS))
-                || self.tokens[at..cursor.at].iter().any(|it| it.is("corner"));
-            (!is_place).then_some(at..end)
-        })
+            // `3. The lower left corner` is no direction, and `1. 1 edge = 222.7 px` no choice.
+            let is_worded = self.tokens[at].kind == Kind::Word;
+            let is_other = cursor.peek().is_some_and(|it| {
+                it.is_any(PLACES)
+                    || it.is_sign('=')
+                    || is_worded && (it.is_sign('(') || it.is("now"))
+            });
+            let is_place = self.tokens[at..cursor.at].iter().any(|it| it.is("corner"));
+            (!is_other && !is_place).then_some(at..end)
+        });
+        lines.next().filter(|_| lines.next().is_none())
     }
 
     /// Returns whether a part tells at which angle the gripper comes: `The fingers have to come in flat, at 0 deg`.
@@ -114,14 +129,29 @@ impl<'a> Answer<'a> {
         let within = &self.tokens[..part.end];
         let verb = part.clone().find(|at| within[*at].is_any(COMING));
         verb.is_some_and(|verb| {
-            (verb + 1..part.end).any(|at| {
-                let is_number = within.get(at + 1).is_some_and(|it| it.kind == Kind::Number);
-                let mut cursor = Cursor::at(within, at + 1);
-                within[at].is("at")
-                    && is_number
-                    && value::bare(&mut cursor, &self.context(field)).is_some()
-            })
+            // `I come in tilted since at 90 deg the tip hits the hem`
+            let is_reason = |at: &usize| within[*at].is_any(&["since", "because", "as"]);
+            (verb + 1..part.end)
+                .take_while(|at| !is_reason(at))
+                .any(|at| {
+                    let is_number = within.get(at + 1).is_some_and(|it| it.kind == Kind::Number);
+                    let mut cursor = Cursor::at(within, at + 1);
+                    within[at].is("at")
+                        && is_number
+                        && value::bare(&mut cursor, &self.context(field)).is_some()
+                })
         })
+    }
+
+    /// Returns whether a sentence says of the one before it that it will not do: `It lies too near to a ring.`
+    fn drops(&self, sentence: Range<usize>) -> bool {
+        let words = &self.tokens[sentence];
+        words
+            .first()
+            .is_some_and(|it| it.is_any(&["it", "that", "but", "however", "yet"]))
+            && words
+                .iter()
+                .any(|it| it.is_any(UNREAL) || it.is_any(DROPPING))
     }
 
     /// Returns whether a sentence chooses a point: `I chose (10, 20)`, `The best corner is (10, 20)`, `(10, 20) is the
@@ -135,7 +165,7 @@ impl<'a> Answer<'a> {
             value::bare(&mut cursor, &context).is_some()
         };
         let follows_point = |at: usize| {
-            (at.saturating_sub(MAX_POINT).max(sentence.start)..at).any(|begin| {
+            (at.saturating_sub(value::POINT_TOKENS).max(sentence.start)..at).any(|begin| {
                 let mut cursor = Cursor::at(&within[..at], begin);
                 value::bare(&mut cursor, &context).is_some() && cursor.at == at
             })
@@ -158,23 +188,24 @@ impl<'a> Answer<'a> {
 
 /// Returns whether a token begins a numbered line.
 fn is_numbered(text: &str, token: &Token<'_>) -> bool {
+    if token.gap < Gap::Item {
+        return false;
+    }
     let mark = |letter: char| matches!(letter, '*' | '_' | ' ' | '\t');
     let above = text[..token.at].trim_end_matches(mark);
-    token.gap >= Gap::Item
-        && above
-            .strip_suffix(['.', ')', ':'])
-            .is_some_and(|above| above.ends_with(|letter: char| letter.is_ascii_digit()))
+    let number = above.strip_suffix(['.', ')']);
+    number.is_some_and(|number| number.ends_with(|it: char| it.is_ascii_digit()))
 }
 
-/// How far an angle may be from the choice to which it is rounded, and words from the angle that they describe, degrees.
-const ROUNDED_DEG: f64 = 67.5;
+/// How much of a length may be lost when it is rounded.
+const ROUNDED: f64 = 0.03;
 
 /// Returns whether an answer that says that it chooses one value may mean the other.
-pub(super) fn is_near(said: &Value, value: &Value) -> bool {
-    match (said, value) {
-        (Value::Direction { deg: said }, Value::Direction { deg }) => {
-            apart_deg(*said, *deg) < ROUNDED_DEG
+pub(super) fn may_mean(said: &Named, value: &Value) -> bool {
+    match (&said.value, value) {
+        (Value::Length { length: said }, Value::Length { length }) => {
+            (said - length).abs() <= ROUNDED * length.abs()
         }
-        _ => said == value,
+        _ => said.may_mean(value),
     }
 }

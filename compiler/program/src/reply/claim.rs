@@ -55,8 +55,9 @@ pub(super) enum Claimed {
     Side(f64),
     /// It is one of these, by words that are coarser than the choices: `a short pull`.
     OneOf(Vec<Value>),
-    /// The answer says in its own words that it chooses one of these: `2. (10, 20), the tip of the flap`.
-    Chosen(Vec<Value>),
+    /// The answer says in its own words that it chooses one of these, perhaps rounded: `2. (10, 20), the tip of the flap`. It
+    /// is refused where all that is left names other values, whatever it says of the value's size or side.
+    Chosen(Vec<Named>),
     /// Words that do not state one value, the reason, and how each value that they name is meant.
     Prose(String, Vec<Named>),
     /// Something that is not a value, and why not.

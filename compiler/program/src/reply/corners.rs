@@ -8,7 +8,7 @@ use super::cursor::Cursor;
 use super::lexer::{self, Gap, Kind, Token};
 use super::point::{self, Brackets, PointFound};
 use super::value;
-use super::wordlist::words;
+use super::wordlist::{UNREAL, words};
 use super::words;
 use crate::data::actions::Value;
 use crate::pointing::Notation;
@@ -48,7 +48,7 @@ const MAX_TO_TAIL: usize = 4;
 
 /// What may stand before a verb that is an action of the answer: `I`, `the robot`; otherwise it may be a noun.
 const ACTING: &[&str] = words!(
-    "i i'd i'll we we'd we'll let's to and robot arm gripper step it therefore so must should will would"
+    "i i'd i'll we we'd we'll let's to and robot arm gripper it therefore so must should will would"
 );
 
 /// What makes `at` lead to the place: `let go at the upper left corner`.
@@ -66,7 +66,8 @@ const BETWEEN: &[&str] =
 const LEADING: &[&str] = words!("to onto on over toward towards");
 
 /// The fewest degrees between a side in words and the side on which a point lies, or another side, that nobody can mean.
-/// The corner next to the one that is meant lies 83 degrees off or more in the folds of rectangles with sides up to 4:3.
+/// In a fold along a diagonal, the corner next to the one that is meant lies 81 degrees off or more, if the cloth's sides
+/// are no more than 4:3.
 const APART_DEG: f64 = 80.0;
 
 /// The same for the tips of a cloth that lies on one.
@@ -109,11 +110,12 @@ pub(super) fn of_sentence(
             && (at == sentence.start
                 || tokens[at].gap >= Gap::Line
                 || tokens[at - 1].kind != Kind::Word && tokens[at - 1].kind != Kind::Number
-                || tokens[at - 1].is_any(ACTING));
+                || tokens[at - 1].is_any(ACTING)
+                || at > sentence.start + 1
+                    && tokens[at - 1].is("step")
+                    && tokens[at - 2].is_any(&["this", "the"]));
         let is_tail = tokens[at].is_any(&["is", "lies", "sits", "marks"])
-            && tokens[at.saturating_sub(MAX_TO_TAIL).max(sentence.start)..at]
-                .iter()
-                .any(|it| it.is_any(TAILS));
+            && is_of_tail(&tokens[sentence.start..at]);
         let begins = tokens[at].is_any(&["starts", "begins"]) && is_drawn(tokens, at) || is_tail;
         // `the pick point is the lower left corner`
         let is_point = tokens[at].is_any(&["is", "lies"])
@@ -145,6 +147,14 @@ pub(super) fn of_sentence(
         break;
     }
     claims
+}
+
+/// Returns whether the subject that ends here is the tail of an arrow: `the ring of the arrow`.
+fn is_of_tail(before: &[Token<'_>]) -> bool {
+    let subject = before.iter().rev().take(MAX_TO_TAIL);
+    let mut words =
+        subject.take_while(|it| it.kind == Kind::Word && !it.is_any(&["head", "arrowhead", "tip"]));
+    words.any(|it| it.is_any(TAILS))
 }
 
 /// Returns whether a verb tells of the arrow or the motion of the answer, perhaps as `It`.
@@ -252,8 +262,13 @@ pub(super) fn differ(one: &str, other: &str) -> bool {
         let tokens = lexer::tokens(text);
         let mut sides = Vec::new();
         for sentence in value::sentences(&tokens) {
-            let found = of_sentence(&tokens, sentence, (0, Some(1)), &Notation::pixels());
-            sides.extend(found.iter().filter_map(|claim| match claim.claimed {
+            let found = of_sentence(&tokens, sentence.clone(), (0, Some(1)), &Notation::pixels());
+            let end = found.iter().map(|claim| claim.span.end).max();
+            let is_unreal = tokens[sentence].iter().any(|it| {
+                it.is_any(UNREAL) && end.is_some_and(|end| it.at < end) || it.is("afterwards")
+            });
+            let found = found.iter().filter(|_| !is_unreal);
+            sides.extend(found.filter_map(|claim| match claim.claimed {
                 Claimed::Side(deg) if claim.field == 0 => Some(deg),
                 _ => None,
             }));

@@ -328,12 +328,18 @@ fn moved(reader: &Reader<'_>, found: &[object::Member]) -> Vec<Option<usize>> {
     fields
 }
 
+/// Words in the description of a label that make its point no statement, or count it otherwise.
+const NO_LABEL: &[&str] = words!(
+    "not no rejected refused wrong old previous example alternative candidate optional unused second other y x"
+);
+
 /// Returns the field that a label names, if it names nothing else; what follows a comma or stands in brackets describes it.
 fn named(reader: &Reader<'_>, label: &str) -> Option<usize> {
     let label = lexer::tokens(label);
     let (field, rest) = names::labelled(reader.fields, &label)?;
     let is_described = |it: &Token<'_>| it.is_sign(',') || it.is_sign('(');
-    rest.first().is_none_or(is_described).then_some(field)
+    let is_denied = rest.iter().any(|it| it.is_any(NO_LABEL));
+    (rest.first().is_none_or(is_described) && !is_denied).then_some(field)
 }
 
 /// Reads tags such as `<point x="151" y="178" alt="pick point">`; returns where they are.

@@ -185,6 +185,16 @@ pub(super) const POINT_NOUNS: [&str; 8] = [
 /// Words that may follow the name of any other field.
 pub(super) const NOUNS: [&str; 6] = ["angle", "value", "choice", "length", "type", "magnitude"];
 
+/// Returns whether a field is a direction that may lead to every side of the picture.
+pub(super) fn is_compass(field: &ActionField) -> bool {
+    match &field.choices {
+        Choices::Directions { choices } => [0.0, 90.0, 180.0, 270.0]
+            .iter()
+            .all(|deg| choices.iter().any(|choice| choice.deg == *deg)),
+        _ => false,
+    }
+}
+
 /// Returns each mention of a field, in the order of the answer.
 pub(super) fn mentions(fields: &[ActionField], tokens: &[Token<'_>]) -> Vec<Mention> {
     let names: Vec<Vec<Token<'_>>> = fields

@@ -53,7 +53,7 @@ impl Stated {
     }
 }
 
-/// Adds the marks around a piece of an answer, `**Pick**` and `\boxed{…}`, so that no half of a pair is shown.
+/// Adds the other half of the marks that a piece of an answer has: `**Pick**`, `\text{…}`, `\(…\)`, quotes, and a tag.
 pub(super) fn with_marks(reply: &str, span: Range<usize>) -> Range<usize> {
     let is_mark = |letter: char| matches!(letter, '*' | '_' | '`' | '$');
     let (Some(before), Some(text), Some(after)) = (

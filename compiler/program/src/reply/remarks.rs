@@ -101,11 +101,11 @@ const WITHDRAWN: &str = "the answer says that it is not to be carried out";
 
 #[rustfmt::skip]
 const ROWS: &[Row] = &[
-    anywhere(Pixels, OTHER_FRAME, &["origin", "bottom|lower|center|centre|middle|cloth"], "not|no|without|top|nearest to|closest to"),
+    anywhere(Pixels, OTHER_FRAME, &["origin", "bottom|lower|center|centre|middle|cloth"], "not|no|without|top|nearest to the origin|closest to the origin|nearest to the picture's origin|closest to the picture's origin"),
     anywhere(Pixels, OTHER_FRAME, &["( 0 , 0 )", "is|being|at", "center|centre|middle|bottom|lower"], "not|top"),
     anywhere(Pixels, OTHER_FRAME, &["y", "starts at the bottom|begins at the bottom|zero at the bottom|0 at the bottom|measured upward|measured upwards|increases upward|increases upwards|increasing upward|increasing upwards|grows upward|grows upwards|points up|pointing up|axis up|upward from|upwards from|from the bottom"], "not|no|without|isn't|aren't|haven't|atan2|arctan|atan"),
     anywhere(Pixels, OTHER_FRAME, &["x|y|coordinates|coordinate|columns|rows", "counted|counts|measured|measures|grows|growing|increases|increasing|starts|starting|runs|running", "from the right|from the bottom|from the lower|from right|from bottom|to the left|leftwards"], "not|no|clockwise|counterclockwise|ccw|anticlockwise|angle|angles|direction|directions|deg|°"),
-    anywhere(Pixels, OTHER_FRAME, &["relative to the pick|displacement from the pick|offset from the pick|relative to the cloth|not of the image|relative to the cropped"], "lies|goes"),
+    anywhere(Pixels, OTHER_FRAME, &["relative to the pick|displacement from the pick|offset from the pick|relative to the cloth|not of the image|relative to the cropped"], "the center lies|the centre lies|the center is|the centre is"),
     anywhere(Pixels, OTHER_FRAME, &["millimetres|millimeters|mm|centimetres|centimeters|cm|meters|metres|inches", "robot|base|world", "frame|coordinates"], NOT),
     anywhere(Pixels, OTHER_UNIT, &["centimetres|centimeters|cm|millimetres|millimeters|mm|inches", "units :|unit :|table corner|corner of the table"], "distance|length|lengths|degrees|deg"),
     anywhere(Pixels, OTHER_UNIT, &["normalized|normalised", "coordinates|coordinate|points|values|true|0"], NOT),

@@ -13,7 +13,7 @@ use super::point::{self, Brackets, PointFound};
 use super::quantity::{self, AnswerUnit};
 use super::sizes;
 use super::value::{self, Clarity, Context, Found};
-use super::wordlist::words;
+use super::wordlist::{PLACES, UNREAL, words};
 use super::words;
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::pointing::Notation;
@@ -34,18 +34,6 @@ const JOINING: &[&str] = words!("and but while whereas so because");
 /// Verbs that move what is picked, in the answer's direction.
 const CARRYING: &[&str] = words!(
     "pull pulls pulled carry carries carried drag drags dragged draw draws drawn move moves moved bring brings brought"
-);
-
-/// Nouns after a side: `to the left corner` is a place.
-pub(super) const THINGS: &[&str] = words!(
-    "corner corners edge edges side hem flap layer part half end tip of sleeve border point wrinkle fold crease"
-);
-
-/// What makes a sentence about a motion none about the answer's own.
-pub(super) const UNREAL: &[&str] = words!(
-    "not no never n't would could might may cannot can't don't shouldn't instead rather than avoid avoids without
-    previous previously earlier last had was were been next then later after if unless when before already other
-    attempt attempts try tried tries wanted planned intended ago already another opposite itself eventually finally rest neighbouring neighboring while whereas went said doesn't isn't won't didn't wouldn't couldn't aren't"
 );
 
 /// What is needed to read an answer.
@@ -1205,13 +1193,7 @@ impl<'a> Sentences<'a> {
 
     /// Returns the directions in words in which something is said to be moved: `carry it down and to the left`.
     fn courses(&self) -> Vec<Claim> {
-        let is_compass = |field: &ActionField| match &field.choices {
-            Choices::Directions { choices } => [0.0, 90.0, 180.0, 270.0]
-                .iter()
-                .all(|deg| choices.iter().any(|choice| choice.deg == *deg)),
-            _ => false,
-        };
-        let Some(field) = names::only(self.reader.fields, is_compass) else {
+        let Some(field) = names::only(self.reader.fields, names::is_compass) else {
             return Vec::new();
         };
         let mut claims = Vec::new();
@@ -1261,7 +1243,7 @@ impl<'a> Sentences<'a> {
                 behind.eat_any(&["left", "right", "upper", "lower", "top", "bottom"]);
                 let is_object = [cursor, behind]
                     .iter()
-                    .any(|it| it.peek().is_some_and(|next| next.is_any(THINGS)));
+                    .any(|it| it.peek().is_some_and(|next| next.is_any(PLACES)));
                 (!is_object).then_some((deg, cursor.at))
             });
             if let Some((deg, end)) = course {
@@ -1279,9 +1261,7 @@ impl<'a> Sentences<'a> {
             names::only(self.reader.fields, is_words),
         ];
         let mut claims = Vec::new();
-        let parts = self
-            .sentences()
-            .flat_map(|it| sizes::parts(self.tokens, it));
+        let parts = value::sentences(self.tokens).flat_map(|it| sizes::parts(self.tokens, it));
         for part in parts {
             if let [Some(length), _] = fields {
                 claims.extend(self.bounded(part.clone(), length));
@@ -1404,18 +1384,6 @@ impl<'a> Sentences<'a> {
         found.collect()
     }
 
-    /// Returns where each sentence stands, as indices of tokens.
-    fn sentences(&self) -> impl Iterator<Item = Range<usize>> {
-        let mut begin = 0;
-        std::iter::from_fn(move || {
-            (begin < self.tokens.len()).then(|| {
-                let sentence = begin..self.sentence(begin).end.max(begin + 1);
-                begin = sentence.end;
-                sentence
-            })
-        })
-    }
-
     /// Returns which corners are said to be picked and where they are put: `the lower left corner is picked`.
     fn corners(&self) -> Vec<Claim> {
         let Some(pick) = self.point_field("pick") else {
@@ -1423,7 +1391,7 @@ impl<'a> Sentences<'a> {
         };
         let fields = (pick, self.point_field("place"));
         let mut claims = Vec::new();
-        for sentence in self.sentences() {
+        for sentence in value::sentences(self.tokens) {
             // `…, then it is put down` tells of the same motion.
             let is_unreal = |till: usize| {
                 sentence.clone().any(|at| {
@@ -1447,7 +1415,10 @@ impl<'a> Sentences<'a> {
                     let is_mine = it.is("would")
                         && self.tokens[..at]
                             .last()
-                            .is_some_and(|last| last.is_any(&["i", "we"]));
+                            .is_some_and(|last| last.is_any(&["i", "we"]))
+                        && !self.tokens[at..sentence.end]
+                            .iter()
+                            .any(|it| it.is_any(&["but", "however", "yet"]));
                     (is_later_step || it.is_any(UNREAL))
                         && !is_corner
                         && !is_mine

@@ -5,7 +5,7 @@
 
 use super::claim::{Claim, Claimed};
 use super::lexer::{Gap, Kind, Token};
-use super::wordlist::{self, words};
+use super::wordlist::{self, UNREAL, words};
 use crate::data::actions::{ActionField, Choices, Value};
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ const LENGTH: Scale = Scale {
 const FORCE: Scale = Scale {
     low: words!("soft gentl light weak loose delicate"),
     high: words!("firm strong tight hard"),
-    nouns: words!("grip grips pinch hold grasp squeeze pressure touch option setting one"),
+    nouns: words!("grip grips pinch hold grasp squeeze pressure touch setting"),
     verbs: words!(
         "pinch pinches pinched pinching grip grips gripped gripping hold holds grasped grasps close closes closing"
     ),
@@ -108,8 +108,7 @@ impl Scale {
         let behind = &words[at + 1..];
         // `longer` compares with another value, `long enough` says little, and `the second longest` means another.
         let before = &words[at.saturating_sub(3)..at];
-        let is_of_two = behind.len() > 2 && behind[0].is("of") && behind[2].is("two");
-        if words[at].text.to_ascii_lowercase().ends_with("er") && !is_of_two
+        if words[at].text.to_ascii_lowercase().ends_with("er")
             || behind.first().is_some_and(|it| it.is("enough"))
             || before.iter().any(|it| it.is_any(SHORT_OF))
             // `between the shortest and the longest pull`
@@ -122,7 +121,6 @@ impl Scale {
         let is_as =
             at > 0 && words[at - 1].is("as") && behind.first().is_some_and(|it| it.is("as"));
         let is_extreme = is_superlative
-            || is_of_two
             || is_as
                 && behind[1..]
                     .iter()
@@ -132,14 +130,16 @@ impl Scale {
         if !is_extreme && (is_as || self.only_extremes) {
             return None;
         }
-        let is_chosen = self.precedes_noun(behind)
+        let is_chosen = self.precedes_noun(&words[at], behind)
             || self.follows_verb(&words[at.saturating_sub(MAX_TO_ADVERB)..at])
             || self.follows_noun(&words[at.saturating_sub(MAX_TO_ADJECTIVE)..at]);
         is_chosen.then_some((end, is_extreme))
     }
 
     /// `(shortest) possible pull`
-    fn precedes_noun(&self, behind: &[Token<'_>]) -> bool {
+    fn precedes_noun(&self, adjective: &Token<'_>, behind: &[Token<'_>]) -> bool {
+        // `the hardest one to reach` is no grip.
+        let is_plain = self.only_extremes && adjective.is_any(&["softest", "gentlest", "firmest"]);
         let n_between = behind.iter().take_while(|it| it.is_any(BETWEEN)).count();
         let next = behind.get(n_between + 1);
         let is_limited = match self.only_extremes {
@@ -156,8 +156,10 @@ impl Scale {
         });
         let is_noun = |it: &Token<'_>| {
             let one = it.text.strip_suffix('s').unwrap_or(it.text);
-            // `the smallest of the distances`
-            it.is_any(self.nouns) || behind[0].is("of") && wordlist::is_any(one, self.nouns)
+            // `the smallest of the distances`, `the softest option`
+            it.is_any(self.nouns)
+                || behind[0].is("of") && wordlist::is_any(one, self.nouns)
+                || is_plain && it.is_any(&["option", "one"])
         };
         !is_limited && !is_general && behind.get(n_between).is_some_and(is_noun)
     }
@@ -189,7 +191,11 @@ pub(super) fn parts(tokens: &[Token<'_>], sentence: Range<usize>) -> Vec<Range<u
         let is_aim = tokens[at].is("to")
             && tokens
                 .get(at + 1)
-                .is_some_and(|it| it.is_any(&["make", "ensure", "avoid", "prevent", "keep"]));
+                .is_some_and(|it| it.is_any(&["make", "ensure", "avoid", "prevent", "keep"]))
+            // `There is no need to make the longest pull`
+            && !tokens[begin..at]
+                .iter()
+                .any(|it| it.is_any(UNREAL) || it.is_any(&["need", "needed", "necessary"]));
         let is_sign = is_dash || matches!(tokens[at].kind, Kind::Sign(';' | ':'));
         if is_reason || is_aim || is_sign {
             parts.push(begin..at);

@@ -146,8 +146,8 @@ pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<Strin
             quoted(&other.value)
         )));
     }
-    let explanation = rest.filter(|_| corners::differ(&first.value, rest.unwrap_or_default()));
-    if explanation.is_some() {
+    let spans: Vec<Range<usize>> = found.iter().map(|it| it.span.clone()).collect();
+    if corners::differ(&first.value, &aside::blanked(&cleared.text, &spans)) {
         return Err(wrong(format!(
             "Your explanation speaks of another corner than `{}`.",
             quoted(&first.value)

@@ -9,7 +9,7 @@ use super::lexer::{self, Gap, Kind, Token};
 use super::point::{self, Brackets, PointFound};
 use super::quantity::{self, AnswerUnit, Parsed, Quantity};
 use super::reading::quoted;
-use super::wordlist::words;
+use super::wordlist::{PLACES, words};
 use super::words::{self, Offered};
 use crate::data::actions::{Choices, Value};
 use crate::pointing::Notation;
@@ -380,7 +380,7 @@ fn is_format(mut cursor: Cursor<'_, '_>) -> bool {
 }
 
 /// The tokens of `(x, y)`.
-const POINT_TOKENS: usize = 5;
+pub(super) const POINT_TOKENS: usize = 5;
 
 /// Skips words that describe a point; returns whether the last ones make the point after them another one.
 fn skip_description(cursor: &mut Cursor<'_, '_>, clarity: Clarity) -> bool {
@@ -778,12 +778,14 @@ fn tail(
                 }
             }
             // `(10, 20) → top corner`
-            Kind::Sign('→') if context.expected.field.is_point() && is_worded(cursor) => {
+            Kind::Sign('→') if context.expected.field.is_point() && only_words_follow(cursor) => {
                 cursor.at += 1;
                 return explanation(cursor, context, value, true);
             }
             // `0.25 edge → about (10, 20), which is on the table`
-            Kind::Sign('→') if leads_to_point(cursor, context) => return Ok(()),
+            Kind::Sign('→') if eat_point_behind(&mut cursor, context) => {
+                return explanation(cursor, context, value, true);
+            }
             Kind::Sign('=' | '≈' | '/' | '|' | '→') => {
                 cursor.at += 1;
                 restated(&mut cursor, context, value)?
@@ -858,17 +860,26 @@ fn tail(
 }
 
 /// Returns whether only words follow an arrow.
-fn is_worded(cursor: Cursor<'_, '_>) -> bool {
+fn only_words_follow(cursor: Cursor<'_, '_>) -> bool {
     let behind = &cursor.rest()[1..];
     !behind.is_empty() && behind.iter().all(|it| it.kind == Kind::Word)
 }
 
-/// Returns whether an arrow leads from a length to the point where it ends.
-fn leads_to_point(mut cursor: Cursor<'_, '_>, context: &Context<'_>) -> bool {
-    cursor.at += 1;
-    cursor.skip(ABOUT, &['≈']);
+/// Skips an arrow from a length to the point where it ends.
+fn eat_point_behind(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> bool {
+    let mut ahead = *cursor;
+    ahead.at += 1;
+    ahead.skip(ABOUT, &['≈']);
     let is_length = matches!(context.expected.field.choices, Choices::Lengths { .. });
-    is_length && point_begins(cursor, context)
+    let is_point = is_length
+        && matches!(
+            point::read(&mut ahead, context.notation, Brackets::Needed),
+            PointFound::Pixel(..)
+        );
+    if is_point {
+        *cursor = ahead;
+    }
+    is_point
 }
 
 /// Returns whether a closing tag has a part of the field's name.
@@ -920,15 +931,19 @@ fn dismissed(cursor: &mut Cursor<'_, '_>, context: &Context<'_>, value: &Value) 
     let is_other = other.is_some_and(|(other, _)| other != *value);
     let rest = cursor.rest();
     let is_plain = || {
-        let changes = |token: &Token<'_>| token.is_any(ALTERING) || token.is_any(PREFERRING);
-        // `90 deg would stretch the left part`
-        let is_worded = |at: usize| {
-            matches!(context.expected.field.choices, Choices::Directions { .. })
-                && rest[at].kind == Kind::Word
+        // `90 deg would stretch the right part`
+        let is_side = |at: usize| {
+            matches!(context.expected.field.choices, Choices::Directions { .. }) && {
+                rest[at + 1..].iter().take(2)
+            }
+            .any(|next| next.is_any(PLACES))
         };
-        !rest.iter().any(changes)
-            && (0..rest.len())
-                .all(|at| is_worded(at) || bare(&mut Cursor::at(rest, at), context).is_none())
+        let changes = |at: usize| {
+            rest[at].is_any(ALTERING) || rest[at].is_any(PREFERRING) || {
+                bare(&mut Cursor::at(rest, at), context).is_some()
+            }
+        };
+        (0..rest.len()).all(|at| is_side(at) || !changes(at))
     };
     if !(is_other && is_conditional && is_plain()) {
         *cursor = start;
@@ -1450,14 +1465,28 @@ fn explanation(
     });
     let is_point = context.expected.field.is_point();
     // `pick (10, 20) and fold it up`
-    // and `with a distance of 10 mm, and holds the cloth`
-    let behind = usize::from(first.is_sign(',')) + 1;
-    let goes_further = rest[behind - 1].is("and")
-        && rest
-            .get(behind)
-            .is_some_and(|next| is_point && next.is_any(MOVING) || next.is_any(HOLDING));
+    let goes_further =
+        is_point && first.is("and") && rest.get(1).is_some_and(|next| next.is_any(MOVING));
     if goes_further {
         return Ok(());
+    }
+    // `with a distance of 10 mm, and holds the cloth`
+    let is_quantity = is_point
+        || matches!(
+            context.expected.field.choices,
+            Choices::Lengths { .. } | Choices::Directions { .. }
+        );
+    let holds = is_quantity
+        && first.is("and")
+        && rest.get(1).is_some_and(|next| next.is_any(HOLDING))
+        && !rest.iter().any(|token| token.kind == Kind::Number);
+    if holds {
+        return explanation(
+            Cursor::at(cursor.tokens, cursor.at + 1),
+            context,
+            value,
+            true,
+        );
     }
     if is_point
         && (rest.iter().any(|token| token.is_any(REFRAMING))

@@ -10,6 +10,18 @@ macro_rules! words {
 }
 pub(super) use words;
 
+/// Nouns after a side: `to the left corner` is a place.
+pub(super) const PLACES: &[&str] = words!(
+    "corner corners edge edges side hem flap layer part half end tip of sleeve border point wrinkle fold crease"
+);
+
+/// What makes a sentence about a motion none about the answer's own.
+pub(super) const UNREAL: &[&str] = words!(
+    "not no never n't would could might may cannot can't don't shouldn't instead rather than avoid avoids without
+    previous previously earlier last had was were been next then later after if unless when before already other
+    attempt attempts try tried tries wanted planned intended ago already another opposite itself eventually finally rest neighbouring neighboring while whereas went said doesn't isn't won't didn't wouldn't couldn't aren't"
+);
+
 /// Returns whether a word is one of these, in any case.
 pub(super) fn is_any(word: &str, words: &[&str]) -> bool {
     words.iter().any(|it| word.eq_ignore_ascii_case(it))

@@ -370,7 +370,8 @@ impl<'a> Clause<'a> {
             // `These are the ends of the crease left by the previous fold`
             let is_mark = |at: &usize| {
                 let marks = words!("crease creases wrinkle wrinkles pleat pleats");
-                rest[..*at].iter().any(|it| marks.contains(it))
+                let participle = words!("left from").contains(&rest[*at]);
+                *at > 0 && participle && marks.contains(&rest[at - 1])
             };
             let from = rest.iter().position(|it| ORIGINATING.contains(it));
             let from = from.filter(|at| !is_mark(at));

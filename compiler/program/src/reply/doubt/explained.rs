@@ -113,7 +113,11 @@ impl Clause<'_> {
                 .windows(2)
                 .any(|near| matches!(near[0], "first" | "last") && TRIES.contains(&near[1]));
         // `I was not sure at first whether …`
-        let at_first = self.words.windows(2).any(|pair| pair == ["at", "first"]);
+        let at_first = self.subject == Subject::Author
+            && self.words.windows(2).enumerate().any(|(at, pair)| {
+                let next = self.words.get(at + 2).copied().unwrap_or_default();
+                pair == ["at", "first"] && !words!("sight glance look").contains(&next)
+            });
         regrets || gave || had || wondered || is_named || at_first && self.words.contains(&"was")
     }
 

@@ -88,7 +88,7 @@ const ROWS: &[Row] = &[
     row(After, Answer, "^ it is the * that needs|should|must|ought", "", OTHERWISE),
     row(After, Answer, "^ it is the * that has to", "", OTHERWISE),
     row(Later, World, "ANOTHER * BE needed|required|due|called", "not", OTHERWISE),
-    row(After, World, "should|must|ought be|to * CHOSEN", "to|towards|toward|over|back|outward|outwards", OTHERWISE),
+    row(After, World, "should|must|ought be|to * CHOSEN", "CHOSEN to|towards|toward|over the|its|their", OTHERWISE),
     row(After, World, "should|must|ought to|be|start|begin|go|come start|begin|go|come|with|at|first|from", "", OTHERWISE),
     row(After, Answer, "fold|pick|pull ought|should to|begin|start", "", OTHERWISE),
     row(After, Nobody, "^ start|begin with|at|from|on", "", OTHERWISE),
@@ -192,8 +192,8 @@ const ROWS: &[Row] = &[
 /// What takes an answer back in a remark and in the midst of a long explanation alike, whomever the clause speaks of.
 #[rustfmt::skip]
 const PLAIN: &[Row] = &[
-    row(After, Anything, "this|the|that|chosen corner|point|place|tip should|must not be pulled|picked|used|moved|grasped|taken|lifted", "again|ANOTHER", DOUBTED),
-    row(Later, Anything, "^ ANOTHER corner|point|direction|distance|grip has|must|should|needs|ought to|be * chosen|picked|used|taken|found|selected", "next|then|later|follow|after|afterwards|before", OTHERWISE),
+    row(After, Anything, "this|the|that|chosen corner|point|place|tip should|must not be pulled|picked|used|moved|grasped|taken|lifted", "again|ANOTHER|too|far|farther|further|beyond|more|past|high|higher|hard|before|until|by|with|over|than", DOUBTED),
+    row(Later, Anything, "^ ANOTHER corner|point|direction|distance|grip has|must|should|needs|ought to|be * chosen|picked|used|taken|found|selected", "next|then|later|follow*|after|afterwards|before|second|third", OTHERWISE),
     // Somebody else has to look, choose or send something first.
     row(Later, Anything, "^ you|we|one|i send|resend|upload|provide|share|attach|supply|repeat|detect * image|images|picture|pictures|photo|version|list|frame|view|scan|corners|again|first", "", HALTED),
     row(Later, Anything, "can|could|would you send|resend|upload|provide|share|attach|supply|repeat|detect|confirm|check|verify|tell|clarify", "explain", HALTED),
