@@ -304,14 +304,19 @@ fn clause_of<'a, 't>(cursor: &Cursor<'a, 't>) -> &'a [Token<'t>] {
     tokens
 }
 
+/// The most tokens of a sentence; what is longer is cut, so that a reader that goes through it for each token stays linear.
+const MAX_SENTENCE: usize = 60;
+
 /// Returns where each sentence stands, as indices of tokens; a line ends it.
 pub(super) fn sentences(tokens: &[Token<'_>]) -> impl Iterator<Item = Range<usize>> {
     let mut begin = 0;
-    let ends = (0..tokens.len()).filter(|at| {
+    (0..tokens.len()).filter_map(move |at| {
         let next = tokens.get(at + 1);
-        ends_sentence(tokens, *at) || next.is_none_or(|next| next.gap >= Gap::Line)
-    });
-    ends.map(move |end| std::mem::replace(&mut begin, end + 1)..end + 1)
+        let ends = ends_sentence(tokens, at)
+            || next.is_none_or(|next| next.gap >= Gap::Line)
+            || at + 1 - begin == MAX_SENTENCE;
+        ends.then(|| std::mem::replace(&mut begin, at + 1)..at + 1)
+    })
 }
 
 /// Returns whether a sentence ends with this token.
