@@ -21,12 +21,25 @@ pub(crate) fn collect(tree: &Tree) -> (Vec<Fault>, bool) {
     let early = |fault: &&mut Fault| match &fault.problem {
         Problem::StrayClose { .. } | Problem::OutsideTask { .. } => true,
         Problem::UnknownWord { block, .. } => block.is_none(),
+        // `experts NAME` is a section of a task, and `experts NAME {` stands outside of tasks.
+        Problem::MissingOpen { block } => {
+            let node = tree.node_at(fault.span.start.saturating_sub(1));
+            let is_in_task = { node.ancestors() }.any(|outer| outer.kind() == Kind::Task);
+            !is_in_task && words(Kind::Task).contains(&&**block)
+        }
         _ => false,
     };
     if let Some(fault) = faults.iter_mut().find(early) {
         let found = closed_early(tree, fault.span.start);
-        if let (Problem::UnknownWord { word, .. }, Some(_)) = (&fault.problem, found) {
-            let word = word.clone();
+        let word = match &fault.problem {
+            Problem::UnknownWord { word, .. } => Some(word.clone()),
+            Problem::MissingOpen { block } => Some(block.clone()),
+            _ => None,
+        };
+        if let (Some(word), Some(_)) = (word, found) {
+            let begin = tree.text()[..fault.span.start].rfind(&word);
+            let begin = begin.filter(|_| matches!(fault.problem, Problem::MissingOpen { .. }));
+            fault.span = begin.map_or(fault.span, |at| tree.span(at..at + word.len()));
             fault.problem = Problem::OutsideTask { word, early: None };
         }
         if let Problem::StrayClose { early } | Problem::OutsideTask { early, .. } =

@@ -18,6 +18,9 @@ const NAMED: [(&str, &str); 4] = [
     ("model", "write `model vision` or `model text`"),
 ];
 
+/// Names of points of the cloth, which brackets follow.
+const POINTS: [&str; 4] = ["corner", "middle", "point", "between"];
+
 /// Makes the diagnostic for the text at `span` if it is a common mistake.
 ///
 /// - `found`: the text there.
@@ -91,7 +94,14 @@ pub(super) fn recognise(
         && (!found.starts_with(is_word) || fab_grammar::is_keyword(found))
         && !found.starts_with(['{', '}'])
     {
-        return Some(usual().help(*help));
+        let behind = rest[found.len()..].trim_start_matches(' ');
+        // `const ) near = 10px`
+        let is_named =
+            behind.starts_with(is_word) && !found.starts_with(is_word) && !found.starts_with('"');
+        return Some(match is_named {
+            true => usual().help("remove it"),
+            false => usual().help(*help),
+        });
     }
     if let Some(diagnostic) = comma_missing(found, span, expected, text) {
         return Some(diagnostic);
@@ -114,6 +124,13 @@ pub(super) fn recognise(
             Diagnostic::new(Code::Unexpected, word, message)
                 .help("write `,` before it")
                 .likely(gap, ",")
+        }
+        ":" if expects("an argument")
+            && text[..span.start].ends_with(',')
+            && let Some((start, name)) = last_word(before[..before.len() - 1].trim_end())
+            && before[..start].trim_end().ends_with([',', '(']) =>
+        {
+            usual().help(format!("remove the `,` behind `{name}`"))
         }
         ":" if expects("an argument") && before.ends_with(',') => {
             usual().help("write the argument's name before the `:`, or remove the `:`")
@@ -139,6 +156,7 @@ pub(super) fn recognise(
         }
         "=" if expects("`:`") => usual().help("write `:`").edit(span, ":"),
         ":" if expects("`=`") => usual().help("write `=`").edit(span, "="),
+        "=" if expects("`)`") && before.ends_with('(') => usual().help("remove it"),
         "=" if expects("`)`") => usual()
             .help("an argument's name is followed by `:`")
             .edit(span, ":"),
@@ -156,7 +174,7 @@ pub(super) fn recognise(
             .help("write `<`, `<=`, `>` or `>=`; words and counts may also be compared with `==`"),
         "=" if is_in_goal(before) => fault(span, "`=` is not a comparison".to_owned())
             .help("write `<` or `<=` for a measure that falls as the cloth is folded, `>` or `>=` for one that grows"),
-        "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() && !line_of(text[..span.start].trim_end_matches([' ', '\t'])).is_empty() => fault(
+        "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() && text[..span.start].trim_end_matches([' ', '\t']).ends_with(|it: char| is_word(it) || it == ')') => fault(
             span,
             format!("a comparison has two sides, and `{found}` begins a third"),
         )
@@ -231,6 +249,10 @@ pub(super) fn recognise(
                 .help("write `else` before it: the message of a check is behind `else`")
                 .likely(Span { end: span.start, ..span }, "else ")
         }
+        _ if rest.starts_with("\"\"\"") && line_of(&text[..span.start]).trim().is_empty() && !before.ends_with([',', '=']) => {
+            fault(sign("\"\"\""), "expected a word, found a text".to_owned())
+                .help("write before it whose text it is, such as `say` or `reply`")
+        }
         _ if rest.starts_with("\"\"\"") => fault(
             sign("\"\"\""),
             "a text of several lines is not allowed here".to_owned(),
@@ -246,9 +268,33 @@ pub(super) fn recognise(
             fault(span, "this `)` closes nothing".to_owned())
                 .help("the `()` before it is closed too early: write the values between its brackets")
         }
+        ")" if last_open(before).is_none() && line_of(&text[..span.start]).trim().is_empty() => {
+            fault(span, "this `)` closes nothing".to_owned())
+                .help("a line begins with a word: write one in its place, or remove it")
+        }
         ")" if last_open(before).is_none() => fault(span, "this `)` closes nothing".to_owned())
             .help("write the `(` that it closes, or remove it"),
+        "}" if before.ends_with(',') && let Some(open) = last_open(before) => usual()
+            .help("remove it, or close the `(` first")
+            .also(
+                Span {
+                    start: open,
+                    end: open + 1,
+                    ..span
+                },
+                "this `(` is open",
+            ),
         "}" | ")" if before.ends_with(',') => usual().help("remove the comma before it"),
+        _ if (expects("`->`") || expects("`at`"))
+            && let Some((_, word)) = last_word(before)
+            && POINTS.contains(&word) =>
+        {
+            let help = match rest[found.len()..].starts_with('(') {
+                true => format!("remove it: `{word}` is followed by `(`"),
+                false => format!("`{word}` is followed by `(`"),
+            };
+            usual().help(help)
+        }
         "," if expects("`)`") && rest[1..].trim_start().starts_with(')') => {
             usual().help("remove the comma").likely(span, "")
         }
@@ -268,6 +314,12 @@ pub(super) fn recognise(
             )
             .help("write `.`")
             .likely(comma, ".")
+        }
+        _ if expects("`)`")
+            && found.starts_with(|first: char| first.is_ascii_digit())
+            && last_word(before).is_some_and(|(_, word)| word == "depth") =>
+        {
+            usual().help(format!("write `<` or `>` between them: `depth < {found}`"))
         }
         _ if expects("`)`")
             && found.starts_with(|first: char| first.is_ascii_digit())

@@ -83,6 +83,9 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             if is_task && found.starts_with(',') && head.contains(" extends ") {
                 return diagnostic.help(format!("a task extends one other: remove the `{found}`"));
             }
+            if is_task && !continues_a_word && head.contains(" extends ") && base_of(found).is_some() {
+                return diagnostic.help(format!("a task extends one other: remove `{found}`"));
+            }
             if is_task && !continues_a_word && let Some(base) = base_of(found) {
                 let gap = if touches { " " } else { "" };
                 return diagnostic
@@ -104,6 +107,8 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
                 diagnostic.help(format!("remove the `{found}`")).likely(span, "")
             } else if continues_a_word {
                 diagnostic.help("a name has only letters without accents, digits and `_`")
+            } else if fab_grammar::is_keyword(found) {
+                diagnostic.help(format!("write `{{` before `{found}`, or remove `{found}`"))
             } else {
                 diagnostic.help(format!("remove `{found}`"))
             }
@@ -192,7 +197,11 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
             diagnostic.help(match found {
                 Some("{") => "a block begins with a word: write it before the `{`, or remove the `{`",
                 Some(path) if path.ends_with(".fab\"") => "write `use` before it",
-                _ => "remove it: a statement begins with a word",
+                Some(word) if word.starts_with(char::is_alphabetic) => match line_begins(span, text) {
+                    true => "remove it, or join it to the line above, with a word such as `and` or a comma",
+                    false => "remove it, or write it on a line of its own",
+                },
+                _ => "a statement begins with a word: write one in its place, or remove it",
             })
         }
         None => diagnostic,
@@ -228,6 +237,12 @@ fn has_no_width(character: char) -> bool {
 fn begins_statement(span: Span, text: &str) -> bool {
     let before = text[..span.start].trim_end_matches([' ', '\t']);
     before.is_empty() || before.ends_with(['\n', '{', '}'])
+}
+
+/// Returns whether a token is the first of its line.
+fn line_begins(span: Span, text: &str) -> bool {
+    let before = text[..span.start].trim_end_matches([' ', '\t']);
+    before.is_empty() || before.ends_with('\n')
 }
 
 /// Returns whether a word or a number stands directly after another one on its line.

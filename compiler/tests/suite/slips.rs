@@ -88,16 +88,15 @@ fn files(folder: &str) -> Vec<Case> {
 }
 
 /// The shipped tasks, and the libraries that they use, compiled with a task.
-///
-/// Those of napkins are left out: messages were judged without them.
 fn shipped() -> Vec<Case> {
     let mut cases = files("tasks");
-    cases.retain(|case| !case.text.contains("extends napkin"));
     cases.extend([
         case("tasks", "double_straight.fab", "lib/folding.fab"),
         case("tasks", "double_straight.fab", "lib/experts.fab"),
         case("tasks", "smoothing.fab", "lib/smoothing.fab"),
     ]);
+    // What is added comes last, so that the slips in the others stay the same.
+    cases.sort_by_key(|case| case.text.contains("extends napkin"));
     cases
 }
 
@@ -409,7 +408,7 @@ fn a_missing_closing_quote_is_reported_at_its_opening() {
 // ---- messages that were read and judged ----------------------------------------------------------
 
 /// Decides which slips are drawn.
-const JUDGED_SEED: u64 = 20_261_132;
+const JUDGED_SEED: u64 = 20_261_137;
 
 /// The number of slips whose messages were read.
 const JUDGED: usize = 60;
