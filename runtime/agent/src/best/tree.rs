@@ -714,6 +714,7 @@ task pulls {
             progress: &|_| {},
         };
         let mut tree = Tree::at_start(&search).unwrap();
+        // As if it was not flat enough.
         tree.nodes[0].ended = false;
         tree.look(&search, &[0]).unwrap();
         let offers = tree.nodes[0].offers.take().expect("a state that was seen");
@@ -726,6 +727,8 @@ task pulls {
 
         // The second pull is one more than the trials.
         tree.nodes[0].offers = Some(offers);
+        tree.follow(&search, &[pull.clone()]).unwrap();
+        tree.nodes[1].ended = false;
         tree.follow(&search, &[pull.clone(), pull]).unwrap();
         assert_eq!((tree.nodes.len(), tree.trials), (2, 1));
         assert!(tree.nodes[1].offers.is_none());
