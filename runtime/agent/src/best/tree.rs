@@ -692,7 +692,7 @@ task pulls {
 
     #[test]
     fn decisions_are_followed_only_where_a_rollout_goes_on_and_trials_are_left() {
-        let compiled = fab_compiler::compile("pulls.fab", &Text).unwrap();
+        let compiled = fab_compiler::compile("pulls.fab", &Text).expect("a task that compiles");
         let program = compiled.programs.first().expect("a task");
         let make_world = || SimulatedWorld::of(program);
         let search = Search {
@@ -713,28 +713,31 @@ task pulls {
             interrupt: &Interrupt::default(),
             progress: &|_| {},
         };
-        let mut tree = Tree::at_start(&search).unwrap();
+        let mut tree = Tree::at_start(&search).expect("a search that works");
         // As if it was not flat enough.
         tree.nodes[0].ended = false;
-        tree.look(&search, &[0]).unwrap();
+        tree.look(&search, &[0]).expect("a search that works");
         let offers = tree.nodes[0].offers.take().expect("a state that was seen");
         let pull = offers.choices[0].clone();
 
         // The camera finds nothing.
         tree.nodes[0].offers = Some(Offers::default());
-        tree.follow(&search, &[Choice::Skip]).unwrap();
+        tree.follow(&search, &[Choice::Skip])
+            .expect("a search that works");
         assert_eq!(tree.nodes.len(), 1);
 
         // The second pull is one more than the trials.
         tree.nodes[0].offers = Some(offers);
-        tree.follow(&search, &[pull.clone()]).unwrap();
+        tree.follow(&search, &[pull.clone()])
+            .expect("a search that works");
         tree.nodes[1].ended = false;
-        tree.follow(&search, &[pull.clone(), pull]).unwrap();
+        tree.follow(&search, &[pull.clone(), pull])
+            .expect("a search that works");
         assert_eq!((tree.nodes.len(), tree.trials), (2, 1));
         assert!(tree.nodes[1].offers.is_none());
 
         // A search that begins anywhere ends with skipped steps.
-        tree.widen(&search, 0).unwrap();
+        tree.widen(&search, 0).expect("a search that works");
         assert!(tree.best_end().is_some());
     }
 }
