@@ -728,7 +728,7 @@ task pulls {
 
         // The second pull is one more than the trials.
         tree.nodes[0].offers = Some(offers);
-        tree.follow(&search, &[pull.clone()])
+        tree.follow(&search, std::slice::from_ref(&pull))
             .expect("a search that works");
         tree.nodes[1].ended = false;
         tree.follow(&search, &[pull.clone(), pull])
