@@ -4,7 +4,7 @@
     cargo run --release -p fab-agent --example collect_pulls -- each 620 10 5 kinds
     scripts/compare-pulls.py kinds
 
-Prints three tables about one or more folders. For each kind, the mean gain of the better of the stand-in's own pull and the pulls
+Prints three tables about one or more folders; a start, or a pull, that is in several of them counts once. For each kind, the mean gain of the better of the stand-in's own pull and the pulls
 of that kind, and the mean difference from the stand-in's own pull. For what was grasped, the mean gain of the stand-in's own pulls,
 and of the offered corners that were drawn. For the starts, how they lie, and the mean gain of each kind's pulls. Gains are in percent
 of the flat cloth; means have 95 % intervals: percentile bootstrap over starts, 10 000 draws. Needs numpy.
@@ -51,32 +51,37 @@ LIE = ["true coverage", "offered corners", "layers", "underside up", "rim upperm
 
 
 def main(folders):
+    # Folders number their starts alike, so a start is known by how it lies.
+    first = {(folder, start): lie for folder, start, step, *lie in rows(folders, "states.csv") if step == "1"}
+    lies = {(start, *lie): lie for (_, start), lie in first.items()}
+    # Each search tries the stand-in's own pulls again.
+    tried = dict.fromkeys(((start, *first[folder, start]), *pull) for folder, start, *pull in rows(folders, "pulls.csv"))
     states = collections.defaultdict(lambda: collections.defaultdict(list))
     pulls = []
-    for start, step, _, gain, *_, layers, taken, side, corner, kind in rows(folders, "pulls.csv"):
-        gain = 100 * float(gain)
-        states[start, int(step)][kind].append(gain)
+    for start, step, covered, gain, *_, layers, taken, side, corner, kind in tried:
+        gain, state = 100 * float(gain), (start, int(step), covered)
+        states[state][kind].append(gain)
         # A missed grasp took nothing.
         inside = [int(part) if part else None for part in (side, corner)]
         pull = dict(zip(("layers", "taken", "side", "corner"), [int(layers), int(taken), *inside]))
-        pulls.append(pull | {"of": (start, int(step)), "kind": kind, "gain": gain})
+        pulls.append(pull | {"of": state, "kind": kind, "gain": gain})
     compare_kinds(states)
     compare_grasps(pulls)
-    compare_starts(states, {start: lie for start, step, *lie in rows(folders, "states.csv") if step == "1"})
+    compare_starts(states, lies)
 
 
 def rows(folders, name):
     for folder in folders:
         with open(os.path.join(folder, name), encoding="utf-8") as file:
-            for start, *row in csv.reader(file):
-                yield (os.path.join(folder, start), *row)
+            for row in csv.reader(file):
+                yield (folder, *row)
 
 
 def compare_kinds(states):
     # The last kinds are tried in every second state only; rows are comparable where all are.
     whole = {key: state for key, state in states.items() if "elsewhere" in state and "inward" in state}
     for about, chosen in (("all states", states), ("states in which everything was tried", whole)):
-        starts = sorted({start for start, _ in chosen})
+        starts = sorted({start for start, *_ in chosen})
         if not starts:
             continue
         print(f"{about}: {len(chosen)} of {len(starts)} starts")
@@ -87,7 +92,7 @@ def compare_kinds(states):
             best = {key: max(sum((state[kind] for kind in ("own", *kinds)), [])) for key, state in chosen.items()}
             more = {key: gain - max(chosen[key]["own"]) for key, gain in best.items()}
             print(f"| {name} | {np.mean(tried):.1f} | {interval(best, starts)} | {interval(more, starts)} |")
-    starts = sorted({start for start, _ in whole})
+    starts = sorted({start for start, *_ in whole})
     for kind in ("elsewhere", "inward") if starts else ():
         more = {key: added(state, kind) - added(state, "offered") for key, state in whole.items()}
         print(f"{EQUAL} of `{kind}` less {EQUAL} of `offered`: {interval(more, starts)}")
@@ -95,9 +100,11 @@ def compare_kinds(states):
 
 def compare_grasps(pulls):
     held = [pull for pull in pulls if pull["side"] is not None]
-    under = [pull for pull in held if pull["layers"] > 0]
-    deeper = sum(pull["taken"] != 1 for pull in under)
-    print(f"{len(pulls)} pulls: {len(pulls) - len(held)} missed; {deeper} of {len(under)} took another layer than the uppermost")
+    for kind in ("own", "offered"):
+        n_pulls, such = (sum(pull["kind"] == kind for pull in some) for some in (pulls, held))
+        layers = [pull["taken"] for pull in held if pull["kind"] == kind and pull["layers"] > 0]
+        deeper = sum(taken != 1 for taken in layers)
+        print(f"{n_pulls} of `{kind}`: {n_pulls - such} missed; {deeper} of {len(layers)} took another layer than the uppermost")
     print("| grasped | pulls, own | gain | pulls, drawn | gain |")
     for name, is_such in GRASPS:
         cells = []
@@ -122,7 +129,7 @@ def compare_starts(states, lies):
     for column, name in enumerate(LIE):
         print(f"| {name} | {interval({(start,): float(lies[start][column]) for start in starts}, starts, 2)} |")
     for kind in ("own", "pick", "next", "offered", "elsewhere", "inward"):
-        gains = {(start, index): gain for start in starts for index, gain in enumerate(states[start, 1][kind])}
+        gains = {(start, index): gain for start in starts for index, gain in enumerate(states[start, 1, lies[start][0]][kind])}
         print(f"| gain of `{kind}` | {interval(gains, sorted({key[0] for key in gains})) if gains else ''} |")
 
 

@@ -1,7 +1,8 @@
 //! The tasks embedded in the program: sources, libraries, pinned subgoal pictures, demonstrations.
 //!
 //! A test compares the list with `tasks/`. The list leaves out tasks that need an arm (`real`), the
-//! paper's folds of measured cloths (`textiles`), snapshots, and suites.
+//! paper's folds of measured cloths (`textiles`), tasks that rehearse (`rehearsed`) with their library
+//! (`lib/rehearsed.fab`), snapshots, and suites.
 
 /// Lists files of `tasks/` with their bytes.
 macro_rules! embed {

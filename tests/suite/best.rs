@@ -207,6 +207,14 @@ fn the_best_actions_skip_steps_that_would_spoil_the_cloth_however_few_the_trials
     assert!(after.is_sorted(), "{after:?}");
     assert_eq!(start["value"].as_f64(), after.last().copied());
     assert_eq!(start["trials"], 18);
+    // A skipped step is not the one that gains least.
+    let best = start["best"].as_array().unwrap();
+    let limiting = start["limiting"].as_u64().unwrap() as usize;
+    assert!(
+        best.iter().any(|step| step["answer"].is_null()),
+        "{start:#}"
+    );
+    assert!(!best[limiting]["answer"].is_null(), "{start:#}");
 }
 
 /// Searches the known fold; `stop_after` so many trials.

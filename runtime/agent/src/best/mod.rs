@@ -256,7 +256,7 @@ impl Found {
     }
 
     /// Returns the index of the step of the best actions after which the cloth lags behind most: that which loses most
-    /// against the experts, or gains least.
+    /// against the experts, or gains least. A skipped step limits nothing.
     pub fn limiting(&self) -> Option<usize> {
         let best = self.best.as_deref()?;
         let before = std::iter::once(match self.measure.experts_lead() {
@@ -271,6 +271,7 @@ impl Found {
         // Of equals, the first.
         let worst = lost
             .enumerate()
+            .filter(|(index, _)| best[*index].choice != Choice::Skip)
             .reduce(|worst, it| if it.1 > worst.1 { it } else { worst });
         worst.map(|(index, _)| index)
     }
@@ -335,8 +336,5 @@ pub fn search(search: &Search<'_>) -> Result<(Found, Tree), BestError> {
         tree.follow(search, hint)?;
     }
     tree.widen(search, search.limits.trials.saturating_sub(tree.trials))?;
-    if let Some(choices) = tree.best_and_then_skipped(search) {
-        tree.follow(search, &choices)?;
-    }
     Ok((tree.found(search), tree))
 }

@@ -122,28 +122,33 @@ impl Tree {
             if self.interrupted || self.nodes[node].ended {
                 break;
             }
+            if let Some(next) = self.child(node, choice) {
+                node = next;
+                continue;
+            }
+            if *choice != Choice::Skip && self.trials >= search.limits.trials {
+                break;
+            }
             self.look(search, &[node])?;
             let it = &mut self.nodes[node];
             let Some(offers) = &mut it.offers else {
                 break;
             };
-            let place = offers.choices.iter().position(|other| other.does(choice));
-            let place = place.unwrap_or_else(|| {
-                offers.choices.push(choice.clone());
-                offers.choices.len() - 1
-            });
-            if place >= it.tried {
-                if *choice != Choice::Skip && self.trials >= search.limits.trials {
-                    break;
+            let place = match offers.choices.iter().position(|other| other.does(choice)) {
+                Some(place) => place,
+                // Where the camera finds nothing, a rollout ends without a score.
+                None if *choice == Choice::Skip => break,
+                None => {
+                    offers.choices.push(choice.clone());
+                    offers.choices.len() - 1
                 }
+            };
+            if place >= it.tried {
                 offers.choices[it.tried..=place].rotate_right(1);
                 let choice = it.tried;
                 self.make(search, &[Due { node, choice }])?;
             }
-            let is_next = |next: &Node| {
-                next.parent == Some(node) && next.choice.as_ref().is_some_and(|it| it.does(choice))
-            };
-            let Some(next) = self.nodes.iter().position(is_next) else {
+            let Some(next) = self.child(node, choice) else {
                 break;
             };
             node = next;
@@ -151,9 +156,17 @@ impl Tree {
         Ok(())
     }
 
+    /// Returns the state that a choice led to from another.
+    fn child(&self, node: usize, choice: &Choice) -> Option<usize> {
+        let is_next = |next: &Node| {
+            next.parent == Some(node) && next.choice.as_ref().is_some_and(|it| it.does(choice))
+        };
+        self.nodes.iter().position(is_next)
+    }
+
     /// Returns the choices that lead to the best state of all and then skip all steps, where the task skips steps: a cloth
     /// that more actions would spoil can be left as it is.
-    pub(super) fn best_and_then_skipped(&self, search: &Search<'_>) -> Option<Vec<Choice>> {
+    fn best_and_then_skipped(&self, search: &Search<'_>) -> Option<Vec<Choice>> {
         if search.program.verify.exhausted != Exhausted::Skips {
             return None;
         }
@@ -165,7 +178,7 @@ impl Tree {
     }
 
     /// Goes through all depths with more and more states, until everything was tried, as many as the beam is wide, or
-    /// `trials` more trials were made.
+    /// `trials` more trials were made. Then it skips what is left after the best state, where the task skips steps.
     pub(super) fn widen(&mut self, search: &Search<'_>, trials: u32) -> Result<(), BestError> {
         let most = self.trials.saturating_add(trials);
         let mut width = 1;
@@ -173,9 +186,13 @@ impl Tree {
             self.pass(search, width, most)?;
             let is_widest = width >= search.limits.beam;
             if self.interrupted || is_widest || self.trials >= most || self.is_exhausted() {
-                return Ok(());
+                break;
             }
             width = (width * 2).min(search.limits.beam);
+        }
+        match self.best_and_then_skipped(search) {
+            Some(choices) => self.follow(search, &choices),
+            None => Ok(()),
         }
     }
 
@@ -630,5 +647,97 @@ impl Node {
         let all_tried =
             |offers: &Offers| offers.sampled.is_empty() && self.tried == offers.choices.len();
         self.ended || self.offers.as_ref().is_some_and(all_tried)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::best::Limits;
+    use crate::subgoals::SubgoalSet;
+    use fab_base::interrupt::Interrupt;
+    use fab_compiler::{LoadError, Loader};
+    use fab_world::start::Start;
+
+    const PULLS: &str = r#"
+task pulls {
+    cloth  grid(8, 8)
+    goal   coverage > 1
+    horizon 2
+    camera top_down(height: 650mm, fov: 45deg, image: 224px)
+    picker drop
+    keypoints { cloth = mask(depth < 649mm) }
+    actions {
+        pick:      any of cloth
+        direction: one of 0deg
+        distance:  one of 0.25edge
+    }
+    stage act {
+        model vision
+        show  scene
+        say   "Pull {{ pick.choices }}. {{ actions.format }}"
+        read  action
+    }
+    verify { attempts 2, else skip }
+}
+"#;
+
+    struct Text;
+
+    impl Loader for Text {
+        fn load(&self, _: &str) -> Result<String, LoadError> {
+            Ok(PULLS.to_owned())
+        }
+    }
+
+    #[test]
+    fn decisions_are_followed_only_where_a_rollout_goes_on_and_trials_are_left() {
+        let compiled = fab_compiler::compile("pulls.fab", &Text).expect("a task that compiles");
+        let program = compiled.programs.first().expect("a task");
+        let make_world = || SimulatedWorld::of(program);
+        let search = Search {
+            program,
+            start: &Start::flat(&program.cloth),
+            subgoals: &SubgoalSet::none(),
+            make_world: &make_world,
+            cache: &Cache::none(),
+            horizon: None,
+            limits: Limits {
+                trials: 1,
+                beam: 1,
+                seed: 0,
+                threads: 1,
+            },
+            hints: &[],
+            journal: None,
+            interrupt: &Interrupt::default(),
+            progress: &|_| {},
+        };
+        let mut tree = Tree::at_start(&search).expect("a search that works");
+        // As if it was not flat enough.
+        tree.nodes[0].ended = false;
+        tree.look(&search, &[0]).expect("a search that works");
+        let offers = tree.nodes[0].offers.take().expect("a state that was seen");
+        let pull = offers.choices[0].clone();
+
+        // The camera finds nothing.
+        tree.nodes[0].offers = Some(Offers::default());
+        tree.follow(&search, &[Choice::Skip])
+            .expect("a search that works");
+        assert_eq!(tree.nodes.len(), 1);
+
+        // The second pull is one more than the trials.
+        tree.nodes[0].offers = Some(offers);
+        tree.follow(&search, std::slice::from_ref(&pull))
+            .expect("a search that works");
+        tree.nodes[1].ended = false;
+        tree.follow(&search, &[pull.clone(), pull])
+            .expect("a search that works");
+        assert_eq!((tree.nodes.len(), tree.trials), (2, 1));
+        assert!(tree.nodes[1].offers.is_none());
+
+        // A search that begins anywhere ends with skipped steps.
+        tree.widen(&search, 0).expect("a search that works");
+        assert!(tree.best_end().is_some());
     }
 }
