@@ -55,7 +55,7 @@ impl Friction {
 
 /// Curvature that leaves no crease, 1/m: the residual curvatures of woven cloths (KES: hysteresis by rigidity,
 /// 2HB / 2B) lie between 20 and 60.
-const GENTLE_PER_M: f32 = 40.0;
+pub(crate) const GENTLE_PER_M: f32 = 40.0;
 
 /// Bending of one cloth.
 #[derive(Clone, Debug)]

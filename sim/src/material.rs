@@ -4,7 +4,7 @@
 //! substeps. `textile` moves a cloth with these numbers; without a material a cloth is the recorded scene's (the
 //! other numbers of [`Params`](crate::Params)).
 
-use crate::bending::Friction;
+use crate::bending::{Friction, GENTLE_PER_M};
 use serde::{Deserialize, Serialize};
 
 /// Acceleration by which a bending length is converted to a rigidity, m/s^2.
@@ -24,25 +24,29 @@ const STABLE: f64 = 1.2;
 // on the same particles along the same line: taken a quarter of a substep ahead, as bends are, their step is stable up to
 // a third. At 0.6, silk trembled so much that folds slid open.
 pub(crate) const MOST_SHEAR: f32 = 0.33;
-// Extension on the bias by the declared one from which on it is warned of.
+// Warn when the cloth gives this many times more on the bias than declared.
 const SLACK_BIAS: f32 = 1.1;
-// Bending length on the bias of a cloth without twist, by the declared one, from which on it is warned of.
+// Warn when the threads alone make the bending length on the bias this many times longer than declared.
 const SOFT_BIAS: f32 = 1.05;
 // The bounds below were found by trial: `tests/suite/textile/declarable.rs` measures materials from all ranges, and 342 cantilevers
-// on the bias had warps of 15 to 65 mm, wefts from a quarter of that on, and biases of 0.7 to 1.6 of what the threads allow.
+// on the bias, whose table is not kept, had warps of 15 to 65 mm, wefts from a quarter of that on, and biases of 0.7 to 1.6 of what
+// the threads allow.
 //
-// Spacing by bending length of threads up to which loops and folds are as high as the elastica, within 10 %.
+// Largest spacing, as a share of the shorter bending length, at which loops and folds stay within 10 %.
 const SHARP_SHARE: f32 = 0.5;
-// Substeps per second up to which momentum stays within 0.005 in 0.4 s, whatever else is declared. Bends are taken ahead of where
-// particles are, so the forces of stiff ones have a moment.
+// Most substeps per second with which momentum stays within 0.005 in 0.4 s, whatever else is declared. Bends are taken ahead of
+// where particles are, so the forces of stiff ones have a moment.
 const STEADY_SUBSTEPS_PER_S: f64 = 4000.0;
-// Share of the bending length on the bias, by plate theory, from which on a strip that curls and twists is warned of; and what
-// strips show of that share at least.
-const CURLS: f64 = 0.93;
-const LEAST_OF_CURL: f64 = 0.86;
-// Rigidity of shear by that of threads from which on it is warned of.
+// Weight below which, and bending length above which, layers may not lie down on each other.
+const LIGHT_KG_M2: f32 = 0.06;
+const STIFF_M: f32 = 0.05;
+// Warn when a strip on the bias shows less than this share of its bending length by plate theory.
+const MOST_CURLED_SHARE: f64 = 0.93;
+// Least that strips show of what plate theory has them show.
+const LEAST_OF_CURLED: f64 = 0.86;
+// Warn when shear is stiffer than this share of the threads.
 const SHARED_BY_SHEAR: f32 = 0.01;
-// Angle by which a crease opens more than declared from which on it is warned of, degrees.
+// Warn when a crease opens this much wider than declared, degrees.
 const WIDE_CREASE_DEG: f32 = 5.0;
 /// Width of a strip on the bias, metres. Wider than others, since the cells at its zigzag rims are missing, and twist with
 /// them.
@@ -136,7 +140,7 @@ pub enum MaterialWarning {
         /// Spacing up to which a bending length is met within 10 %, metres.
         spacing_m: f32,
     },
-    /// Loops, folds and creases are sharper than the particles can follow.
+    /// Loops and folds are sharper than the particles can follow, and creases open too little.
     Sharp {
         /// The shorter bending length of warp and weft, metres.
         length_m: f32,
@@ -149,6 +153,8 @@ pub enum MaterialWarning {
         length_m: f32,
         /// Spacing from which on momentum is kept, metres.
         spacing_m: f32,
+        /// Whether layers may not lie down on each other either.
+        is_light: bool,
     },
     /// A strip on the bias curls across or twists, and bends more than a wide cloth.
     Curls {
@@ -157,12 +163,10 @@ pub enum MaterialWarning {
         /// The least that a strip shows, metres.
         least_m: f32,
     },
-    /// Shear resists where threads give: the cloth gives less along them.
+    /// Shear carries part of the load along the threads: the cloth gives less.
     Threads {
-        /// The greater declared extension of warp and weft, a share of the length.
-        declared: f32,
-        /// The least of the simulated cloth.
-        least: f32,
+        /// By how much less at most, as a share of what is declared.
+        less: f32,
     },
     /// A crease opens wider than its material's.
     Crease {
@@ -206,29 +210,37 @@ impl std::fmt::Display for MaterialWarning {
                 spacing_m,
             } => write!(
                 f,
-                "loops and folds of a bending length of `{length_m}` m are met within 10 %, and creases within 16 degrees, only at a spacing of up to `{spacing_m:.4}` m"
+                "loops and folds of a bending length of `{length_m}` m are met within 10 % only at a spacing of up to `{spacing_m:.4}` m; creases open too little"
             ),
             MaterialWarning::Unsteady {
                 length_m,
                 spacing_m,
-            } => write!(
-                f,
-                "with a bending length of `{length_m}` m a cloth in the air may change its momentum by more than `0.005` in 0.4 s, and the layers of a light one may not lie down on each other; from a spacing of `{spacing_m:.4}` m on neither happens"
-            ),
+                is_light,
+            } => {
+                write!(
+                    f,
+                    "with a bending length of `{length_m}` m a cloth in the air may change its momentum by more than `0.005` in 0.4 s"
+                )?;
+                if *is_light {
+                    f.write_str(", and layers of one so light may not lie down on each other")?;
+                }
+                write!(f, "; a spacing of about `{spacing_m:.4}` m would do")
+            }
             MaterialWarning::Curls { bias_m, least_m } => write!(
                 f,
-                "a strip on the bias curls or twists: it shows a bending length of as little as `{least_m:.4}` m and not `{bias_m:.4}` m, and long loops and folds of it tip over"
+                "a strip on the bias curls or twists: with a width of `{BIAS_STRIP_M}` m it shows a bending length of as little as `{least_m:.4}` m and not `{bias_m:.4}` m; long loops and folds of the cloth tip over"
             ),
-            MaterialWarning::Threads { declared, least } => write!(
+            MaterialWarning::Threads { less } => write!(
                 f,
-                "along its threads the cloth gives by as little as `{least:.3}` and not by `{declared}` of its length, and more on the bias: shear is nearly as stiff as such threads"
+                "along its threads the cloth gives up to `{:.0}` % less than declared: shear carries part of the load",
+                (100.0 * less).ceil()
             ),
             MaterialWarning::Crease {
                 declared_deg,
                 least_deg,
             } => write!(
                 f,
-                "a crease opens to `{least_deg:.0}` degrees and not to `{declared_deg}`: bends below 40/m leave none"
+                "a crease opens to `{least_deg:.0}` degrees and not to `{declared_deg}`: bends below `{GENTLE_PER_M}`/m leave none"
             ),
             MaterialWarning::Shear { declared, shown } => write!(
                 f,
@@ -321,11 +333,13 @@ impl Material {
                 spacing_m: SHARP_SHARE * thread_m,
             });
         }
-        let haste = (self.substeps_per_s(spacing_m) / STEADY_SUBSTEPS_PER_S).sqrt() as f32;
-        if haste > 1.0 {
+        let coarser = (self.substeps_per_s(spacing_m) / STEADY_SUBSTEPS_PER_S).sqrt() as f32;
+        if coarser > 1.0 {
+            let length_m = warp.max(weft).max(bias);
             warnings.push(MaterialWarning::Unsteady {
-                length_m: warp.max(weft).max(bias),
-                spacing_m: spacing_m * haste,
+                length_m,
+                spacing_m: spacing_m * coarser,
+                is_light: self.weight_kg_m2 < LIGHT_KG_M2 && length_m > STIFF_M,
             });
         }
         let shown = self.least_bias_stretch(spacing_m);
@@ -340,8 +354,7 @@ impl Material {
         let shared = (shear_n_m / THREAD_LOAD_N_M) as f32 * slackest;
         if shared > SHARED_BY_SHEAR {
             warnings.push(MaterialWarning::Threads {
-                declared: slackest,
-                least: slackest / (1.0 + shared),
+                less: shared / (1.0 + shared),
             });
         }
         let least_m = self.least_bias_m();
@@ -352,11 +365,11 @@ impl Material {
             });
         }
         let curl = self.curl();
-        if curl < CURLS {
+        if curl < MOST_CURLED_SHARE {
             let bias_m = bias.max(least_m);
             warnings.push(MaterialWarning::Curls {
                 bias_m,
-                least_m: bias_m * (LEAST_OF_CURL * curl) as f32,
+                least_m: bias_m * (LEAST_OF_CURLED * curl) as f32,
             });
         }
         let least_deg = self.least_recovery_deg(spacing_m);

@@ -390,9 +390,10 @@ pub fn fold_height(gap: f64) -> f64 {
 }
 
 /// Friction that holds the flap of a free fold.
-const HOLDS: f32 = 0.6;
+const HOLDING_FRICTION: f32 = 0.6;
 
-/// Measures a free fold of a strip along the warp, without internal friction.
+/// Measures a free fold of a strip along the warp, without internal friction and with a friction of at least 0.6 on the table and
+/// itself, so that its flap stays.
 pub fn free_fold(material: &Material, at: impl Into<Fineness>) -> Result<Fold, MeasureError> {
     let at = at.into();
     let spacing_m = at.spacing_m;
@@ -411,8 +412,8 @@ pub fn free_fold(material: &Material, at: impl Into<Fineness>) -> Result<Fold, M
     let strip = Strip::cut(Cut::Warp, rows, spacing_m)?;
     // With less friction between the layers the fold would push its flap away.
     let rough = Material {
-        table_friction: material.table_friction.max(HOLDS),
-        self_friction: material.self_friction.max(HOLDS),
+        table_friction: material.table_friction.max(HOLDING_FRICTION),
+        self_friction: material.self_friction.max(HOLDING_FRICTION),
         ..frictionless(material)
     };
     let params = calm(&rough, at);
@@ -588,8 +589,8 @@ pub fn crease_recovery_deg(
 /// Measures how much the cloth gives under the load of FAST, as a share of its length: along its threads under 98.1 N/m
 /// (E100), along their diagonal under 4.9 N/m (EB5).
 ///
-/// A sheet is held by one edge and drawn by its own weight: away from the edge, by ten times gravity, for threads; along the
-/// edge for the diagonal, whose extension is a quarter of what shear of that load makes (FAST: 123 / EB5).
+/// A sheet is held by one edge and drawn by its own weight: away from the edge, by at most ten times gravity, for threads; along the
+/// edge, by at most gravity, for the diagonal, whose extension is a quarter of what shear of that load makes (FAST: 123 / EB5).
 pub fn extension(
     material: &Material,
     cut: Cut,
@@ -599,7 +600,7 @@ pub fn extension(
     let at = at.into();
     // A sheared sheet has one cell less along the edge than particles to carry.
     let sheared = 0.25 * (LONG - 1) as f64 / LONG as f64;
-    let (load_n_m, gravity_m_s2, most) = match cut {
+    let (load_n_m, most_gravity_m_s2, most_gives) = match cut {
         Cut::Warp | Cut::Weft => (THREAD_LOAD_N_M, 98.0, 0.01),
         Cut::Bias => (BIAS_LOAD_N_M, 9.8, 0.05),
     };
@@ -609,12 +610,12 @@ pub fn extension(
         Cut::Bias => material.least_bias_stretch(at.spacing_m),
     });
     let weight_kg_m = material.weight_kg_m2 * at.spacing_m * LONG as f32;
-    let in_proportion = most * load_n_m as f32 / (weight_kg_m * slack).max(1e-6);
-    let g = in_proportion.min(gravity_m_s2);
+    let in_proportion = most_gives * load_n_m as f32 / (weight_kg_m * slack).max(1e-6);
+    let drawn_m_s2 = in_proportion.min(most_gravity_m_s2);
     let ([dimx, dimy], gravity_m_s2, load_n_m) = match cut {
-        Cut::Warp => ([LONG, 6], [g, 0.0, 0.0], load_n_m),
-        Cut::Weft => ([6, LONG], [0.0, -g, 0.0], load_n_m),
-        Cut::Bias => ([LONG, 10], [g, 0.0, 0.0], load_n_m * sheared),
+        Cut::Warp => ([LONG, 6], [drawn_m_s2, 0.0, 0.0], load_n_m),
+        Cut::Weft => ([6, LONG], [0.0, -drawn_m_s2, 0.0], load_n_m),
+        Cut::Bias => ([LONG, 10], [drawn_m_s2, 0.0, 0.0], load_n_m * sheared),
     };
     let grid = Grid::new(dimx, dimy, at.spacing_m)?;
     let params = Params {

@@ -166,6 +166,7 @@ fn notes(program: &Program, beside: &Path) -> String {
         let differs = differs(material, program.cloth.spacing_m);
         let differs = differs
             .into_iter()
+            .flatten()
             .map(|it| format!("\n    in the simulator, {it}"));
         std::iter::once(format!("\n  made of {}", material.name))
             .chain(sources)
@@ -175,7 +176,7 @@ fn notes(program: &Program, beside: &Path) -> String {
     notes.chain(unjudged).chain(material).chain(twin).collect()
 }
 
-/// Returns why nobody knows whether each step of the task's demonstration changes the cloth, if so.
+/// Returns a note if the steps of the demonstration have not been judged.
 fn unjudged(program: &Program, beside: &Path) -> Option<&'static str> {
     let wanted = program.demonstration_hash()?;
     let titles = [program.title(), program.task.clone()];
@@ -210,17 +211,19 @@ fn twin_too_stiff(_: &Program) -> Option<String> {
 
 /// Returns in what the simulated cloth of a material differs from it, and whether it can be simulated at all.
 #[cfg(feature = "runtime")]
-fn differs(material: &Material, spacing_m: f64) -> Vec<String> {
-    match fab_world::material(material).check(spacing_m as f32) {
-        Ok(warnings) => warnings.iter().map(ToString::to_string).collect(),
-        Err(error) => vec![format!("the cloth cannot be laid: {error}")],
-    }
+fn differs(material: &Material, spacing_m: f64) -> Option<Vec<String>> {
+    Some(
+        match fab_world::material(material).check(spacing_m as f32) {
+            Ok(warnings) => warnings.iter().map(ToString::to_string).collect(),
+            Err(error) => vec![format!("the cloth cannot be laid: {error}")],
+        },
+    )
 }
 
 /// Returns nothing: without a simulator no cloth is simulated.
 #[cfg(not(feature = "runtime"))]
-fn differs(_: &Material, _: f64) -> Vec<String> {
-    Vec::new()
+fn differs(_: &Material, _: f64) -> Option<Vec<String>> {
+    None
 }
 
 /// Lists the variants of a task, which follow it in `following`.

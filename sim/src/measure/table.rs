@@ -63,7 +63,7 @@ pub fn textile_table(
         ("bending length, bias", "cantilever, ASTM D1388 A", "mm", but(bias, stiff), bending(Cut::Bias)?),
         ("depth of a heart loop", "elastica, Plaut 2015", "mm", only(heart), heart_m),
         ("depth of a ring loop", "elastica, Plaut 2015", "mm", only(ring), ring_m),
-        ("height of a free fold", "elastica, Plaut 2015", "mm", only(fold_m), fold.height_m),
+        ("height of a free fold", "elastica, friction from 0.6 on", "mm", only(fold_m), fold.height_m),
         ("gap between layers", "free fold", "mm", but(material.thickness_m, gap_m), fold.gap_m),
         ("crease recovery, warp", "ISO 2313", "deg", but(recovery, opens), recovers(Cut::Warp)?),
         ("crease recovery, weft", "ISO 2313", "deg", but(recovery, opens), recovers(Cut::Weft)?),

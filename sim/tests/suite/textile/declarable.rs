@@ -3,26 +3,28 @@
 use super::*;
 use fab_sim::MaterialWarning;
 use fab_sim::measure::textile_table;
+use std::collections::BTreeMap;
 
-/// Returns the lines of the textile table that a warning names, each with the least that it still promises.
-fn named(warning: &MaterialWarning) -> Vec<(&'static str, f32)> {
-    let within = |names: &[&'static str]| {
-        names
-            .iter()
-            .map(|name| (*name, f32::NEG_INFINITY))
-            .collect()
-    };
+/// Returns the lines of the textile table that a warning names, each with the least and the most that it still promises, as
+/// shares of what is expected.
+fn named(warning: &MaterialWarning) -> Vec<(&'static str, [f32; 2])> {
+    const ANY: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
+    let within = |names: &[&'static str]| names.iter().map(|name| (*name, ANY)).collect();
     match warning {
         MaterialWarning::Coarse { .. } => within(&["bending length"]),
         MaterialWarning::Sharp { .. } => within(&["loop", "fold", "gap between layers", "crease"]),
-        MaterialWarning::Unsteady { .. } => within(&["momentum", "fold", "gap between layers"]),
-        MaterialWarning::Curls { least_m, .. } => vec![
-            ("bending length, bias", 1000.0 * least_m),
-            ("loop", f32::NEG_INFINITY),
-            ("fold", f32::NEG_INFINITY),
-            ("gap between layers", f32::NEG_INFINITY),
-        ],
-        MaterialWarning::Threads { declared, least } => vec![("stretch", 0.98 * least / declared)],
+        MaterialWarning::Unsteady { is_light: true, .. } => {
+            within(&["momentum", "fold", "gap between layers"])
+        }
+        MaterialWarning::Unsteady { .. } => within(&["momentum"]),
+        MaterialWarning::Curls { bias_m, least_m } => {
+            let mut lines = within(&["loop", "fold", "gap between layers"]);
+            lines.push(("bending length, bias", [least_m / bias_m, 1.1]));
+            lines
+        }
+        MaterialWarning::Threads { less } => ["stretch, warp", "stretch, weft"]
+            .map(|name| (name, [0.98 * (1.0 - less), 1.01]))
+            .to_vec(),
         // The table expects what these say.
         MaterialWarning::Gap { .. }
         | MaterialWarning::Crease { .. }
@@ -85,35 +87,71 @@ fn draw(next: &mut impl FnMut() -> f32) -> Material {
     }
 }
 
-/// Returns the lines of a material's table that are off and not warned of, and whether it can be simulated.
-fn silent_faults(material: &Material) -> Option<Vec<String>> {
-    let warnings = material.check(SPACING_M).ok()?;
-    let warned: Vec<_> = warnings.iter().flat_map(named).collect();
-    let readings =
-        textile_table(material, SPACING_M).unwrap_or_else(|error| panic!("{error}: {material:?}"));
-    let silent = readings.iter().filter_map(|reading| {
+/// What a material's table and its warnings make of each other.
+struct Judged {
+    /// The lines that are off and not warned of.
+    silent: Vec<String>,
+    /// The kind of each warning that names lines, and whether one of them is off.
+    warned: Vec<(String, bool)>,
+}
+
+fn judged(material: &Material) -> Judged {
+    let failed = |why: String| -> ! { panic!("{why}: {material:?}") };
+    let warnings = material.check(SPACING_M);
+    let warnings = warnings.unwrap_or_else(|error| failed(error.to_string()));
+    let readings = textile_table(material, SPACING_M);
+    let readings = readings.unwrap_or_else(|error| failed(error.to_string()));
+    let off = readings.iter().filter_map(|reading| {
         let expected = reading.expected?;
         let [share, plain] = bound(reading.what, expected, material.gap_m());
         let is_right = (reading.measured - expected).abs() <= share * expected + plain;
-        let is_warned = warned.iter().any(|(name, least)| {
-            // A share where it is said of both threads.
-            let least = f64::from(*least) * if *name == "stretch" { expected } else { 1.0 };
-            let is_there = reading.measured.is_finite();
-            reading.what.contains(name) && !(is_there && reading.measured < least)
-        });
-        (!is_right && !is_warned)
-            .then(|| format!("{}: {} of {expected}", reading.what, reading.measured))
+        (!is_right).then_some((reading.what, reading.measured, expected))
     });
-    Some(silent.collect())
+    let off: Vec<_> = off.collect();
+    let is_named = |warning: &MaterialWarning, what: &str, share: f32| {
+        named(warning).iter().any(|(name, [least, most])| {
+            what.contains(name) && (share.is_nan() || (*least..=*most).contains(&share))
+        })
+    };
+    let silent = off.iter().filter(|(what, measured, expected)| {
+        let share = (measured / expected) as f32;
+        !warnings.iter().any(|it| is_named(it, what, share))
+    });
+    let silent =
+        silent.map(|(what, measured, expected)| format!("{what}: {measured} of {expected}"));
+    let naming = warnings.iter().filter(|it| !named(it).is_empty());
+    let warned = naming.map(|warning| {
+        let kind = format!("{warning:?}");
+        let kind = kind.split(' ').next().unwrap().to_owned();
+        let is_off = off.iter().any(|(what, ..)| {
+            let mut names = named(warning).into_iter();
+            names.any(|(name, _)| what.contains(name))
+        });
+        (kind, is_off)
+    });
+    Judged {
+        silent: silent.collect(),
+        warned: warned.collect(),
+    }
 }
 
-fn judge(materials: impl Iterator<Item = Material>) {
-    let faults = materials.filter_map(|material| {
-        let silent = silent_faults(&material)?;
-        (!silent.is_empty()).then(|| format!("{silent:?}\n    of {material:?}"))
-    });
-    let faults: Vec<String> = faults.collect();
-    assert!(faults.is_empty(), "{}", faults.join("\n"));
+/// Fails if a line is off that nothing warns of; returns by kind of warning how many there were, and how many of them were right.
+fn judge(materials: impl Iterator<Item = Material>) -> BTreeMap<String, [usize; 2]> {
+    let mut faults = Vec::new();
+    let mut counts = BTreeMap::new();
+    for material in materials {
+        let Judged { silent, warned } = judged(&material);
+        if !silent.is_empty() {
+            faults.push(format!("{silent:?}\n    of {material:?}"));
+        }
+        for (kind, is_off) in warned {
+            let [n_warned, n_off] = counts.entry(kind).or_insert([0, 0]);
+            *n_warned += 1;
+            *n_off += usize::from(is_off);
+        }
+    }
+    assert!(faults.is_empty(), "{}\n{counts:?}", faults.join("\n"));
+    counts
 }
 
 #[test]
@@ -130,10 +168,17 @@ fn a_material_shows_what_it_declares_or_is_warned_of() {
     judge(materials.into_iter());
 }
 
+/// Each kind of warning is right at least once in eight times.
+///
+/// Measured of the first 24: unsteady 1 of 4, coarse 4 of 9, curls 7 of 14, sharp 11 of 12, threads 12 of 12.
 #[test]
 #[ignore = "long"]
 fn materials_from_all_ranges_show_what_they_declare_or_are_warned_of() {
     let mut next = draws(2);
     let drawn = std::iter::repeat_with(|| draw(&mut next));
-    judge(drawn.filter(|it| it.check(SPACING_M).is_ok()).take(60));
+    let counts = judge(drawn.filter(|it| it.check(SPACING_M).is_ok()).take(60));
+    assert_eq!(counts.len(), 5, "{counts:?}");
+    for [n_warned, n_off] in counts.values() {
+        assert!(8 * n_off >= *n_warned, "{counts:?}");
+    }
 }
