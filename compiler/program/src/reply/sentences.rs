@@ -801,7 +801,7 @@ impl<'a> Sentences<'a> {
                     .get(index + 1)
                     .is_some_and(|next| next.is_sign(',') || next.is("wait"));
             // `Pick (1, 2), not (3, 4), and place …`: what is denied there is another value.
-            let is_other = !token.is_any(&["if", "unless"])
+            let is_other = !token.is_any(&["if", "unless", "example", "e.g."])
                 && (index + 1..at).any(|between| {
                     self.tokens[between].is_sign(',') || self.tokens[between].is("but")
                 })
@@ -1033,7 +1033,7 @@ impl<'a> Sentences<'a> {
                 && self.tokens[at].is_any(&["moved", "dragged", "pulled", "shifted"]);
             let is_active = self.tokens[at].is_any(&[
                 "move", "moves", "moving", "drag", "drags", "dragging", "pull", "pulls", "pulling",
-                "shift", "shifting",
+                "shift", "shifting", "carry", "carries",
             ]);
             if !(is_active || is_passive) || is_noun {
                 continue;
@@ -1075,8 +1075,9 @@ impl<'a> Sentences<'a> {
             let suffices = { self.tokens[end..].iter().take(2) }
                 .any(|token| token.is_any(&["all", "enough"]))
                 || Cursor::at(self.tokens, end).eat_words("and no more");
-            let is_doubted = !suffices
-                && self.tokens[end..].iter().take(4).any(|token| {
+            let is_doubted = !suffices && { self.tokens[end..].iter().take(4) }
+                .take_while(|it| !it.is_sign('.'))
+                .any(|token| {
                     token.is_any(&[
                         "would", "could", "might", "may", "is", "was", "less", "more", "or",
                         "wouldn't", "won't", "couldn't", "doesn't",

@@ -196,6 +196,8 @@ pub(super) fn parts(tokens: &[Token<'_>], sentence: Range<usize>) -> Vec<Range<u
             && !tokens[begin..at]
                 .iter()
                 .any(|it| it.is_any(UNREAL) || it.is_any(&["need", "needed", "necessary"]));
+        let is_aim =
+            is_aim || tokens[at].is("in") && tokens.get(at + 1).is_some_and(|it| it.is("order"));
         let is_sign = is_dash || matches!(tokens[at].kind, Kind::Sign(';' | ':'));
         if is_reason || is_aim || is_sign {
             parts.push(begin..at);
