@@ -232,7 +232,7 @@ impl std::fmt::Display for MaterialWarning {
             ),
             MaterialWarning::Threads { less } => write!(
                 f,
-                "along its threads the cloth gives up to `{:.0}` % less than declared: shear carries part of the load",
+                "along its threads the cloth gives up to `{:.0}` % less than declared, and on the bias more: shear carries part of the load",
                 (100.0 * less).ceil()
             ),
             MaterialWarning::Crease {

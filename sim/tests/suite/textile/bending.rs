@@ -451,7 +451,7 @@ fn what_a_cloth_cannot_show_is_warned_of() {
         ),
         (
             of(&|it| it.stretch.weft = 0.3),
-            "along its threads the cloth gives up to `3` % less than declared: shear carries part of the load",
+            "along its threads the cloth gives up to `3` % less than declared, and on the bias more: shear carries part of the load",
         ),
         (
             of(&|it| it.crease_recovery_deg = 5.0),

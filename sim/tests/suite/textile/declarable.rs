@@ -22,9 +22,14 @@ fn named(warning: &MaterialWarning) -> Vec<(&'static str, [f32; 2])> {
             lines.push(("bending length, bias", [least_m / bias_m, 1.1]));
             lines
         }
-        MaterialWarning::Threads { less } => ["stretch, warp", "stretch, weft"]
-            .map(|name| (name, [0.98 * (1.0 - less), 1.01]))
-            .to_vec(),
+        MaterialWarning::Threads { less } => {
+            let least = 0.98 * (1.0 - less);
+            let mut lines = ["stretch, warp", "stretch, weft"]
+                .map(|name| (name, [least, 1.01]))
+                .to_vec();
+            lines.push(("stretch, bias", [0.9, 1.15]));
+            lines
+        }
         // The table expects what these say.
         MaterialWarning::Gap { .. }
         | MaterialWarning::Crease { .. }
