@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::Path;
+use std::time::Duration;
 
 /// The longest line accepted, bytes.
 pub const MAX_LINE_BYTES: usize = 16 << 20;
@@ -20,6 +21,10 @@ pub fn text(line: &impl Serialize) -> io::Result<String> {
 }
 
 // ---- writing -------------------------------------------------------------------------------------
+
+/// How often a journal that is locked is tried, and how long to wait before each further try.
+const LOCK_TRIES: u32 = 10;
+const LOCK_WAIT: Duration = Duration::from_millis(20);
 
 /// A journal open for appending.
 #[derive(Debug)]
@@ -58,7 +63,13 @@ impl Appender {
     ///
     /// Returns whether the journal was free. Some file systems have no locks; there the user has to take care.
     pub fn lock(&self) -> bool {
-        !matches!(self.file.try_lock(), Err(TryLockError::WouldBlock))
+        // A program that is just being started holds the files of its parent for a moment, also those that were closed.
+        (0..LOCK_TRIES).any(|tried| {
+            if tried > 0 {
+                std::thread::sleep(LOCK_WAIT);
+            }
+            !matches!(self.file.try_lock(), Err(TryLockError::WouldBlock))
+        })
     }
 
     /// Sets how many bytes are kept; the next line replaces the rest.
