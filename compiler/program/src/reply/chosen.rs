@@ -33,12 +33,26 @@ const WEIGHING: &[&str] = words!("too or either between both exceeds far also mo
 const DROPPING: &[&str] =
     words!("too near rules ruled out ring last excluded forbidden invalid breaks violates");
 
+/// What else than a motion goes from one point to another.
+const LINES: &[&str] = words!(
+    "edge side hem rim border crease line diagonal seam boundary distance length vector px pixels mm gap row not neither nor than second
+    opposite far"
+);
+
 /// The most tokens of a line or sentence that is looked at.
 const MAX_PART: usize = 60;
 
 /// Returns what an answer says that it chooses: the values with which numbered lines begin, the angles at which the
-/// gripper comes, and, where there is one point, the point that a sentence chooses.
-pub(super) fn of(reader: &Reader<'_>, text: &str, tokens: &[Token<'_>]) -> Vec<Claim> {
+/// gripper comes, where a motion from the pick point goes, and, where there is one point, the point that a sentence
+/// chooses.
+///
+/// - `stated`: what it states.
+pub(super) fn of(
+    reader: &Reader<'_>,
+    text: &str,
+    tokens: &[Token<'_>],
+    stated: &[Claim],
+) -> Vec<Claim> {
     let answer = Answer {
         reader,
         text,
@@ -60,6 +74,10 @@ pub(super) fn of(reader: &Reader<'_>, text: &str, tokens: &[Token<'_>]) -> Vec<C
         let comes = parts.filter(|part| answer.comes_at(field, part.clone()));
         claims.extend(comes.filter_map(|part| answer.claim(field, part)));
     }
+    if let [Some(pick), Some(place)] = ["pick", "place"].map(|name| only_point(reader, name)) {
+        let parts = value::sentences(tokens).flat_map(|it| sizes::parts(tokens, it));
+        claims.extend(parts.filter_map(|part| answer.goes(pick, place, part, stated)));
+    }
     if let Some(field) = point {
         let sentences: Vec<Range<usize>> = value::sentences(tokens).collect();
         let chooses = sentences.iter().enumerate().filter(|(at, it)| {
@@ -71,6 +89,11 @@ pub(super) fn of(reader: &Reader<'_>, text: &str, tokens: &[Token<'_>]) -> Vec<C
         claims.extend(chooses.filter_map(|(_, part)| answer.claim(field, part.clone())));
     }
     claims
+}
+
+/// Returns the point field of a name.
+fn only_point(reader: &Reader<'_>, name: &str) -> Option<usize> {
+    names::only(reader.fields, |it| it.name == name && it.is_point())
 }
 
 struct Answer<'a> {
@@ -141,6 +164,34 @@ impl<'a> Answer<'a> {
                         && value::bare(&mut cursor, &self.context(field)).is_some()
                 })
         })
+    }
+
+    /// Returns where a part says that a motion from the picked point goes: `The fold runs from (10, 20) to (30, 40)`.
+    fn goes(
+        &self,
+        pick: usize,
+        place: usize,
+        part: Range<usize>,
+        stated: &[Claim],
+    ) -> Option<Claim> {
+        let words = &self.tokens[part];
+        let is_other =
+            |it: &Token<'_>| it.is_any(UNREAL) || it.is_any(WEIGHING) || it.is_any(LINES);
+        if words.len() > MAX_PART || words.iter().any(is_other) {
+            return None;
+        }
+        let from = words.iter().position(|it| it.is("from"))?;
+        let mut cursor = Cursor::at(words, from + 1);
+        let (picked, _) = value::bare(&mut cursor, &self.context(pick))?;
+        let is_picked = stated.iter().any(|it| it.value_of(pick) == Some(&picked));
+        cursor.eat_any(&["to", "onto"]).then_some(())?;
+        let (value, _) = value::bare(&mut cursor, &self.context(place))?;
+        let named = Named {
+            value,
+            is_worded: false,
+        };
+        let span = words[from].at..words[cursor.at - 1].end();
+        is_picked.then(|| Claim::new(place, span, Claimed::Chosen(vec![named])))
     }
 
     /// Returns whether a sentence says of the one before it that it will not do: `It lies too near to a ring.`

@@ -102,7 +102,8 @@ pub(super) fn of(reader: &Reader<'_>, reply: &str) -> Claims {
     text = without_candidates(reader, text);
     claims.extend(reader.sentences(&text, None));
     let tokens = lexer::tokens(&text);
-    claims.extend(chosen::of(reader, &text, &tokens));
+    let chosen = chosen::of(reader, &text, &tokens, &claims);
+    claims.extend(chosen);
     let reasons = worded(reader, &beside.reasons, reply).into_iter();
     // A direction in words may stand for an angle, but not from within a reason.
     let is_stated = |field| {

@@ -100,6 +100,12 @@ const VERBS: [(&str, &[&str], Form); 8] = [
     ("pick", &["pulled", "dragged", "moved"], Form::PassiveAt),
 ];
 
+/// The same of two words, `take hold of the cloth at`, `let go of it at`: the first one's forms, and the second one.
+const PAIRS: [(&str, &[&str], &str); 2] = [
+    ("pick", &["take", "takes", "taking", "get"], "hold"),
+    ("place", &["let", "lets", "letting"], "go"),
+];
+
 /// Other labels that models give to a field, read only where its value follows: `Target: (30, 40)`.
 ///
 /// The first word is a field's name, or the kind of which there is one field.
@@ -432,11 +438,10 @@ fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Menti
             .iter()
             .position(|field| field.name == wanted && field.is_point())
     };
-    // `take hold of the cloth at`
-    let takes = tokens[at].is("hold")
-        && at > 0
-        && tokens[at - 1].is_any(&["take", "takes", "taking", "get"]);
-    if takes && let Some(field) = has("pick") {
+    let pair = PAIRS.iter().find(|(_, verbs, behind)| {
+        at > 0 && tokens[at].is(behind) && tokens[at - 1].is_any(verbs)
+    });
+    if let Some(field) = pair.and_then(|(name, ..)| has(name)) {
         return Some(Mention {
             field,
             form: Form::Verb,

@@ -981,11 +981,15 @@ impl<'a> Sentences<'a> {
         let found = (0..self.tokens.len()).filter_map(|at| {
             let mut cursor = Cursor::at(self.tokens, at);
             let ends = ["end up", "come to lie", "let go", "land"];
+            let opens = ["opens at", "opens over", "lets go of it at", "lets go at"];
             let before = self.tokens[..at].last()?;
             let needs = before.is_any(&["must", "should", "to"]);
             // `The lower left corner, (10, 20), goes to the center, (30, 40).`
             let is_corner = before.is_any(&["corner", "tip", "flap"]) || before.is_sign(',');
+            // `carries that corner across the cloth, and opens at (30, 40)`
+            let is_gripper = before.is_any(&["and", "gripper", "then", "fingers"]);
             let lands = needs && ends.iter().any(|words| cursor.eat_words(words))
+                || is_gripper && opens.iter().any(|words| cursor.eat_words(words))
                 || is_corner && cursor.eat_words("goes to");
             if !lands {
                 return None;
@@ -1218,7 +1222,13 @@ impl<'a> Sentences<'a> {
                 continue;
             }
             let sentence = self.sentence(at);
-            if is_unreal[sentence.clone()].contains(&true) {
+            // `upward, which is where the flat cloth's edge would be`
+            let adds = |it: &usize| {
+                self.tokens[*it].is_sign(',')
+                    && { self.tokens.get(it + 1) }.is_some_and(|next| next.is_any(&["which", "where"]))
+            };
+            let end = (at..sentence.end).find(adds).unwrap_or(sentence.end);
+            if is_unreal[sentence.start..end].contains(&true) {
                 continue;
             }
             let course = (at + 1..sentence.end.min(at + MAX_CARRIED)).find_map(|begin| {

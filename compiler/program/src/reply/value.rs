@@ -452,6 +452,10 @@ fn at_value(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> Found {
         *cursor = chosen;
         return at_value(cursor, context);
     }
+    if let Some(chosen) = marked_in_echo(start, context) {
+        eat_echo(cursor, context);
+        return Found::Value(chosen, None);
+    }
     let mut echo = start;
     if eat_echo(&mut echo, context) || (is_placeholder(start) && !begins_word(&start)) {
         return Found::Nothing;
@@ -611,6 +615,29 @@ fn eat_echo(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> bool {
                 index == 0 || cursor.eat_signs(&['|', ',', '/']).is_some() || cursor.eat_word("or");
             links && words::eat(cursor, &lexer::tokens(&text))
         })
+}
+
+/// Returns the only choice that is in bold where all are listed: `0 deg | **45 deg** | 90 deg`.
+fn marked_in_echo(mut cursor: Cursor<'_, '_>, context: &Context<'_>) -> Option<Value> {
+    let mut echo = cursor;
+    if !eat_echo(&mut echo, context) {
+        return None;
+    }
+    let mut marked = space::declared(context.expected.field)
+        .into_iter()
+        .filter(|value| {
+            let _ = cursor.eat_signs(&['|', ',', '/']).is_some() || cursor.eat_word("or");
+            let start = cursor.at;
+            let text = space::text(context.expected.field, value);
+            words::eat(&mut cursor, &lexer::tokens(&text));
+            let [first, last] = [start, cursor.at - 1].map(|at| cursor.tokens[at]);
+            let is_bold = |mark| {
+                context.whole[..first.at].ends_with(mark)
+                    && context.whole[last.end()..].starts_with(mark)
+            };
+            is_bold("**") || is_bold("__")
+        });
+    marked.next().filter(|_| marked.next().is_none())
 }
 
 /// Returns where the choice stands after the list of all choices: `0 deg | 45 deg | 90 deg → 45 deg`.
@@ -816,6 +843,12 @@ fn tail(
                 continue;
             }
             Kind::Word if is_joined_word(&cursor) => return Err(goes_on(before, context)),
+            // `Pick Point = (10, 20) and` above the next field
+            Kind::Word if token.is("and") && cursor.rest().len() == 1 => {
+                let below = context.whole[token.end()..].trim_start();
+                let is_name = below.starts_with(|it: char| it.is_alphabetic() || it == '*');
+                return is_name.then_some(()).ok_or_else(|| goes_on(before, context));
+            }
             Kind::Word
                 if names_side(&cursor, context) && restated(&mut cursor, context, value)? => {}
             Kind::Word => {

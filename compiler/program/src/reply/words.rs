@@ -81,7 +81,19 @@ pub(super) fn side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {
                 (true, false) => 315.0,
             };
         }
-        None => *cursor = behind,
+        None => {
+            *cursor = behind;
+            // `Up to half an edge`
+            let is_bound = cursor.eat_word("to")
+                && cursor.peek().is_some_and(|next| {
+                    next.kind == Kind::Number || next.is_any(&["half", "a", "an", "one", "three"])
+                });
+            *cursor = behind;
+            if is_bound {
+                *cursor = start;
+                return None;
+            }
+        }
     }
     // `right of the center` is a place; `the top of the picture` is a direction.
     let of_picture = (1..=2).any(|at| {

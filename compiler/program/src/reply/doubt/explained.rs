@@ -38,7 +38,11 @@ pub(super) fn why(clauses: &[Clause<'_>]) -> Option<&'static str> {
                 let next = clauses.get(at + 1);
                 // `I would rather gain a little than lose what is won`
                 let compares = next.is_some_and(|next| next.joint == "than");
-                if compares || next.is_some_and(|next| next.wonders_about_the_cloth()) {
+                let is_settled = clauses[at + 1..].iter().any(|it| it.holds_either_way());
+                if compares
+                    || is_settled
+                    || next.is_some_and(|next| next.wonders_about_the_cloth())
+                {
                     return None;
                 }
                 clause.takes_back(at)
@@ -77,6 +81,16 @@ impl Clause<'_> {
         words!("whether how why").contains(&self.joint)
             && !self.words.iter().any(judges)
             && !self.words.windows(2).any(is_right)
+    }
+
+    /// `[I can't be sure that it is a corner,] but pulling it will help in either case`
+    fn holds_either_way(&self) -> bool {
+        let helps = |it: &&str| words!("help helps work works gain gains right same").contains(it);
+        self.joint == "but"
+            && self.words.iter().any(helps)
+            && (self.words.ends_with(&["in", "either", "case"])
+                || self.words.ends_with(&["either", "way"])
+                || self.words.ends_with(&["in", "any", "case"]))
     }
 
     fn regrets(&self) -> bool {
