@@ -58,6 +58,9 @@ const RELEASING: &[&str] = words!("go released releases placed dropped down ends
 const COMPARING: &[&str] =
     words!("closest close next nearest near opposite similar belongs equal parallel");
 
+/// Verbs after `I` for what is picked, unless it is chosen `as` something.
+const CHOOSING: &[&str] = words!("choose chose select selected");
+
 /// What may stand between a verb and its corner.
 const BETWEEN: &[&str] =
     words!("the its this up by at on hold of cloth cloth's fabric towel my your towel's fabric's");
@@ -122,13 +125,22 @@ pub(super) fn of_sentence(
             && at >= sentence.start + 2
             && tokens[at - 1].is("point")
             && tokens[at - 2].is_any(&["pick", "grasp"]);
-        let taken = match is_act || begins || is_point {
+        let chooses = tokens[at].is_any(CHOOSING)
+            && at > sentence.start
+            && tokens[at - 1].is_any(&["i", "we"]);
+        let taken = match is_act || chooses || begins || is_point {
             true => taken(Cursor::at(within, at + 1)),
             false => corner(within, at)
                 .filter(|corner| is_taken(Cursor::at(within, corner.end), notation)),
         };
         // The tail of an arrow is seen roughly, so only a corner's name counts.
-        let Some(taken) = taken.filter(|it| !(begins || is_point) || it.deg.is_some()) else {
+        let is_told = |it: &Corner| {
+            // `I chose the lower left corner as the target`
+            let next = within.get(it.end);
+            let is_use = chooses && next.is_some_and(|next| next.is_any(&["as", "for", "to"]));
+            !is_use && (it.deg.is_some() || !(begins || is_point || chooses))
+        };
+        let Some(taken) = taken.filter(is_told) else {
             continue;
         };
         add(pick, at, taken);

@@ -818,6 +818,12 @@ fn tail(
             Kind::Sign('→') if eat_point_behind(&mut cursor, context) => {
                 return explanation(cursor, context, value, true);
             }
+            // `(10, 20)  // top right corner`
+            Kind::Sign('/') if is_comment(&cursor) => {
+                cursor.at += 2;
+                is_apart = true;
+                continue;
+            }
             Kind::Sign('=' | '≈' | '/' | '|' | '→') => {
                 cursor.at += 1;
                 restated(&mut cursor, context, value)?
@@ -895,6 +901,13 @@ fn tail(
         }
         is_apart = false;
     }
+}
+
+/// Returns whether a comment begins: two slashes, blanks, and a word.
+fn is_comment(cursor: &Cursor<'_, '_>) -> bool {
+    let [slash, word] = [1, 2].map(|at| cursor.ahead(at));
+    slash.is_some_and(|it| it.is_sign('/') && it.gap == Gap::None)
+        && word.is_some_and(|it| it.kind == Kind::Word && it.gap == Gap::Space)
 }
 
 /// Returns whether only words follow an arrow.
