@@ -338,6 +338,45 @@ fn a_search_shows_how_far_it_is_and_prints_what_it_found_when_it_is_interrupted(
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn rows_are_printed_if_it_is_interrupted_before_anything_is_tried() {
+    let folder = tempfile::tempdir().unwrap();
+    // The expert's rollout leaves its end in the cache; the search needs the state after its first fold, too.
+    let fold = "fold corner(back_left) -> center";
+    let two = KNOWN.replace(fold, &format!("{fold}\nfold corner(front_right) -> center"));
+    let arguments = "--start 7 --threads 1 --out kept";
+    let mut session = Session::in_window(&command(folder.path(), &two, arguments).process());
+    session.until("start 1 of 1: 1 of 7 rollouts beside it");
+    session.send("\u{3}");
+    let (code, shown) = session.end();
+    assert_eq!(code, Some(130), "{shown}");
+    let document = &shown[shown.find("{\n").expect(&shown)..];
+    let found: Value = serde_json::from_str(document).expect(document);
+    let none = &Value::Null;
+    let rows = found["unsearched"]["rows"].as_array().expect(&shown).iter();
+    let row = |name: &str| rows.clone().find(|row| row["row"] == name).unwrap();
+    // The first rollout is the expert's.
+    assert_ne!(&row("expert")["value"], none, "{shown}");
+    assert_eq!(row("stand-in")["none"], "interrupted", "{shown}");
+}
+
+#[test]
+fn the_best_is_behind_no_rollout_of_a_policy_however_few_the_trials() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, found) = run(folder.path(), ANYWHERE, "--start 6 --trials 2 --out kept");
+    let best = found["rows"][0]["value"].as_f64().unwrap();
+    let rollouts = fs::read_dir(folder.path().join("kept/start-1")).unwrap();
+    let ends = rollouts.filter_map(|entry| {
+        let record = fs::read_to_string(entry.unwrap().path().join("rollout.jsonl")).ok()?;
+        let end: Value = serde_json::from_str(record.lines().last()?).unwrap();
+        end["report"]["normalized_improvement"].as_f64()
+    });
+    let ends: Vec<f64> = ends.collect();
+    assert!(ends.len() > 5, "{ends:?}");
+    assert!(ends.iter().all(|end| *end <= best), "{best} {ends:?}");
+}
+
+#[test]
 fn what_cannot_be_searched_is_told() {
     let folder = tempfile::tempdir().unwrap();
     for world in ["arm", "exec:true"] {

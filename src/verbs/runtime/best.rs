@@ -27,8 +27,9 @@ use fab_world::start::Start;
 use fab_world::{SimulatedWorld, World, WorldError};
 use report::Report;
 use rows::Row;
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// The most trials of a start. The states of a search of that size fit in memory.
 const MOST_TRIALS: i64 = 1_000_000;
@@ -81,6 +82,20 @@ pub struct AtStart {
     pub rows: Vec<Row>,
 }
 
+/// What there is of a start that was interrupted before anything was tried.
+pub struct Unsearched {
+    pub start: Start,
+    /// What policies do there.
+    pub rows: Vec<Row>,
+}
+
+/// How far a start got.
+enum Searched {
+    Found(Box<AtStart>),
+    /// It was interrupted before.
+    Not(Option<Unsearched>),
+}
+
 /// Searches, compares, and reports.
 pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     if arguments.world != WorldChoice::Sim {
@@ -110,10 +125,11 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         cache: &cache,
         interrupt: &interrupt,
         io,
-        begun: Instant::now(),
+        searching: Cell::default(),
     };
     let world = setting::world(&program).map_err(Failure::environment)?;
     let mut all = Vec::new();
+    let mut unsearched = None;
     for (number, start) in starts.iter().enumerate() {
         if interrupt.is_raised() && !all.is_empty() {
             break;
@@ -125,14 +141,19 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
             laid => laid?,
         };
         match shared.search(number, start)? {
-            Some(found) => all.push(found),
-            None => break,
+            Searched::Found(found) => all.push(*found),
+            Searched::Not(what) => {
+                unsearched = what;
+                break;
+            }
         }
     }
     let report = Report {
         arguments,
         program: &program,
+        measure,
         starts: &all,
+        unsearched: unsearched.as_ref(),
         out: &out,
     };
     io.report(arguments.json, || report.json(), || report.text());
@@ -182,12 +203,13 @@ struct Shared<'a> {
     cache: &'a Cache,
     interrupt: &'a Interrupt,
     io: &'a Io,
-    begun: Instant,
+    /// How long earlier starts were searched, without the rollouts beside them.
+    searching: Cell<Duration>,
 }
 
 impl Shared<'_> {
-    /// Searches one start, and plays the rows beside it; `None` if it was stopped before anything was tried.
-    fn search(&self, number: usize, start: Start) -> Result<Option<AtStart>, Failure> {
+    /// Searches one start, and plays the rows beside it.
+    fn search(&self, number: usize, start: Start) -> Result<Searched, Failure> {
         let Shared {
             arguments,
             cache,
@@ -206,7 +228,7 @@ impl Shared<'_> {
         };
         let subgoals = prepare(self.declared, &start, self.beside, &make_boxed, interrupt)?;
         let Some(subgoals) = subgoals else {
-            return Ok(None);
+            return Ok(Searched::Not(None));
         };
         if number == 0 {
             say_origin(subgoals.origin, &arguments.task.file, io);
@@ -222,22 +244,6 @@ impl Shared<'_> {
         let journal = TrialJournal::open(&folder, &identity).map_err(failure)?;
         let most = arguments.trials;
         let most_beyond = most / BEYOND;
-        let (starts, before) = (arguments.starts, number as u32);
-        // Each start counts with the most trials that it may take, so that the time left is hardly ever too short.
-        let bar = Bar {
-            io,
-            begun: self.begun,
-            of: u64::from(starts) * u64::from(most + most_beyond),
-        };
-        let of_start = |trials: u32, what: &str| {
-            let done = u64::from(before) * u64::from(most + most_beyond) + u64::from(trials);
-            bar.show(done, &format!("start {} of {starts}: {what}", before + 1));
-        };
-        let progress = |trials: u32| of_start(trials, &format!("{trials} of {most} trials"));
-        let progress_beyond = |trials: u32| {
-            let what = format!("{trials} of {most_beyond} not offered");
-            of_start(most + trials, &what);
-        };
         let unhinted = Search {
             program: &program,
             start: &start,
@@ -254,23 +260,43 @@ impl Shared<'_> {
             hints: &[],
             journal: Some(&journal),
             interrupt,
-            progress: &progress,
+            progress: &|_| {},
         };
+        let (starts, before) = (arguments.starts, number as u32);
         let playing = rows::Playing {
             search: &unhinted,
             examples: self.examples,
             folder: &folder,
             io,
         };
-        let (policies, hints) = playing.policies(self.measure.metric)?;
+        let of = format!("start {} of {starts}", before + 1);
+        let (policies, hints) = playing.policies(self.measure, &of)?;
+        // Each start counts with the most trials that it may take, so that the time left is hardly ever too short.
+        let bar = Bar {
+            io,
+            begun: Instant::now(),
+            before: self.searching.get(),
+            of: u64::from(starts) * u64::from(most + most_beyond),
+        };
+        let of_start = |trials: u32, what: &str| {
+            let done = u64::from(before) * u64::from(most + most_beyond) + u64::from(trials);
+            bar.show(done, &format!("{of}: {what}"));
+        };
+        let progress = |trials: u32| of_start(trials, &format!("{trials} of {most} trials"));
+        let progress_beyond = |trials: u32| {
+            let what = format!("{trials} of {most_beyond} not offered");
+            of_start(most + trials, &what);
+        };
         let search = Search {
             hints: &hints,
+            progress: &progress,
             ..unhinted
         };
         let searched = unless_stopped(best::search(&search));
         io.progress("");
         let Some((found, tree)) = searched.map_err(failure)? else {
-            return Ok(None);
+            let rows = policies;
+            return Ok(Searched::Not(Some(Unsearched { start, rows })));
         };
         let search = Search {
             progress: &progress_beyond,
@@ -280,15 +306,17 @@ impl Shared<'_> {
         io.progress("");
         let tried = tried.map_err(failure)?;
         drop(tree);
+        self.searching
+            .set(self.searching.get() + bar.begun.elapsed());
         let mut rows = vec![playing.best(&found)?];
         rows.extend(policies);
-        Ok(Some(AtStart {
+        Ok(Searched::Found(Box::new(AtStart {
             found,
             unoffered: tried,
             rows,
             start,
             program,
-        }))
+        })))
     }
 }
 
@@ -296,6 +324,8 @@ impl Shared<'_> {
 struct Bar<'a> {
     io: &'a Io,
     begun: Instant,
+    /// How long earlier starts took.
+    before: Duration,
     /// The most trials that it makes.
     of: u64,
 }
@@ -306,7 +336,8 @@ impl Bar<'_> {
         const CELLS: usize = 20;
         let share = done as f64 / self.of.max(1) as f64;
         let full = (share * CELLS as f64) as usize;
-        let left_s = self.begun.elapsed().as_secs_f64() * (1.0 / share.max(1e-6) - 1.0);
+        let spent = self.before + self.begun.elapsed();
+        let left_s = spent.as_secs_f64() * (1.0 / share.max(1e-6) - 1.0);
         self.io.progress(&format!(
             "[{:-<CELLS$}] {what}, at most {} left",
             "#".repeat(full.min(CELLS)),

@@ -438,9 +438,9 @@ fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Menti
             .iter()
             .position(|field| field.name == wanted && field.is_point())
     };
-    let pair = PAIRS.iter().find(|(_, verbs, behind)| {
-        at > 0 && tokens[at].is(behind) && tokens[at - 1].is_any(verbs)
-    });
+    let pair = PAIRS
+        .iter()
+        .find(|(_, verbs, behind)| at > 0 && tokens[at].is(behind) && tokens[at - 1].is_any(verbs));
     if let Some(field) = pair.and_then(|(name, ..)| has(name)) {
         return Some(Mention {
             field,

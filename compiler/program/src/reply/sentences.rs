@@ -1224,8 +1224,8 @@ impl<'a> Sentences<'a> {
             let sentence = self.sentence(at);
             // `upward, which is where the flat cloth's edge would be`
             let adds = |it: &usize| {
-                self.tokens[*it].is_sign(',')
-                    && { self.tokens.get(it + 1) }.is_some_and(|next| next.is_any(&["which", "where"]))
+                self.tokens[*it].is_sign(',') && { self.tokens.get(it + 1) }
+                    .is_some_and(|next| next.is_any(&["which", "where"]))
             };
             let end = (at..sentence.end).find(adds).unwrap_or(sentence.end);
             if is_unreal[sentence.start..end].contains(&true) {

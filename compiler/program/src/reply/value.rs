@@ -853,7 +853,9 @@ fn tail(
             Kind::Word if token.is("and") && cursor.rest().len() == 1 => {
                 let below = context.whole[token.end()..].trim_start();
                 let is_name = below.starts_with(|it: char| it.is_alphabetic() || it == '*');
-                return is_name.then_some(()).ok_or_else(|| goes_on(before, context));
+                return is_name
+                    .then_some(())
+                    .ok_or_else(|| goes_on(before, context));
             }
             Kind::Word
                 if names_side(&cursor, context) && restated(&mut cursor, context, value)? => {}

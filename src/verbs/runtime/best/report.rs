@@ -4,11 +4,11 @@
 //! and the line that would help.
 
 use super::rows::Row;
-use super::{AtStart, BestArguments};
+use super::{AtStart, BestArguments, Unsearched};
 use crate::verbs::new::simulator::point_text;
 use crate::verbs::runtime::subgoals::offered::cure;
 use fab_agent::best::unoffered::{Better, Lacking, Measured};
-use fab_agent::best::{Choice, Found, Taken};
+use fab_agent::best::{Choice, Found, Measure, Taken};
 use fab_bench::statistics::{Clusters, Statistic, Summary, summary};
 use fab_program::{Choices, Goal, Metric, Program, Proposal, space};
 use serde_json::{Value, json};
@@ -18,7 +18,10 @@ use std::path::Path;
 pub struct Report<'a> {
     pub arguments: &'a BestArguments,
     pub program: &'a Program,
+    pub measure: Measure,
     pub starts: &'a [AtStart],
+    /// The start at which it was interrupted, if nothing was tried there.
+    pub unsearched: Option<&'a Unsearched>,
     pub out: &'a Path,
 }
 
@@ -48,18 +51,25 @@ impl Report<'_> {
         for at in self.starts {
             lines.extend(self.start_lines(at));
         }
-        if let Some(first) = self.starts.first() {
+        if !self.starts.is_empty() {
             if self.starts.len() > 1 {
                 lines.push(format!(
                     "{} starts, mean and 95 % interval",
                     self.starts.len()
                 ));
-                lines.extend(self.curve(first.found.measure.metric));
+                lines.extend(self.curve(self.measure.metric));
             }
-            lines.extend(self.table(first.found.measure.metric));
+            lines.extend(self.table(self.measure.metric, &self.rows()));
             lines.extend(self.too_small());
         }
-        if self.starts.is_empty() {
+        if let Some(Unsearched { start, rows }) = self.unsearched {
+            let title = self.program.title();
+            let start = &start.name;
+            lines.push(format!(
+                "{title}: start {start}, stopped before anything was tried"
+            ));
+            lines.extend(self.table(self.measure.metric, &self.summarised(&[rows])));
+        } else if self.starts.is_empty() {
             lines.push("stopped before anything was tried".to_owned());
         }
         lines.push(format!("kept in {}", self.out.display()));
@@ -161,7 +171,7 @@ impl Report<'_> {
     fn curve(&self, metric: Metric) -> Vec<String> {
         let all = self.after();
         let lines = all.iter().enumerate().filter_map(|(index, values)| {
-            let summary = summarised(values)?;
+            let summary = summary_of(values)?;
             Some(format!(
                 "  best after {:>2} action{}  {}",
                 index + 1,
@@ -184,8 +194,7 @@ impl Report<'_> {
         (0..longest).map(at).collect()
     }
 
-    fn table(&self, metric: Metric) -> Vec<String> {
-        let rows = self.rows();
+    fn table(&self, metric: Metric, rows: &[Summarised]) -> Vec<String> {
         let mut lines = vec![format!("  {:<18}  {}", "", heading(metric))];
         for row in rows {
             let name = match row.oracle {
@@ -205,8 +214,8 @@ impl Report<'_> {
                     _ => format!("{reached} of {of} reach the goal"),
                 });
             }
-            notes.extend(row.note);
-            notes.extend(row.none);
+            notes.extend(row.note.clone());
+            notes.extend(row.none.clone());
             lines.push(
                 format!("  {name:<18}  {value}  {}", notes.join("; "))
                     .trim_end()
@@ -219,6 +228,9 @@ impl Report<'_> {
     /// Says that a policy did better than the search, which then tried too little.
     fn too_small(&self) -> Option<String> {
         let beaten = |at: &AtStart| {
+            if at.found.interrupted {
+                return None;
+            }
             let best = at.found.measure.loss(at.found.value()?);
             let policies = at.rows.iter().skip(1);
             let mut better = policies.filter(|row| {
@@ -235,10 +247,16 @@ impl Report<'_> {
 
     /// Summarises each kind of rollouts over all starts.
     fn rows(&self) -> Vec<Summarised> {
-        let Some(first) = self.starts.first() else {
+        let rows: Vec<&Vec<Row>> = self.starts.iter().map(|at| &at.rows).collect();
+        self.summarised(&rows)
+    }
+
+    /// The same of some starts' rows.
+    fn summarised(&self, starts: &[&Vec<Row>]) -> Vec<Summarised> {
+        let Some(first) = starts.first() else {
             return Vec::new();
         };
-        let of_all = |index: usize| self.starts.iter().filter_map(move |at| at.rows.get(index));
+        let of_all = |index: usize| starts.iter().filter_map(move |rows| rows.get(index));
         let row = |(index, row): (usize, &Row)| {
             let values: Vec<Vec<f64>> = of_all(index).map(|row| row.values.clone()).collect();
             let reached: Vec<bool> = of_all(index).flat_map(|row| row.reached.clone()).collect();
@@ -249,7 +267,7 @@ impl Report<'_> {
                 oracle: row.oracle,
                 note: match row.name {
                     "best" => Some(how_many(self.starts)),
-                    _ if count > self.starts.len() => Some(format!("mean of {count} rollouts")),
+                    _ if count > starts.len() => Some(format!("mean of {count} rollouts")),
                     _ => None,
                 },
                 value: summary,
@@ -259,25 +277,24 @@ impl Report<'_> {
                 rollouts: count,
             }
         };
-        first.rows.iter().enumerate().map(row).collect()
+        first.iter().enumerate().map(row).collect()
     }
 
     /// Returns the report for programs.
     pub fn json(&self) -> Value {
         let starts = self.starts.iter().map(|at| self.start_json(at));
-        let metric = self.starts.first().map(|at| at.found.measure.metric);
         let after: Vec<Value> = self
             .after()
             .iter()
             .map(|values| {
-                let summary = summarised(values);
+                let summary = summary_of(values);
                 json!({
                     "value": summary.map(|it| it.value),
                     "ci95": summary.and_then(|it| it.ci95),
                 })
             })
             .collect();
-        let rows = self.rows().into_iter().map(|row| {
+        let row_json = |row: Summarised| {
             json!({
                 "row": row.name,
                 "oracle": row.oracle,
@@ -287,14 +304,19 @@ impl Report<'_> {
                 "reached": row.reached.map(|[reached, _]| reached),
                 "none": row.none,
             })
+        };
+        let rows = self.rows().into_iter().map(row_json);
+        let unsearched = self.unsearched.map(|Unsearched { start, rows }| {
+            let rows = self.summarised(&[rows]).into_iter().map(row_json);
+            json!({"start": start.name, "seed": start.seed, "rows": rows.collect::<Vec<_>>()})
         });
         json!({
             "task": self.program.task,
             "variant": self.program.variant,
-            "metric": metric.map(Metric::as_str),
+            "metric": self.measure.metric.as_str(),
             "goal": self.program.goal.as_ref().map(|goal| json!({
                 "limit": goal.limit,
-                "more_is_better": self.starts.first().map(|at| at.found.measure.more_is_better),
+                "more_is_better": self.measure.more_is_better,
             })),
             "goal_missed": self.misses_goal(),
             "trials": self.arguments.trials,
@@ -304,6 +326,7 @@ impl Report<'_> {
             "starts": starts.collect::<Vec<_>>(),
             "after": after,
             "rows": rows.collect::<Vec<_>>(),
+            "unsearched": unsearched,
         })
     }
 
@@ -500,7 +523,7 @@ fn shown(value: f64, metric: Metric) -> String {
     }
 }
 
-fn summarised(values: &[f64]) -> Option<Summary> {
+fn summary_of(values: &[f64]) -> Option<Summary> {
     let by_start: Vec<Vec<f64>> = values.iter().map(|value| vec![*value]).collect();
     summary(
         Statistic::Mean,

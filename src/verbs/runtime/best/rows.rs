@@ -4,7 +4,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use fab_agent::best::{Choice, Found, Search};
+use fab_agent::best::{Choice, Found, Measure, Search};
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
@@ -83,8 +83,14 @@ struct Play<'p> {
 }
 
 impl Playing<'_> {
-    /// Plays the policies; returns a row each, and what they decided. What was interrupted has no value.
-    pub fn policies(&self, metric: Metric) -> Result<(Vec<Row>, Vec<Vec<Choice>>), Failure> {
+    /// Plays the policies; returns a row each, and what they decided, the best first. What was interrupted has no value.
+    ///
+    /// - `of`: what is shown of the start under way.
+    pub fn policies(
+        &self,
+        measure: Measure,
+        of: &str,
+    ) -> Result<(Vec<Row>, Vec<Vec<Choice>>), Failure> {
         let random = Random {
             seed: self.search.limits.seed,
         };
@@ -119,19 +125,23 @@ impl Playing<'_> {
             self.search.limits.threads,
             |index| self.play(&plays[index]),
             |done| {
-                let of = plays.len();
-                self.io
-                    .progress(&format!("{done} of {of} rollouts finished"));
+                let what = format!("{of}: {done} of {} rollouts beside it", plays.len());
+                self.io.progress(&what);
             },
         );
         self.io.progress("");
         let mut decided = Vec::new();
         for (play, rollout) in plays.iter().zip(played?) {
-            rows[play.row].add(rollout.as_ref(), metric);
+            rows[play.row].add(rollout.as_ref(), measure.metric);
             let steps = rollout.iter().flat_map(|rollout| &rollout.steps);
-            decided.push(steps.map_while(|step| Choice::of(&step.line)).collect());
+            let choices: Vec<Choice> = steps.map_while(|step| Choice::of(&step.line)).collect();
+            let end = rollout.and_then(|rollout| value(&rollout.report, measure.metric));
+            let loss = end.map_or(f64::INFINITY, |end| measure.loss(end));
+            decided.push((loss, choices));
         }
-        Ok((rows, decided))
+        // However few the trials are, the best policy is followed to its end.
+        decided.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        Ok((rows, decided.into_iter().map(|(_, it)| it).collect()))
     }
 
     /// Executes the best actions in a rollout of their own, and returns the row.

@@ -39,9 +39,7 @@ pub(super) fn why(clauses: &[Clause<'_>]) -> Option<&'static str> {
                 // `I would rather gain a little than lose what is won`
                 let compares = next.is_some_and(|next| next.joint == "than");
                 let is_settled = clauses[at + 1..].iter().any(|it| it.holds_either_way());
-                if compares
-                    || is_settled
-                    || next.is_some_and(|next| next.wonders_about_the_cloth())
+                if compares || is_settled || next.is_some_and(|next| next.wonders_about_the_cloth())
                 {
                     return None;
                 }
