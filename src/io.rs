@@ -109,17 +109,20 @@ fn shown(text: &str, color: Color) -> Cow<'_, str> {
     Cow::Owned(result)
 }
 
-/// Returns the end of a colour or a weight after an escape character, such as `[1m` or `[38;5;9m`; `None` for
-/// anything else, such as `[8m`, which hides text.
+/// Returns the end of colours and weights after an escape character, such as `[1;4;32m` or `[38;5;9m`; `None` for anything
+/// else, such as `[8m`, which hides text.
 fn style(text: &str) -> Option<usize> {
     let inside = text.strip_prefix('[')?;
     let length = inside.find('m')?;
-    let (number, is_indexed) = match inside[..length].strip_prefix("38;5;") {
-        Some(number) => (number, true),
-        None => (&inside[..length], false),
+    let codes = &inside[..length];
+    let is_number = |code: &str| code.len() <= 3 && code.bytes().all(|it| it.is_ascii_digit());
+    let is_style = match codes.strip_prefix("38;5;") {
+        Some(color) => is_number(color),
+        None => codes
+            .split(';')
+            .all(|code| is_number(code) && code.trim_start_matches('0') != "8"),
     };
-    let is_number = (0..=3).contains(&number.len()) && number.bytes().all(|it| it.is_ascii_digit());
-    (is_number && (is_indexed || number != "8")).then_some(length + 2)
+    is_style.then_some(length + 2)
 }
 
 /// Writes the hidden characters of a JSON document, which are all inside of its strings, as JSON escapes them.
@@ -636,6 +639,9 @@ mod tests {
                 "\x1b[1mbold\x1b[0m",
             ),
             ("\x1b[38;5;9mred", "\\u{1b}[38;5;9mred", "\x1b[38;5;9mred"),
+            ("\x1b[1;4;32mnew", "\\u{1b}[1;4;32mnew", "\x1b[1;4;32mnew"),
+            ("\x1b[38;5;9;8m", "\\u{1b}[38;5;9;8m", "\\u{1b}[38;5;9;8m"),
+            ("\x1b[1;08mno", "\\u{1b}[1;08mno", "\\u{1b}[1;08mno"),
             ("\x1b[8mhidden", "\\u{1b}[8mhidden", "\\u{1b}[8mhidden"),
             (
                 "\x1b[2J\x1b]0;x\x07",
