@@ -1,7 +1,7 @@
 //! A step whose result does not resemble the next subgoal is asked again, a limited number of times.
 
 use super::support::{self, Careless, Trial, words_of};
-use fab_agent::rollout::Ended;
+use fab_agent::rollout::{Ended, Event};
 use fab_model::{Models, Part, Request};
 use fab_program::Program;
 use fab_world::Look;
@@ -13,6 +13,9 @@ struct Played {
     asked: Vec<Request>,
     /// The result of each action in the journal.
     results: Vec<Value>,
+    /// Number and step of each action that was told, and of each that is said to follow.
+    told: Vec<[u32; 2]>,
+    again: Vec<[u32; 2]>,
 }
 
 fn play(program: &Program, wrong: u32) -> Played {
@@ -30,7 +33,20 @@ fn play(program: &Program, wrong: u32) -> Played {
         text: &model,
     };
     let run = folder.path().join("run");
-    let report = trial.run(models, &run, &mut |_| {});
+    let (mut told, mut again) = (Vec::new(), Vec::new());
+    let report = trial.run(models, &run, &mut |event| match event {
+        Event::Stepped { number, step, .. } => told.push([number, step]),
+        Event::Again {
+            number,
+            step,
+            overlap,
+            limit,
+        } => {
+            assert!(overlap <= limit, "{overlap} {limit}");
+            again.push([number, step]);
+        }
+        _ => {}
+    });
     let journal = std::fs::read_to_string(run.join("rollout.jsonl")).unwrap();
     let lines = journal
         .lines()
@@ -40,6 +56,8 @@ fn play(program: &Program, wrong: u32) -> Played {
         report,
         results: steps.map(|line| line["result"].clone()).collect(),
         asked: model.asked.into_inner().unwrap(),
+        told,
+        again,
     }
 }
 
@@ -78,6 +96,9 @@ fn a_step_that_failed_is_asked_again_from_the_new_picture_and_told_so() {
         2 + played.report.retries,
         "each retry is an action more"
     );
+    assert_eq!(played.told[..2], [[1, 1], [2, 1]]);
+    assert_eq!(played.again[0], [2, 1]);
+    assert_eq!(played.again.len(), played.report.retries as usize);
     let [describe, plan, again, anew] = &played.asked[..4] else {
         panic!("two stages, asked twice")
     };
@@ -105,6 +126,7 @@ fn a_step_that_failed_is_asked_again_from_the_new_picture_and_told_so() {
 fn a_step_that_went_well_is_not_asked_again() {
     let played = play(&looking(), 0);
     assert_eq!((played.report.retries, played.report.steps), (0, 2));
+    assert!(played.again.is_empty());
     assert!(
         played
             .results

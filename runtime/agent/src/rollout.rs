@@ -121,19 +121,25 @@ impl Deref for Ended {
 pub enum Event<'a> {
     /// A question was answered, or failed.
     Asked {
-        /// From 1.
+        /// The action's number, from 1.
+        number: u32,
+        /// The task's step that it is for, from 1.
         step: u32,
         /// The attempt.
         attempt: &'a Attempt,
     },
     /// A step was executed.
     Stepped {
-        /// From 1.
+        /// The action's number, from 1.
+        number: u32,
+        /// The task's step that it is for, from 1.
         step: u32,
         /// The most steps.
         horizon: u32,
         /// What was executed.
         action: &'a Action,
+        /// The other values of the answer, as an answer states them: `lift 60 mm`.
+        beside: Vec<String>,
         /// The checks dropped to accept it.
         without: &'a [String],
         /// The result of the grasp.
@@ -147,16 +153,31 @@ pub enum Event<'a> {
     },
     /// A step had no action, and the rollout goes on.
     Skipped {
-        /// From 1.
+        /// The action's number, from 1.
+        number: u32,
+        /// The task's step that it is for, from 1.
         step: u32,
         /// The most steps.
         horizon: u32,
         /// The outcome that the rollout would have ended with.
         why: Outcome,
     },
+    /// A step's result does not match its subgoal, so it is taken again.
+    Again {
+        /// The number of its next action, from 1.
+        number: u32,
+        /// The task's step, from 1.
+        step: u32,
+        /// The overlap with the subgoal, from 0 to 1.
+        overlap: f64,
+        /// What it must exceed.
+        limit: f64,
+    },
     /// The rollout ends in an unfinished step.
     Stopped {
-        /// From 1.
+        /// The action's number, from 1.
+        number: u32,
+        /// The task's step that it is for, from 1.
         step: u32,
         /// The most steps.
         horizon: u32,
@@ -295,7 +316,8 @@ pub fn run(
         // Ending after a requested plan is not ending early.
         if let (Some(why), true) = (&turn.line.stopped, stopped != Some(Outcome::Planned)) {
             progress(Event::Stopped {
-                step: tries.number,
+                number: tries.number,
+                step,
                 horizon: job.horizon(),
                 why,
             });
@@ -307,6 +329,14 @@ pub fn run(
         if let Some(outcome) = stopped {
             end = outcome;
             break;
+        }
+        if let (Some(before), Some(asked)) = (tries.before, &job.program.verify.result) {
+            progress(Event::Again {
+                number: tries.number + 1,
+                step,
+                overlap: before.overlap,
+                limit: asked.overlap_above,
+            });
         }
     }
     if end == Outcome::HorizonReached {

@@ -16,7 +16,7 @@ use crate::sheet::Sheet;
 use crate::twins::{Interrupted, Twins};
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Arrow, Proposal, SubgoalStep};
+use fab_program::{Arrow, Proposal, SubgoalStep, space};
 use fab_world::metrics::cloth_moved;
 use fab_world::{Motion, World, WorldError, WorldPoint};
 use std::time::{Duration, Instant};
@@ -146,9 +146,7 @@ impl<'j> Turn<'j> {
                 return Ok(self.stop(Outcome::RehearsalRefused, &why));
             }
             if let Some(why) = twins.aside() {
-                progress(Event::Note(format!(
-                    "step {number} is not rehearsed: {why}"
-                )));
+                progress(Event::Note(format!("step {step} is not rehearsed: {why}")));
             }
         }
         let last = memory.last.as_ref();
@@ -184,7 +182,8 @@ impl<'j> Turn<'j> {
                 .push(folder.keep_attempt(number, attempt)?);
             self.timer.add(&attempt.stage, attempt.took);
             progress(Event::Asked {
-                step: number,
+                number,
+                step,
                 attempt,
             });
             aside += attempt.took + keeping.elapsed();
@@ -224,7 +223,7 @@ impl<'j> Turn<'j> {
             aside += took;
             self.line.rehearsal = Some(twins.line().clone());
             if let Some(why) = &twins.line().shortfall {
-                progress(Event::Note(format!("step {number}: {why}")));
+                progress(Event::Note(format!("step {step}: {why}")));
             }
         }
         let deciding = asking.elapsed().saturating_sub(aside);
@@ -251,7 +250,8 @@ impl<'j> Turn<'j> {
             Decision::Skip(outcome) => {
                 self.line.skipped = Some(outcome);
                 progress(Event::Skipped {
-                    step: number,
+                    number,
+                    step,
                     horizon: job.horizon(),
                     why: outcome,
                 });
@@ -306,10 +306,16 @@ impl<'j> Turn<'j> {
         sheet.row(number, shown, drawn, after.rgb.clone());
         self.after = Some(after);
         let grasp = executed.grasp;
+        let beside = proposal.fields.iter().filter_map(|(name, value)| {
+            let field = job.program.field(name).filter(|it| !it.is_point())?;
+            Some(format!("{name} {}", space::text(field, value)))
+        });
         progress(Event::Stepped {
-            step: number,
+            number,
+            step,
             horizon: job.horizon(),
             action: &action,
+            beside: beside.collect(),
             without: self.line.accepted.as_ref().map_or(&[], |it| &it.without),
             grasp,
             moved: self.line.cloth,

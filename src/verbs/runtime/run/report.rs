@@ -15,15 +15,28 @@ use fab_world::Grasp;
 use fab_world::metrics::ClothMoved;
 use std::path::Path;
 
-/// Shows one event on stderr, unless it belongs to one of the `earlier` steps, which were shown in an earlier run.
+/// Shows one event on stderr, unless it belongs to one of the `earlier` actions, which were shown in an earlier run.
 pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
     match event {
-        Event::Asked { step, .. } | Event::Stepped { step, .. } | Event::Skipped { step, .. }
-            if step <= earlier => {}
-        Event::Stopped { step, horizon, why } => {
+        Event::Asked { number, .. }
+        | Event::Stepped { number, .. }
+        | Event::Skipped { number, .. }
+        | Event::Again { number, .. }
+            if number <= earlier => {}
+        Event::Again {
+            number,
+            step,
+            overlap,
+            limit,
+        } => io.talk(&format!(
+            "step {step} again, kept as `step_{number}`: its result overlaps the subgoal's cloth by {overlap:.3}, and the task asks for more than {limit}"
+        )),
+        Event::Stopped {
+            step, horizon, why, ..
+        } => {
             io.talk(&format!("step {step}/{horizon}: ended: {why}"));
         }
-        Event::Asked { step, attempt } => {
+        Event::Asked { step, attempt, .. } => {
             let words = match (&attempt.note, refusal(attempt)) {
                 (Some(note), Some(refusal)) => format!("{note}; {refusal}"),
                 (Some(note), None) => format!("{note}; accepted"),
@@ -39,12 +52,15 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
             step,
             horizon,
             action,
+            beside: values,
             without,
             grasp,
             moved,
             seconds,
             spent,
+            ..
         } => {
+            let values: String = values.iter().map(|it| format!(", {it}")).collect();
             let beside = if action.pick_px == action.pick_on_cloth_px {
                 String::new()
             } else {
@@ -60,14 +76,16 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
                 Grasp::Particle(_) | Grasp::Held => "",
             };
             io.talk(&format!(
-                "step {step}/{horizon}: pick {}{beside}, place {}{missed}{}{without}   {seconds:.1} s{}",
+                "step {step}/{horizon}: pick {}{beside}, place {}{values}{missed}{}{without}   {seconds:.1} s{}",
                 action.pick_px,
                 action.place_px,
                 moved.as_ref().map(cloth).unwrap_or_default(),
                 so_far(&spent)
             ));
         }
-        Event::Skipped { step, horizon, why } => {
+        Event::Skipped {
+            step, horizon, why, ..
+        } => {
             io.talk(&format!("step {step}/{horizon}: skipped ({})", why.name()));
         }
         Event::SimulatingExperts { missing, total } => {
