@@ -218,6 +218,42 @@ fn the_expert_follows_the_demonstration_and_says_what_was_offered() {
     );
 }
 
+/// A fold with a lift and a word; two checks refuse most of their combinations.
+const GRIPPED: &str = r#"
+use "lib/folding.fab"
+task gripped extends folding {
+    cloth grid(24, 24)
+    subgoals { demonstrate { fold corner(back_right) -> corner(front_left) } }
+    actions {
+        pick:  one of corners
+        place: one of corners, center
+        grip:  one of "soft", "firm"
+        pinch: one of 5mm, 10mm, 20mm
+        lift:  one of 10mm, 30mm, 60mm
+    }
+    check firm { lift < 40mm or grip == "firm" } else "A high lift needs a firm grip."
+    check wide { pinch >= 10mm } else "A pinch of {{ pinch in mm }} is narrow."
+}
+"#;
+
+#[test]
+fn the_expert_lifts_as_it_is_demonstrated_and_answers_a_refusal_with_other_values() {
+    let folder = tempfile::tempdir().unwrap();
+    support::bring_library(folder.path());
+    std::fs::write(folder.path().join("gripped.fab"), GRIPPED).unwrap();
+    let mut command = support::fabc(folder.path());
+    command.args(["run", "gripped.fab", "--policy", "expert", "--out", "run"]);
+    let said = support::finish(&mut command);
+    assert!(
+        said.stderr
+            .contains(", grip firm, pinch 10 mm, lift 60 mm, cloth moved"),
+        "{}",
+        said.stderr
+    );
+    let attempts = &record(&folder.path().join("run")).steps[0].attempts;
+    assert_eq!(attempts.len(), 2);
+}
+
 #[test]
 fn a_task_without_a_demonstration_has_no_expert() {
     let folder = tempfile::tempdir().unwrap();

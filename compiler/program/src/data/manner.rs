@@ -60,6 +60,21 @@ const fn field(name: &'static str, range: Range, doc: &'static str) -> Arg {
 }
 
 impl Manner {
+    /// What `put_down` does about, where nothing is stated.
+    pub const USUAL: Manner = Manner {
+        lift_m: Some(0.05),
+        speed_m_s: Some(0.5),
+        release_height_m: Some(0.0),
+        press_m: Some(0.0),
+    };
+
+    /// Returns how far what it states is from what another manner states, or from the usual; metres and seconds, added up.
+    pub fn away_from(&self, other: &Manner) -> f64 {
+        let other = |name| other.get(name).or(Manner::USUAL.get(name));
+        let away = |(name, value): (&'static str, f64)| Some((value - other(name)?).abs());
+        self.stated().filter_map(away).sum()
+    }
+
     /// Returns whether nothing is stated.
     pub fn is_default(&self) -> bool {
         *self == Manner::default()

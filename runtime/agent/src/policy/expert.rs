@@ -107,17 +107,22 @@ fn wanted(fold: &Fold, step: &StepView<'_>) -> Result<Aim, String> {
 
 /// Returns the offered action closest to the aim that was not refused yet, with a note on its distance.
 fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Proposal, String)> {
-    let mut best: Option<(f64, Proposal, Action)> = None;
+    let mut best: Option<([f64; 3], Proposal, Action)> = None;
+    let refused = refusals.iter().filter_map(|it| it.proposal.as_ref());
     for proposal in proposals(step, aim) {
-        let is_refused = |refusal: &Refusal| refusal.proposal.as_ref() == Some(&proposal);
-        if refusals.iter().any(is_refused) {
+        if refused.clone().any(|it| *it == proposal) {
             continue;
         }
         let Some(action) = Action::lower(step.program, &proposal, step.scene, step.observation)
         else {
             continue;
         };
-        let away = away_px(aim[0], action.pick_px) + away_px(aim[1], action.place_px);
+        // Of equal points, as the demonstration is carried; then as unlike as possible to what was refused.
+        let away = [
+            away_px(aim[0], action.pick_px) + away_px(aim[1], action.place_px),
+            action.motion.manner.away_from(&step.program.manner),
+            refused.clone().map(|it| alike(it, &proposal)).sum(),
+        ];
         if best.as_ref().is_none_or(|(least, ..)| away < *least) {
             best = Some((away, proposal, action));
         }
@@ -139,7 +144,13 @@ fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Propo
     Some((proposal, note))
 }
 
-/// Lists actions of the declared space: the nearest points, all directions and lengths, the first words.
+/// Returns how many fields of two proposals are equal.
+fn alike(one: &Proposal, other: &Proposal) -> f64 {
+    let pairs = one.fields.iter().zip(&other.fields);
+    pairs.filter(|(one, other)| one == other).count() as f64
+}
+
+/// Lists actions of the declared space: the nearest points, all directions, lengths and words.
 fn proposals(step: &StepView<'_>, aim: Aim) -> Vec<Proposal> {
     let mut all = vec![Proposal::default()];
     for field in &step.program.actions {
@@ -174,11 +185,9 @@ fn candidates(step: &StepView<'_>, field: &ActionField, [pick, place]: Aim) -> V
             points.truncate(NEAREST);
             points
         }
-        Choices::Words { .. } => space::choices(field, step.scene)
-            .into_iter()
-            .take(1)
-            .collect(),
-        Choices::Directions { .. } | Choices::Lengths { .. } => space::choices(field, step.scene),
+        Choices::Words { .. } | Choices::Directions { .. } | Choices::Lengths { .. } => {
+            space::choices(field, step.scene)
+        }
     }
 }
 

@@ -61,7 +61,7 @@ impl Model for Geometric {
             return Err(ModelError::Unsupported {
                 model: self.name().to_owned(),
                 why: format!(
-                    "it can only answer with a pick point and a place point, and the prompt asks {more}"
+                    "it can only answer with a pick point and a place point, and the prompt asks {more}; a model, `random` and `--policy expert` can"
                 ),
             });
         }

@@ -4,8 +4,8 @@
 //! `corner` and points lists the corners, one with `cent` and a point gives the center, and any other line with a
 //! label, a colon and points lists additional points.
 
-use fab_program::PixelPoint;
 use fab_program::units;
+use fab_program::{Manner, PixelPoint};
 
 /// The most points read from one prompt.
 const MAX_POINTS: usize = 1000;
@@ -142,7 +142,10 @@ pub fn asks_for_more(prompt: &str) -> Option<String> {
     let listed = prompt.lines().find_map(|line| {
         let (name, values) = line.split_once('=')?;
         let is_name = !name.trim().is_empty() && name.split_whitespace().count() <= 3;
-        let is_other = is_name && !USUAL.iter().any(|(known, _)| is_field(name, known));
+        let is_other = is_name
+            && !Manner::USUAL
+                .stated()
+                .any(|(known, _)| is_field(name, known));
         (is_other && values.contains(" | ")).then(|| format!("for `{}`", name.trim()))
     });
     let stated = |field: &str| {
@@ -154,14 +157,6 @@ pub fn asks_for_more(prompt: &str) -> Option<String> {
     listed.or(alone)
 }
 
-/// How the stand-in carries if a prompt asks for it, metres and seconds: as the simulator's own picker does.
-const USUAL: [(&str, f64); 4] = [
-    ("lift", 0.05),
-    ("speed", 0.5),
-    ("release_height", 0.0),
-    ("press", 0.0),
-];
-
 /// Returns whether a line's name is that of a field, such as `- Release height`.
 fn is_field(name: &str, field: &str) -> bool {
     let name = name.trim_start_matches(['-', '*', ' ']).trim_end();
@@ -171,7 +166,7 @@ fn is_field(name: &str, field: &str) -> bool {
 /// Returns the lines of an answer that say how to carry the cloth, one for each that the prompt's format asks for: of
 /// the listed values, the one nearest to the usual.
 pub fn manner_lines(prompt: &str) -> Vec<String> {
-    let line = |(field, usual): &(&str, f64)| {
+    let line = |(field, usual): (&str, f64)| {
         let asked = prompt.lines().rev().filter_map(|line| line.split_once('='));
         let (name, values) = asked.into_iter().find(|(name, _)| is_field(name, field))?;
         let off = |value: &&str| {
@@ -183,7 +178,7 @@ pub fn manner_lines(prompt: &str) -> Vec<String> {
         let nearest = values.min_by(|a, b| off(a).total_cmp(&off(b)))?;
         Some(format!("{} = {nearest}", name.trim()))
     };
-    USUAL.iter().filter_map(line).collect()
+    Manner::USUAL.stated().filter_map(line).collect()
 }
 
 /// Returns the point given for `field`, `pick` or `place`, in an answer.

@@ -67,6 +67,16 @@ impl ParsedPrompt {
         if directions.is_empty() || distances.is_empty() {
             return Err("no directions or no distances are offered".to_owned());
         }
+        let unit = |choice: &Choice| choice.words.split_whitespace().nth(1).map(str::to_owned);
+        if let Some(unit) = distances
+            .iter()
+            .filter_map(unit)
+            .find(|unit| unit != "edge")
+        {
+            return Err(format!(
+                "distances are offered in `{unit}`, and it understands multiples of an `edge` alone"
+            ));
+        }
         let flat = text.split_whitespace().collect::<Vec<_>>().join(" ");
         let said = |words: &[&str]| {
             let holds = |sentence: &&str| {
