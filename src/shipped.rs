@@ -13,6 +13,7 @@ use embedded::FILES;
 use fab_base::cache::Cache;
 use fab_base::files;
 use fab_base::wording::quoted;
+use fab_compiler::diag::nearest;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -55,8 +56,12 @@ pub fn find_beside(folder: &Path, word: &str, io: &Io) -> Result<String, Failure
     if FILES.iter().any(|(path, _)| *path == name) {
         return Ok(found(&unpacked(io)?.join(&name), "shipped with fabc"));
     }
+    let meant = match nearest(word, names()) {
+        Some(meant) => format!("did you mean `{meant}`? It ships"),
+        None => "it ships".to_owned(),
+    };
     Err(Failure::environment(format!(
-        "there is no file `{name}`, and fabc ships no task `{word}`; it ships {}",
+        "there is no file `{name}`, and fabc ships no task `{word}`; {meant} {}",
         quoted(names())
     )))
 }

@@ -59,7 +59,10 @@ impl Loader for Disk {
         } else {
             inside_or_library(&self.folder, path).and_then(|path| read_bounded(&path))
         };
-        let bytes = bytes.map_err(|why| wrong(format!("cannot read `{name}`: {why}")))?;
+        let bytes = bytes.map_err(|why| {
+            let nearby = nearby(path).map_or(String::new(), |it| format!("; did you mean `{it}`?"));
+            wrong(format!("cannot read `{name}`: {why}{nearby}"))
+        })?;
         String::from_utf8(bytes).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
             wrong(format!(
@@ -67,6 +70,34 @@ impl Loader for Disk {
             ))
         })
     }
+}
+
+/// Returns a file that was probably meant in place of one that does not exist: of a similar name beside it, or of a library
+/// in the folder above.
+fn nearby(path: &Path) -> Option<String> {
+    let folder = path.parent()?;
+    let name = path.file_name()?.to_str()?;
+    if path.exists() {
+        return None;
+    }
+    let here = match folder.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => folder,
+    };
+    let files = std::fs::read_dir(here).into_iter().flatten().flatten();
+    let mut files: Vec<String> = { files }
+        .filter_map(|file| file.file_name().into_string().ok())
+        .filter(|file| file.ends_with(".fab"))
+        .collect();
+    files.sort();
+    if let Some(meant) = diag::nearest(name, files.iter().map(String::as_str)) {
+        return Some(folder.join(meant).display().to_string());
+    }
+    let library = Path::new(folder.file_name()?).join(name);
+    let above = folder.parent()?.parent()?.join(&library);
+    above
+        .is_file()
+        .then(|| Path::new("..").join(library).display().to_string())
 }
 
 /// The largest file that a check looks into, bytes; as much as a start may have.

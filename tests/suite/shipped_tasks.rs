@@ -188,7 +188,7 @@ fn a_name_that_is_nowhere_gets_the_list_of_names() {
     for verb in ["check", "render", "run", "snap --check"] {
         let said = user.run(&format!("{verb} double_strait"));
         assert_eq!(said.code, 2, "{}", said.stderr);
-        let words = "there is no file `double_strait.fab`, and fabc ships no task `double_strait`; it ships";
+        let words = "there is no file `double_strait.fab`, and fabc ships no task `double_strait`; did you mean `double_straight`? It ships";
         assert!(said.stderr.contains(words), "{}", said.stderr);
         for name in NAMES {
             assert!(

@@ -143,11 +143,15 @@ impl<'a, 'r> Context<'a, 'r> {
     /// Makes the diagnostic for an expression that is not `expected`.
     pub fn unexpected(&mut self, code: Code, expr: Expr<'_>, expected: &str) -> Diagnostic {
         let found = self.written(expr.span());
-        Diagnostic::new(
-            code,
-            expr.span(),
-            format!("expected {expected}, found `{found}`"),
-        )
+        let message = format!("expected {expected}, found `{found}`");
+        let diagnostic = Diagnostic::new(code, expr.span(), message);
+        let inside = found
+            .strip_prefix('"')
+            .and_then(|text| text.strip_suffix('"'));
+        match inside.filter(|text| expected.contains(&format!("`{text}`"))) {
+            Some(word) => diagnostic.help(format!("write `{word}`, without quotes")),
+            None => diagnostic,
+        }
     }
 
     /// Reports an unknown name of `kind`, unless it may be declared in a part that did not parse.

@@ -291,7 +291,7 @@ fn candidates<'a>(place: TextPlace, context: &Context<'a, '_>) -> Vec<&'a str> {
     });
     names.extend(context.constants.keys());
     names.extend(context.layers.keys());
-    names.extend([FORMAT, POINTS]);
+    names.extend([FORMAT, POINTS, "step"]);
     names.extend((place == TextPlace::Result).then_some(OVERLAP));
     names
 }

@@ -160,6 +160,15 @@ pub(super) fn help(
     if line == "without" && expects("`component`") {
         return Some(left_out(found, expects("`variant`")));
     }
+    let ends_in_digit = before.ends_with(|it: char| it.is_ascii_alphanumeric());
+    let behind = text[span.start..].strip_prefix(['-', '–', '…']);
+    let to_number = behind.is_some_and(|rest| {
+        rest.trim_start()
+            .starts_with(|it: char| it.is_ascii_digit())
+    });
+    if ends_in_digit && to_number && (expects("`,`") || expects("`)`")) {
+        return Some("a range is written with `to`: `0.9 to 1.1`".to_owned());
+    }
     let said = line.strip_prefix("say")?.trim();
     if matches!(found, "in" | "after" | "before") && expected == ["`,`"] {
         let help = "`say` in a stage lists what it says; `say NAME in STAGE after NAME` stands in the task, outside of its stages";

@@ -47,6 +47,8 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             let message = format!("expected {}, found `{word}`", among(meant.iter().copied()));
             let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
             match meant.as_slice() {
+                // `pick on cloth`
+                _ if word == "on" && meant.len() > 1 => diagnostic.help("write `within` and a mask, as in `pick within cloth`"),
                 [only] => diagnostic.meant(span, only),
                 _ => diagnostic,
             }
@@ -143,6 +145,10 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
                 .help("write straight double quotes `\"`");
             // Where it is unclear which quotes enclose the text, any edit would change it.
             if keeps_content(text, span, right) { diagnostic.edit(span, right.clone()) } else { diagnostic }
+        }
+        Problem::BadEscape if text[span.end..].starts_with('n') => {
+            Diagnostic::new(Code::BadEscape, span, "this `\\` escapes nothing")
+                .help("write a text of several lines between `\"\"\"` and `\"\"\"`; folders are separated by `/`")
         }
         Problem::BadEscape => Diagnostic::new(Code::BadEscape, span, "this `\\` escapes nothing")
             .help("write `\\\\` for a backslash and `\\\"` for a quote; folders are separated by `/`"),
