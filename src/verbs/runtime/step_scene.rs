@@ -153,7 +153,7 @@ fn stand_in_action(
     };
     let Some((action, proposal)) = action else {
         return Err(Failure::environment(format!(
-            "`geometric`, the embedded stand-in, finds no action for step {step} of `{}`; give the points with `--scene FILE.json`",
+            "`geometric`, the embedded stand-in, finds no action for step {step} of `{}`; `fabc render` takes the points from `--scene FILE.json`",
             program.title()
         )));
     };

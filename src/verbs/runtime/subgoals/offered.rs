@@ -8,7 +8,9 @@ use fab_agent::scene::Scene;
 use fab_agent::subgoals::Demonstrated;
 use fab_program::scene::SceneView;
 use fab_program::space;
-use fab_program::{ActionField, Choices, ClothPoint, Fold, PixelPoint, Program, Value};
+use fab_program::{
+    ActionField, Choices, ClothPoint, Extractor, Fold, Keypoint, Moment, PixelPoint, Program, Value,
+};
 
 /// Largest distance of an offered point from a demonstrated one, pixels of a 224 px picture.
 const NEAR_PX: f64 = 12.0;
@@ -137,10 +139,20 @@ pub fn cure(
             && [right, front].iter().any(|at| [0.0, 1.0].contains(at))
     );
     let is_free = |name: &str| program.keypoints.iter().all(|known| known.name != name);
+    let middles = |it: &&Keypoint| matches!(it.extractor, Extractor::EdgeMiddles { .. });
+    if let (true, Some(sides)) = (is_middle, program.keypoints.iter().find(middles)) {
+        let name = &sides.name;
+        return match sides.moment == Moment::Start {
+            true => "; offer a keypoint that finds it".to_owned(),
+            false => format!(
+                "; `{name}` follows the outline as it is now, and `at: start` keeps the sides' middles of the unfolded cloth"
+            ),
+        };
+    }
     match is_middle && !is_free("cloth") && is_free("rim") && is_free("sides") {
         true => format!(
             ": offer it,\n    keypoints {{\n        rim = contour(cloth, tolerance: 4px)\n        \
-             sides = edge_middles(rim)\n    }}\nand {}",
+             sides = edge_middles(rim)\n    }}\nand {}, and say `{{{{ sides }}}}` in a prompt",
             offer("sides")
         ),
         false => "; offer a keypoint that finds it".to_owned(),
