@@ -163,11 +163,10 @@ fn crumpled_start(part: Rehearse<'_>, merged: &Merged<'_>, context: &mut Context
         return;
     }
     let (laid, stage) = (laid.value().span(), part.stage().span());
-    // The cause is what this file says about an inherited rehearsal.
-    let here = merged.task.name().span().file;
-    let ends = match stage.file != here && laid.file == here {
-        true => [(laid, "the cloth"), (stage, "the rehearsal")],
-        false => [(stage, "the rehearsal"), (laid, "the cloth")],
+    let ends = match merged.task.span().contains(stage) {
+        true => [(stage, "the rehearsal"), (laid, "the cloth")],
+        // The cause is what this task says about an inherited rehearsal.
+        false => [(laid, "the cloth"), (stage, "the rehearsal")],
     };
     let message = "the cloth starts crumpled, and only a flat cloth has a twin";
     let diagnostic = Diagnostic::new(Code::CrumpledStartRehearsed, ends[0].0, message);
