@@ -112,3 +112,13 @@ fn a_model_that_always_answers_wrongly() {
 fn a_model_that_gives_no_answer() {
     ends(Outcome::ModelFailed, &Scripted::new(&[]), |_, _| {});
 }
+
+#[test]
+fn the_page_of_records_lists_every_outcome() {
+    let page = include_str!("../../docs/records.md");
+    let missing = Outcome::ALL.map(Outcome::name).into_iter();
+    let missing: Vec<_> = missing
+        .filter(|name| !page.contains(&format!("`{name}`")))
+        .collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}

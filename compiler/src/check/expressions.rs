@@ -203,7 +203,12 @@ fn between<'a>(
     if low > high && !range.wraps {
         let written = context.written(expr.span());
         let message = format!("the range `{written}` ends below its beginning");
-        return Err(context.fault(Code::OutOfRange, expr.span(), message));
+        let [low, high] = [ends.low(), ends.high()].map(|end| context.written(end.span()));
+        let turned = format!("{high} to {low}");
+        let diagnostic = Diagnostic::new(Code::OutOfRange, expr.span(), message)
+            .help(format!("write `{turned}`"))
+            .likely(expr.span(), turned);
+        return Err(context.error(diagnostic));
     }
     Ok([low, high])
 }

@@ -11,8 +11,8 @@ use crate::lang::rehearse::{REVISIONS, TRUST, TWINS};
 use crate::merge::{Merged, VariantChange, once};
 use fab_grammar::ast::{self, Call, Choose, Name, Rehearse, Revise, Setting, Trust};
 use fab_program::{
-    Cloth, Distrusted, Material, Metric, ModelRole, Read, Rehearsal, RehearsalMeasure, Stage,
-    TwinRanges,
+    Cloth, ClothStart, Distrusted, Material, Metric, ModelRole, Read, Rehearsal, RehearsalMeasure,
+    Stage, TwinRanges,
 };
 
 /// Builds the rehearsal of a stage; `None` in a base without stages.
@@ -51,6 +51,7 @@ pub(crate) fn check<'a>(
     if let (Some(Ok(twin)), Ok(Some(above)), Some(line)) = (&twin, &trust_above, trusts.first) {
         never_trusted(twin, *above, line, context);
     }
+    crumpled_start(part, merged, context);
     let refuses = trusts.first.and_then(Trust::else_refuse).is_some();
     lines.into_iter().collect::<Result<(), _>>()?;
     lacks?;
@@ -143,10 +144,34 @@ fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges,
         if let Ok(Some(cloth)) = &context.cloth
             && is_own(&twin, cloth)
         {
+            let friction = cloth.table_friction();
+            if (twin.size, twin.friction) == ([1.0; 2], [friction; 2]) {
+                return Err(judged_cloth(line, friction, context));
+            }
             own_material(name, context);
         }
     }
     Ok(twin)
+}
+
+/// Warns of a cloth that starts crumpled. Where it lies at the start of a file is seen when it runs.
+fn crumpled_start(part: Rehearse<'_>, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+    let (Ok(Some(cloth)), Some(laid)) = (&context.cloth, merged.statement("cloth")) else {
+        return;
+    };
+    if cloth.start != ClothStart::Crumpled {
+        return;
+    }
+    let (laid, stage) = (laid.value().span(), part.stage().span());
+    let ends = match merged.task.span().contains(stage) {
+        true => [(stage, "the rehearsal"), (laid, "the cloth")],
+        // The cause is what this task says about an inherited rehearsal.
+        false => [(laid, "the cloth"), (stage, "the rehearsal")],
+    };
+    let message = "the cloth starts crumpled, and only a flat cloth has a twin";
+    let diagnostic = Diagnostic::new(Code::CrumpledStartRehearsed, ends[0].0, message);
+    let help = "no step of such a start is rehearsed: let it start flat, or leave out `rehearse`";
+    context.remark(diagnostic.also(ends[1].0, ends[1].1).help(help));
 }
 
 /// Warns of twins that are so much larger or smaller than the cloth that none is trusted where both lie flat.
@@ -166,7 +191,8 @@ fn never_trusted(twin: &TwinRanges, above: f64, line: Trust<'_>, context: &mut C
     }
 }
 
-/// Returns whether a twin is made of what the cloth is made of, by another name or of another colour too.
+/// Returns whether a twin is made of what the cloth is made of. Name and colours do not count, nor does the friction on
+/// the table, which is drawn.
 fn is_own(twin: &TwinRanges, cloth: &Cloth) -> bool {
     let (Some(twin), Some(cloth)) = (&twin.material, &cloth.material) else {
         return twin.material.is_none() && cloth.material.is_none();
@@ -175,6 +201,7 @@ fn is_own(twin: &TwinRanges, cloth: &Cloth) -> bool {
         name: cloth.name.clone(),
         upper: cloth.upper.clone(),
         under: cloth.under.clone(),
+        table_friction: cloth.table_friction,
         ..twin.without_sources()
     };
     plain == cloth.without_sources()
@@ -191,6 +218,16 @@ fn own_material(name: Name<'_>, context: &mut Context<'_, '_>) {
     context.remark(diagnostic.help(help));
 }
 
+/// Reports a twin that cannot differ from the judged cloth.
+fn judged_cloth(line: Call<'_>, friction: f64, context: &mut Context<'_, '_>) -> Reported {
+    let message = format!(
+        "the twin is the task's own cloth: the same material, of its size and with its friction of {friction}"
+    );
+    let diagnostic = Diagnostic::new(Code::TwinIsJudgedCloth, line.span(), message);
+    let help = "name another material, and for what is not known write ranges, such as `size: 0.95 to 1.05, friction: 0.4 to 0.9`";
+    context.error(diagnostic.help(help))
+}
+
 /// Reads the measure by which the best candidate is chosen.
 fn choose<'a>(
     line: Choose<'a>,
@@ -203,7 +240,7 @@ fn choose<'a>(
     let Some(measure) = RehearsalMeasure::from_word(name.text()) else {
         let mut goals = METRICS.iter().map(|row| row.metric);
         let Some(goal) = goals.find(|it| it.as_str() == name.text()) else {
-            return Err(context.unknown("measure on a twin", name, known()));
+            return Err(context.unknown("rehearsal measure", name, known()));
         };
         let message = format!("`{}` cannot be measured on a twin", name.text());
         let diagnostic = Diagnostic::new(Code::NotMeasuredOnTwin, name.span(), message);
@@ -229,6 +266,15 @@ fn choose<'a>(
         let diagnostic = Diagnostic::new(Code::NotMeasuredOnTwin, name.span(), message);
         let help = "show `subgoals`, or write `choose most coverage`";
         return Err(context.missing(merged.is_damaged, name.span().file, diagnostic.help(help)));
+    }
+    if let (RehearsalMeasure::Coverage, Some(subgoals)) = (measure, merged.subgoals) {
+        let message =
+            "`coverage` is most where the cloth is folded least, and the task has subgoals";
+        let diagnostic = Diagnostic::new(Code::FoldChosenByCoverage, name.span(), message)
+            .also(subgoals.head_span(), "the subgoals")
+            .help("write `choose most overlap`, which compares with the next subgoal")
+            .likely(name.span(), "overlap");
+        context.remark(diagnostic);
     }
     if let Some(stage) = stage.filter(|stage| stage.candidates() < 2) {
         let message = format!("the stage `{}` gives one answer to choose from", stage.name);
@@ -259,9 +305,12 @@ fn revisions_of<'a>(
 }
 
 /// Reports candidates that would all be alike, and warns of those among which nothing chooses.
+///
+/// - `rehearsal`: the task's own, if it has one. One with an error may have been meant to choose.
 pub(crate) fn candidates<'a>(
     merged: &Merged<'a>,
     prompts: &Prompts,
+    rehearsal: Option<&Declared<Rehearsal>>,
     context: &mut Context<'a, '_>,
 ) -> Result<(), Reported> {
     let mut all = Ok(());
@@ -287,9 +336,16 @@ pub(crate) fn candidates<'a>(
             let help = "write a temperature above 0, such as `temperature 0.7`: equal questions would get equal answers";
             all = Err(context.error(diagnostic.help(help)));
         }
+        let names = |part: &Rehearse<'_>| part.stage().text() == stage.name;
+        let is_rehearsed = merged.rehearse.is_some_and(|part| names(&part));
         let chooses = |part: &Rehearse<'_>| {
-            let is_chosen = part.choices().next().is_some() || part.is_damaged();
-            part.stage().text() == stage.name && is_chosen
+            let chooses = part.choices().next().is_some() || part.is_damaged();
+            // Without a rehearsal of the task's own, each variant's is judged where that variant is checked.
+            match is_rehearsed {
+                true => names(part) && chooses,
+                // A name that no stage has is reported as that.
+                false => names(part) || merged.stages.get(part.stage().text()).is_none(),
+            }
         };
         // A variant may rehearse, so that runs with and without can be compared.
         let bodies = merged.variants.iter().filter_map(|it| match it.change {
@@ -298,7 +354,8 @@ pub(crate) fn candidates<'a>(
         });
         let in_variants = bodies.flat_map(|body| body.rehearsals());
         let mut rehearsals = merged.rehearse.into_iter().chain(in_variants);
-        if !rehearsals.any(|part| chooses(&part)) && !merged.is_damaged {
+        let is_wrong = matches!(rehearsal, Some(Err(_)));
+        if !is_wrong && !rehearsals.any(|part| chooses(&part)) && !merged.is_damaged {
             unchosen(setting, stage, context);
         }
     }

@@ -433,6 +433,18 @@ codes! {
     "a twin is too large or too small to be trusted"
     "A twin is trusted while its silhouette overlaps the camera's by more than `trust overlap` states. Two silhouettes overlap by at most the ratio of their areas, so at the start, where both lie flat, a twin of 0.8 of the size overlaps by at most 0.64. Let the range of `size` contain 1, or trust a smaller overlap."
 
+    "F0620" CrumpledStartRehearsed Warning
+    "a crumpled start is rehearsed"
+    "A twin is laid from the rectangle around the cloth in the picture, so only a cloth that lies flat has one. From a crumpled start each step is taken without rehearsal, and nothing real moves. `--start FILE` may lay the cloth flat, and a start from a file is judged by its first picture. Let the cloth start flat, or leave out `rehearse`."
+
+    "F0621" TwinIsJudgedCloth Error
+    "a twin is the judged cloth"
+    "A twin of the task's own material, of its size and with its friction folds as the judged cloth does: the rehearsal would be told the result. Name another material, and let the ranges of size and friction say what is not known."
+
+    "F0622" FoldChosenByCoverage Warning
+    "a fold is chosen by coverage"
+    "A fold makes a cloth cover less, so in a task with subgoals `choose most coverage` takes the answer that folds least, or that misses the cloth. `choose most overlap` compares with the next subgoal."
+
     "F0701" MissingField Error
     "an action lacks a field"
     "An action has a `pick` and a `place`, or a `pick`, a `direction` and a `distance`. The message says which of them is missing."

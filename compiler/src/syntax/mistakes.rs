@@ -394,6 +394,17 @@ pub(super) fn recognise(
                 .help(format!("write `use \"{path}\"`"))
                 .likely(whole, format!("\"{path}\""))
         }
+        _ if expected == ["`most`"] => usual()
+            .help("write `most`: the answer with the most of a measure is taken"),
+        "<" | "<=" | "=" | "==" | ":" if before.ends_with("trust overlap") => {
+            fault(sign(found), format!("expected `>`, found `{found}`"))
+                .help("write `>`: twins are trusted above the stated overlap")
+        }
+        "=" if before.ends_with("trust overlap >") => usual()
+            .help("remove it: twins are trusted above the stated overlap")
+            .likely(span, ""),
+        "skip" if expects("`refuse`") => usual()
+            .help("write `else refuse`, or leave it out: then the step is taken without rehearsal"),
         "subgoals" if rest.starts_with("subgoals(") => usual().meant(span, "subgoal"),
         "actions" if before.ends_with("read") => usual().meant(span, "action"),
         "“" | "”" | "'" | "‘" | "’" => usual().help("write straight double quotes `\"`"),

@@ -19,7 +19,7 @@ use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
 use crate::policy::{Asking, Attempt, Kind, MakePolicy, PolicyError, PromptError, StepKind};
-use crate::record::{Line, Report, RunCosts};
+use crate::record::{Line, RehearsedStep, Report, RunCosts};
 use crate::scene::SceneError;
 use crate::sheet::Sheet;
 use crate::subgoals::SubgoalSet;
@@ -127,6 +127,17 @@ pub enum Event<'a> {
         step: u32,
         /// The attempt.
         attempt: &'a Attempt,
+    },
+    /// The answers of a step were tried on twins.
+    Rehearsed {
+        /// The action's number, from 1.
+        number: u32,
+        /// The task's step that it is for, from 1.
+        step: u32,
+        /// What came of it.
+        line: &'a RehearsedStep,
+        /// Time spent on the twins, seconds.
+        seconds: f64,
     },
     /// A step was executed.
     Stepped {

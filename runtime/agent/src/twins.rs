@@ -2,8 +2,7 @@
 //!
 //! In: what the task declares, pictures of the cloth, executed motions, and actions to try. Out: measures of the
 //! results, and whether the twins can still be trusted. Twins get nothing else of the world: in particular no particles,
-//! no start and no true material. A cloth that does not lie flat at first gives twins that overlap little with it, so
-//! they are not trusted.
+//! no start and no true material. A cloth that does not lie flat in the first picture has no twins.
 
 use crate::record::{RehearsedAnswer, RehearsedStep};
 use crate::result::{Alignment, overlap, silhouette};
@@ -18,12 +17,22 @@ use fab_world::{Motion, World, WorldError};
 use image::RgbImage;
 use std::time::{Duration, Instant};
 
+/// How much higher than its flat surface a cloth may lie in the first picture, metres, where all but [`HIGHEST`] of it
+/// counts. A camera's errors stay below it, and of simulated cloths those that are crumpled or folded in half lie higher
+/// (`docs/rehearse.md`).
+const RAISED_M: f64 = 0.008;
+
+/// The share of a cloth's pixels whose height does not count: wrinkles, and readings that a camera gets wrong.
+const HIGHEST: f64 = 0.1;
+
 /// The twins of one rollout.
 pub struct Twins {
     rehearsal: Rehearsal,
     camera: Camera,
     picker: Picker,
     colours: Option<Material>,
+    /// How high the task's cloth lies above the table where it lies flat, metres.
+    flat_m: f64,
     /// Distinguishes the draws of rollouts.
     seed: String,
     /// Whether nothing real can move.
@@ -96,6 +105,10 @@ enum Aside {
     Interrupted,
     #[error("the picture shows no cloth")]
     NoCloth,
+    #[error(
+        "the cloth does not lie flat at first: more than a tenth of it is {raised_mm:.0} mm above the table, and a flat cloth {flat_mm:.1} mm"
+    )]
+    NotFlat { raised_mm: f64, flat_mm: f64 },
     #[error("the camera does not tell where on the table the cloth lies")]
     OffTable,
     #[error("the picture cannot be read: {0}")]
@@ -128,6 +141,7 @@ impl Twins {
             camera: program.camera.clone(),
             picker: program.picker,
             colours: program.cloth.material.clone(),
+            flat_m: program.cloth.rest_height_m(),
             seed: format!("twin {draws}"),
             is_simulated: world.is_simulated(),
             subgoals: subgoals.pictures.iter().map(silhouette).collect(),
@@ -224,6 +238,14 @@ impl Twins {
     /// Lays the twins where the camera sees the cloth.
     fn lay(&self, observation: &Observation, cloth: Option<&Mask>) -> Result<Vec<Laid>, Aside> {
         let cloth = cloth.ok_or(Aside::NoCloth)?;
+        if let Some(raised_m) = raised_m(observation, cloth)
+            && raised_m > self.flat_m + RAISED_M
+        {
+            return Err(Aside::NotFlat {
+                raised_mm: raised_m * 1000.0,
+                flat_mm: self.flat_m * 1000.0,
+            });
+        }
         let rectangle = fab_vision::rectangle_around(cloth)?.ok_or(Aside::NoCloth)?;
         let seen = Sighting::of(observation, corners_px(&rectangle)).ok_or(Aside::OffTable)?;
         let kind = Kind {
@@ -393,6 +415,26 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
+/// Returns the height above the table that all of the cloth but [`HIGHEST`] stays below, metres; `None` if no pixel of
+/// it has a depth.
+fn raised_m(observation: &Observation, cloth: &Mask) -> Option<f64> {
+    let camera = &observation.camera;
+    let height_m = |column: u32, row: u32| {
+        let depth_m = observation.depth_m.get_pixel_checked(column, row)?.0[0];
+        let at = [f64::from(column) + 0.5, f64::from(row) + 0.5];
+        let seen = camera.world_from_pixel(at, f64::from(depth_m))?;
+        Some(seen.z - camera.table_from_pixel(at)?.z)
+    };
+    let pixels = (0..cloth.height()).flat_map(|row| (0..cloth.width()).map(move |it| (it, row)));
+    let shown = pixels.filter(|(column, row)| cloth.contains_at(*column, *row));
+    let mut heights_m: Vec<f64> = shown
+        .filter_map(|(column, row)| height_m(column, row))
+        .collect();
+    heights_m.sort_by(f64::total_cmp);
+    let highest = (heights_m.len() as f64 * HIGHEST) as usize;
+    heights_m.into_iter().rev().nth(highest)
+}
+
 /// Returns the corners of a rectangle in order around it.
 fn corners_px(rectangle: &Rectangle) -> [[f64; 2]; 4] {
     let Rectangle {
@@ -404,4 +446,50 @@ fn corners_px(rectangle: &Rectangle) -> [[f64; 2]; 4] {
     [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[s, t]| {
         [0, 1].map(|axis| center[axis] + s * sides[0] * along[axis] + t * sides[1] * across[axis])
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use fab_picture::DepthImage;
+    use fab_program::{ImageUp, RECORDED_HEIGHT_M};
+    use image::Luma;
+
+    const SIDE_PX: u32 = 64;
+
+    /// What a cloth's pixels show of these heights above the table, metres, without depth where there is none.
+    fn raised_of(height_m: impl Fn(u32) -> Option<f32>) -> Option<f64> {
+        let camera = fab_program::Camera {
+            height_m: 0.65,
+            fov_rad: 0.8,
+            image_px: SIDE_PX,
+            up: ImageUp::Y,
+        };
+        let depth_m = DepthImage::from_fn(SIDE_PX, SIDE_PX, |column, row| {
+            Luma([height_m(row * SIDE_PX + column).map_or(0.0, |it| 0.65 - it)])
+        });
+        let rgb = RgbImage::new(SIDE_PX, SIDE_PX);
+        let seen = Observation::of_picture(&camera, rgb, Some(depth_m)).unwrap();
+        raised_m(&seen, &Mask::from_fn(SIDE_PX, SIDE_PX, |_, _| true))
+    }
+
+    #[test]
+    fn a_cameras_errors_raise_no_flat_cloth_and_a_heap_is_raised() {
+        let noisy = |pixel: u32| 0.005 + (pixel * 7 % 13) as f32 / 1000.0 - 0.006;
+        let flat = RECORDED_HEIGHT_M + RAISED_M;
+        let outliers = |every: u32| {
+            raised_of(move |pixel| match pixel % 100 < every {
+                true => Some(0.06),
+                false => Some(noisy(pixel)),
+            })
+            .unwrap()
+        };
+        assert!(raised_of(|pixel| Some(noisy(pixel))).unwrap() < flat);
+        assert!(outliers(9) < flat && outliers(11) > flat);
+        // Pixels without a reading say nothing.
+        let half = raised_of(|pixel| (pixel % 2 == 0).then_some(0.02));
+        assert!((half.unwrap() - 0.02).abs() < 1e-6);
+        assert_eq!(raised_of(|_| None), None);
+    }
 }

@@ -382,6 +382,19 @@ mod tests {
     }
 
     #[test]
+    fn the_recorded_cloth_has_the_simulators_friction() {
+        let cloth = Cloth {
+            dimx: 2,
+            dimy: 2,
+            spacing_m: 0.00625,
+            start: ClothStart::Flat,
+            material: None,
+        };
+        let friction = Params::default().table_friction;
+        assert_eq!(cloth.table_friction() as f32, friction);
+    }
+
+    #[test]
     fn a_material_that_is_too_stiff_for_the_grid_is_refused_with_a_spacing_that_would_do() {
         let mut stiff = towel();
         stiff.bending_length_m = program::Directions {

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 /// How high the recorded scene's cloth lies above the table, metres.
 pub const RECORDED_HEIGHT_M: f64 = 0.005;
 
+/// Coulomb friction of the recorded scene's cloth on the table. A test in `fab-world` compares it with the simulator's.
+const RECORDED_TABLE_FRICTION: f64 = 0.75;
+
 /// A rectangular cloth as a grid of particles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cloth {
@@ -43,6 +46,14 @@ impl Cloth {
         match &self.material {
             None => RECORDED_HEIGHT_M,
             Some(material) => material.gap_m() / 2.0,
+        }
+    }
+
+    /// Returns its coefficient of friction on the table in the simulator.
+    pub fn table_friction(&self) -> f64 {
+        match &self.material {
+            None => RECORDED_TABLE_FRICTION,
+            Some(material) => material.table_friction,
         }
     }
 

@@ -135,9 +135,11 @@ impl<'j> Turn<'j> {
             }
         };
         self.line.scene = scene.to_json();
+        let mut rehearsing = Duration::ZERO;
         if let Some(twins) = &mut memory.twins {
             let looked = twins.look(step, &observation, scene.cloth(), job.interrupt);
-            self.timer.add("rehearse", twins.take_time());
+            rehearsing = twins.take_time();
+            self.timer.add("rehearse", rehearsing);
             if let Err(Interrupted) = looked {
                 return Ok(self.stop(Outcome::Interrupted, "interrupted"));
             }
@@ -224,6 +226,14 @@ impl<'j> Turn<'j> {
             self.line.rehearsal = Some(twins.line().clone());
             if let Some(why) = &twins.line().shortfall {
                 progress(Event::Note(format!("step {step}: {why}")));
+            }
+            if twins.aside().is_none() {
+                progress(Event::Rehearsed {
+                    number,
+                    step,
+                    line: twins.line(),
+                    seconds: (rehearsing + took).as_secs_f64(),
+                });
             }
         }
         let deciding = asking.elapsed().saturating_sub(aside);

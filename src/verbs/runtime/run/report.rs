@@ -4,10 +4,10 @@ use crate::io::Io;
 use fab_agent::judgement::Judgement;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::{Attempt, Finding};
-use fab_agent::record::{CoverageSource, JudgedBy};
+use fab_agent::record::{CoverageSource, JudgedBy, RehearsedAnswer, RehearsedStep};
 use fab_agent::rollout::{Ended, Event};
 use fab_agent::sheet::SHEET_FILE;
-use fab_base::wording::shown;
+use fab_base::wording::{counted, shown};
 use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
 use fab_program::{Goal, Metric};
@@ -19,6 +19,7 @@ use std::path::Path;
 pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
     match event {
         Event::Asked { number, .. }
+        | Event::Rehearsed { number, .. }
         | Event::Stepped { number, .. }
         | Event::Skipped { number, .. }
         | Event::Again { number, .. }
@@ -48,6 +49,12 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
                 attempt.stage, attempt.number
             ));
         }
+        Event::Rehearsed {
+            step,
+            line,
+            seconds,
+            ..
+        } => io.talk(&format!("  step {step}, {}", rehearsed(line, seconds))),
         Event::Stepped {
             step,
             horizon,
@@ -95,6 +102,36 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
         }
         Event::Note(note) => io.talk(&format!("note: {note}")),
     }
+}
+
+/// Says which of the answers that were tried on twins was taken, by its measure and its place among them.
+fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
+    let tried = &line.candidates;
+    let named = |index: usize| {
+        let number = index + 1;
+        let ending = match number {
+            1 | 21 => "st",
+            2 | 22 => "nd",
+            3 | 23 => "rd",
+            _ => "th",
+        };
+        let ordinal = format!("{number}{ending}");
+        match tried[index].measure {
+            Some(measure) => format!("{measure:.2} ({ordinal})"),
+            None => format!("the {ordinal}"),
+        }
+    };
+    let is_taken = |it: &RehearsedAnswer| line.chosen == Some(it.attempt);
+    let choice = match tried.iter().position(is_taken) {
+        None => "none taken".to_owned(),
+        Some(0) => format!("{} taken", named(0)),
+        Some(taken) => format!("{} taken in place of {}", named(taken), named(0)),
+    };
+    format!(
+        "rehearsed: {}, {choice}, {}, {seconds:.1} s",
+        counted(tried.len(), "answer"),
+        counted(line.calls as usize, "more question")
+    )
 }
 
 /// Says how far an action moved the cloth, and how much of that stayed.
@@ -289,4 +326,54 @@ fn questions(report: &Ended) -> String {
         ));
     }
     counts.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rehearsed_step_names_the_taken_answer_and_the_first_by_measure_and_place() {
+        let said = |measures: &[Option<f64>], chosen: Option<u32>, calls: u32| {
+            // The first question of all had no usable answer, so the answers' numbers begin at 2.
+            let candidates = measures.iter().zip(2..).map(|(measure, attempt)| {
+                let (measure, twins, failed) = (*measure, Vec::new(), None);
+                RehearsedAnswer {
+                    attempt,
+                    measure,
+                    twins,
+                    failed,
+                }
+            });
+            let line = RehearsedStep {
+                candidates: candidates.collect(),
+                chosen,
+                calls,
+                ..RehearsedStep::default()
+            };
+            rehearsed(&line, 4.72)
+        };
+        let four = [Some(0.41), Some(0.93), Some(0.9), None];
+        let rows = [
+            (
+                said(&four, Some(3), 3),
+                "4 answers, 0.93 (2nd) taken in place of 0.41 (1st), 3 more questions, 4.7 s",
+            ),
+            (
+                said(&four[..1], Some(2), 1),
+                "1 answer, 0.41 (1st) taken, 1 more question, 4.7 s",
+            ),
+            (
+                said(&[None, None, None], Some(4), 2),
+                "3 answers, the 3rd taken in place of the 1st, 2 more questions, 4.7 s",
+            ),
+            (
+                said(&[], None, 0),
+                "0 answers, none taken, 0 more questions, 4.7 s",
+            ),
+        ];
+        for (said, expected) in rows {
+            assert_eq!(said, format!("rehearsed: {expected}"));
+        }
+    }
 }
