@@ -7,7 +7,7 @@ use crate::lang::calls::CAMERAS;
 use crate::merge::Merged;
 use fab_grammar::ast::{Expr, Statement};
 use fab_program::exact::written;
-use fab_program::{Camera, Extractor, Keypoint, RECORDED_HEIGHT_M};
+use fab_program::{Camera, Extractor, Keypoint, KeypointShape, RECORDED_HEIGHT_M};
 
 /// Reads where the camera is, and what it sees.
 pub(crate) fn check<'a>(
@@ -116,4 +116,35 @@ pub(crate) fn masks_see_cloth(
         );
         context.remark(diagnostic.also(ends[1].0, ends[1].1).help(right));
     }
+}
+
+/// Warns if another mask than the one of that name is the task's cloth.
+pub(crate) fn cloth_is_first(
+    keypoints: &[Keypoint],
+    merged: &Merged<'_>,
+    context: &mut Context<'_, '_>,
+) {
+    const NAME: &str = "cloth";
+    let masks = { keypoints.iter() }.filter(|it| it.extractor.shape() == KeypointShape::Mask);
+    let mut cloth: Option<&str> = None;
+    let mut named = false;
+    for mask in masks {
+        // As a rollout does: the first mask, and a cleaned version of it.
+        if cloth.is_none() || mask.extractor.refines() == cloth {
+            cloth = Some(&mask.name);
+        }
+        named |= mask.name == NAME && cloth != Some(NAME);
+    }
+    let declared = |name: &str| merged.keypoints.get(name).map(|it| it.value().span());
+    let ends = cloth
+        .filter(|_| named)
+        .and_then(|cloth| Some((cloth, declared(cloth)?, declared(NAME)?)));
+    let Some((cloth, first, own)) = ends else {
+        return;
+    };
+    let message = format!("`{cloth}`, the first mask, is the cloth, and `{NAME}` is not");
+    let diagnostic = Diagnostic::new(Code::OtherMaskIsCloth, first, message)
+        .also(own, "this mask is only one of the others")
+        .help("declare the cloth's mask above all others: picks land on it, and coverage is measured on it; only `largest` and `closed` of it take its place");
+    context.remark(diagnostic);
 }

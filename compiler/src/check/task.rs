@@ -56,6 +56,9 @@ pub(super) fn check<'a>(
     if let (Some(seen), Ok(keypoints)) = (statement("camera"), &keypoints) {
         camera::masks_see_cloth(seen, keypoints, merged, context);
     }
+    if let Ok(keypoints) = &keypoints {
+        camera::cloth_is_first(keypoints, merged, context);
+    }
     if let Some(part) = merged.actions {
         context.actions = actions::check(part, context);
     }

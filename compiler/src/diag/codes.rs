@@ -244,6 +244,10 @@ codes! {
     "a mask ends above the cloth"
     "A depth mask keeps what is nearer to the camera than its limit. A flat cloth lies about 5 mm above the table, so the limit is a little less than the camera's height: 646 mm for a camera at 650 mm. If the camera is raised, the limit must be raised as well; the message says to what."
 
+    "F0221" OtherMaskIsCloth Warning
+    "another mask is the cloth"
+    "The first mask of a task is its cloth: picks land on it, the cloth's coverage and its keypoints are measured on it. `largest` and `closed` of it take its place. A mask that is only called `cloth` does not."
+
     "F0301" UnknownName Error
     "a name is unknown"
     "Nothing of this kind has this name here. If one is similar, the message suggests it."
