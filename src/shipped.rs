@@ -56,13 +56,9 @@ pub fn find_beside(folder: &Path, word: &str, io: &Io) -> Result<String, Failure
     if FILES.iter().any(|(path, _)| *path == name) {
         return Ok(found(&unpacked(io)?.join(&name), "shipped with fabc"));
     }
-    let meant = match nearest(word, names()) {
-        Some(meant) => format!("did you mean `{meant}`? It ships"),
-        None => "it ships".to_owned(),
-    };
     Err(Failure::environment(format!(
-        "there is no file `{name}`, and fabc ships no task `{word}`; {meant} {}",
-        quoted(names())
+        "there is no file `{name}`, and {}",
+        not_shipped(word)
     )))
 }
 
@@ -107,6 +103,46 @@ pub fn text(path: &str) -> &'static str {
     let file = FILES.iter().find(|(name, _)| *name == path);
     let (_, bytes) = file.expect("every file that the program itself uses is embedded");
     std::str::from_utf8(bytes).expect("a shipped source is UTF-8")
+}
+
+/// Returns the embedded files in a folder of the tasks, with their paths relative to the tasks.
+pub fn files_of(folder: &str) -> impl Iterator<Item = (&'static str, &'static [u8])> {
+    let files = FILES.iter().filter(move |(path, _)| {
+        let inside = path.strip_prefix(folder);
+        inside.is_some_and(|inside| inside.starts_with('/'))
+    });
+    files.map(|(path, bytes)| (*path, *bytes))
+}
+
+/// Returns how to get a file that is missing and shipped, as the end of a sentence.
+pub fn way_to(missing: &Path) -> Option<String> {
+    let is_library = |it: &&str| it.starts_with("lib/") && missing.ends_with(it);
+    if missing.exists() {
+        return None;
+    }
+    let path = FILES.iter().map(|(path, _)| *path).find(is_library)?;
+    Some(format!(
+        "; fabc ships `{path}`, and `fabc new library` copies it beside your task"
+    ))
+}
+
+/// Returns the file of an embedded task.
+pub fn embedded_task(word: &str) -> Result<(&'static str, &'static [u8]), Failure> {
+    let name = format!("{word}.fab");
+    match FILES.iter().find(|(path, _)| *path == name) {
+        Some((path, bytes)) => Ok((path, bytes)),
+        None => Err(Failure::environment(not_shipped(word))),
+    }
+}
+
+/// Says that no shipped task has this name.
+fn not_shipped(word: &str) -> String {
+    let meant = match nearest(word, names()) {
+        Some(meant) => format!("did you mean `{meant}`? It ships"),
+        None => "it ships".to_owned(),
+    };
+    let all = quoted(names());
+    format!("fabc ships no task `{word}`; {meant} {all}")
 }
 
 fn is_name(word: &str) -> bool {

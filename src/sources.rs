@@ -2,6 +2,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
+use crate::shipped;
 use clap::Args;
 use clap::ValueHint;
 use fab_base::wording::quoted;
@@ -60,7 +61,10 @@ impl Loader for Disk {
             inside_or_library(&self.folder, path).and_then(|path| read_bounded(&path))
         };
         let bytes = bytes.map_err(|why| {
-            let nearby = nearby(path).map_or(String::new(), |it| format!("; did you mean `{it}`?"));
+            let nearby = match nearby(path) {
+                Some(meant) => format!("; did you mean `{meant}`?"),
+                None => shipped::way_to(path).unwrap_or_default(),
+            };
             wrong(format!("cannot read `{name}`: {why}{nearby}"))
         })?;
         String::from_utf8(bytes).map_err(|error| {

@@ -1,4 +1,4 @@
-//! `fabc new`: writes a commented task that runs at once, with the libraries that it uses.
+//! `fabc new`: writes a commented task that runs at once with the libraries that it uses, or the shipped libraries alone.
 //!
 //! In: a name, and pictures if a fold is drafted from them. Out: files, which were compiled before any was written, and
 //! the next steps. `fab_agent::draft` finds what the pictures show.
@@ -36,6 +36,22 @@ pub enum NewVerb {
     Fold(NewFoldArguments),
     /// Writes a smoothing task that runs at once, with comments that say how to change it.
     Smoothing(NewTaskArguments),
+    /// Copies the shipped libraries, and shipped tasks to extend, beside your own tasks.
+    Library(LibraryArguments),
+}
+
+/// Arguments of `new library`.
+#[derive(Args)]
+pub struct LibraryArguments {
+    /// Shipped tasks that are copied too, with their pictures.
+    #[arg(value_name = "TASK")]
+    pub tasks: Vec<String>,
+    /// The folder that gets `lib` and the tasks; default: the current one.
+    #[arg(long = "in", value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub folder: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `new fold`.
@@ -89,7 +105,50 @@ pub fn run(arguments: &NewArguments, io: &Io) -> Result<Exit, Failure> {
             let draft = Draft::of(include_str!("new/smoothing.fab"), SMOOTHING, arguments);
             begin(arguments, draft, io)
         }
+        NewVerb::Library(arguments) => library(arguments, io),
     }
+}
+
+/// Copies what is not there yet; a file of another content stays as it is, and is named.
+fn library(arguments: &LibraryArguments, io: &Io) -> Result<Exit, Failure> {
+    let folder = arguments.folder.clone().unwrap_or_default();
+    let mut wanted: Vec<(&str, &[u8])> = shipped::files_of("lib").collect();
+    for task in &arguments.tasks {
+        wanted.push(shipped::embedded_task(task)?);
+        wanted.extend(shipped::files_of(&format!("{task}.subgoals")));
+    }
+    let unwritable = |error: std::io::Error| {
+        let folder = shown(&folder);
+        Failure::environment(format!(
+            "nothing is written, since `{folder}` takes no files: {error}"
+        ))
+    };
+    let mut staging = Staging::begin(&folder, "library").map_err(unwritable)?;
+    let (mut written, mut kept) = (Vec::new(), Vec::new());
+    for (path, bytes) in wanted {
+        let place = folder.join(path);
+        if place.symlink_metadata().is_err() {
+            staging.write(Path::new(path), bytes).map_err(unwritable)?;
+            written.push(shown(&place));
+        } else if !std::fs::read(&place).is_ok_and(|present| present == bytes) {
+            kept.push(shown(&place));
+        }
+    }
+    staging.commit().map_err(unwritable)?;
+    if arguments.json {
+        io.json(&json!({ "files": written, "kept": kept }));
+        return Ok(Exit::Done);
+    }
+    for place in kept {
+        io.talk(&format!(
+            "note: `{place}` differs from the shipped version, and stays as it is"
+        ));
+    }
+    match written.is_empty() {
+        true => io.talk("nothing is missing"),
+        false => io.data(&written.join("\n")),
+    }
+    Ok(Exit::Done)
 }
 
 fn fold(arguments: &NewFoldArguments, io: &Io) -> Result<Exit, Failure> {

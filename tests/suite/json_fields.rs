@@ -62,6 +62,7 @@ name = "plain"
 /// A line for each verb: what follows `fabc`, without `--json`. Later lines use the files of earlier ones.
 const COMMANDS: &str = "\
 new smoothing heap
+new library hem
 new fold napkin
 check small.fab
 check wrong.fab

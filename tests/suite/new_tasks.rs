@@ -174,3 +174,47 @@ fn a_folder_that_takes_no_files_is_named() {
     assert!(ended.stderr.contains(told), "{}", ended.stderr);
     assert_eq!(files(folder.path()), [PathBuf::from("file")]);
 }
+
+#[test]
+fn libraries_are_copied_beside_own_tasks_and_changed_ones_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("own.fab");
+    std::fs::write(&own, "use \"hem.fab\"\ntask own extends hem {}\n").unwrap();
+    let told = |arguments: &[&str]| finish(fabc(folder.path()).args(arguments));
+    let missing = told(&["check", "own.fab"]);
+    assert_eq!(missing.code, 1, "{}", missing.stdout);
+    let copied = told(&["new", "library", "hem"]);
+    assert_eq!(copied.code, 0, "{}", copied.stderr);
+    assert!(
+        copied.stdout.contains("lib/materials.fab\n"),
+        "{}",
+        copied.stdout
+    );
+    assert_eq!(told(&["check", "own.fab"]).code, 0);
+    let changed = folder.path().join("lib/folding.fab");
+    let text = std::fs::read_to_string(&changed).unwrap() + "# mine\n";
+    std::fs::write(&changed, &text).unwrap();
+    let again = told(&["new", "library"]);
+    assert!(
+        again.stderr.contains("`lib/folding.fab` differs"),
+        "{}",
+        again.stderr
+    );
+    assert_eq!(std::fs::read_to_string(&changed).unwrap(), text);
+    let unknown = told(&["new", "library", "hemm"]);
+    assert_eq!(unknown.code, 2);
+    assert!(
+        unknown.stderr.contains("did you mean `hem`?"),
+        "{}",
+        unknown.stderr
+    );
+    let missing = folder.path().join("elsewhere");
+    std::fs::create_dir(&missing).unwrap();
+    std::fs::write(missing.join("x.fab"), "use \"lib/materials.fab\"\n").unwrap();
+    let advised = finish(fabc(&missing).args(["check", "x.fab"]));
+    assert!(
+        advised.stdout.contains("`fabc new library` copies it"),
+        "{}",
+        advised.stdout
+    );
+}
