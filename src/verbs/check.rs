@@ -198,7 +198,7 @@ fn unjudged(program: &Program, beside: &Path) -> Option<&'static str> {
 fn twin_too_stiff(program: &Program) -> Option<String> {
     let twin = &program.rehearsal.as_ref()?.twin;
     let material = fab_world::material(twin.material.as_ref()?);
-    let smallest_m = fab_world::twin::least_spacing_m(twin) as f32;
+    let smallest_m = fab_world::twin::least_spacing_m(twin, &program.cloth) as f32;
     let error = material.check(smallest_m).err()?;
     Some(format!("the smallest cannot be laid: {error}"))
 }

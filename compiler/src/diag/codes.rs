@@ -222,7 +222,7 @@ codes! {
 
     "F0208" Rounded Note
     "a side is rounded to whole particles"
-    "A cloth is a grid of particles 6.25 mm apart, so its sides are multiples of that. `grid(55, 44)` is exact."
+    "A cloth is a grid of particles, 6.25 mm apart unless it states a `spacing`, so its sides are multiples of that. `grid(55, 44)` is exact."
 
     "F0209" CameraSeesTooLittle Warning
     "the cloth does not fit into the picture"

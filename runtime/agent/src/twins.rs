@@ -11,7 +11,7 @@ use crate::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_picture::Mask;
 use fab_picture::observation::Observation;
-use fab_program::{Camera, Distrusted, Material, Picker, Program, Rehearsal, RehearsalMeasure};
+use fab_program::{Camera, Cloth, Distrusted, Picker, Program, Rehearsal, RehearsalMeasure};
 use fab_vision::{Rectangle, VisionError};
 use fab_world::twin::{Drawn, Kind, Sighting, Twin, TwinView};
 use fab_world::{Motion, World, WorldError};
@@ -23,7 +23,7 @@ pub struct Twins {
     rehearsal: Rehearsal,
     camera: Camera,
     picker: Picker,
-    colours: Option<Material>,
+    cloth: Cloth,
     /// Distinguishes the draws of rollouts.
     seed: String,
     /// Whether nothing real can move.
@@ -127,7 +127,7 @@ impl Twins {
             rehearsal: program.rehearsal.clone()?,
             camera: program.camera.clone(),
             picker: program.picker,
-            colours: program.cloth.material.clone(),
+            cloth: program.cloth.clone(),
             seed: format!("twin {draws}"),
             is_simulated: world.is_simulated(),
             subgoals: subgoals.pictures.iter().map(silhouette).collect(),
@@ -230,7 +230,7 @@ impl Twins {
             camera: &self.camera,
             picker: self.picker,
             ranges: &self.rehearsal.twin,
-            colours: self.colours.as_ref(),
+            cloth: &self.cloth,
         };
         let twins = (1..=self.rehearsal.twin.draws).map(|draw| {
             let drawn = Drawn::by(kind.ranges, &format!("{} {draw}", self.seed));
