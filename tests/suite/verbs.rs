@@ -63,8 +63,8 @@ task stiff extends folding {
     let said = finish(fabc(folder.path()).args(["check", "stiff.fab"]));
     assert_eq!(said.code, 0, "{}{}", said.stdout, said.stderr);
     for line in [
-        "\n    in the simulator, layers keep `0.001` m apart and not the thickness of `0.0001` m",
-        "\n  its twins: the smallest cannot be laid: a cloth with a bending length of up to `0.09` m needs ",
+        "\n    in the simulator, layers keep `1` mm apart and not the thickness of `0.1` mm",
+        "\n  its twins: the smallest cannot be laid: a cloth with a bending length of up to `90` mm needs ",
         " in 1 step\n",
     ] {
         assert!(said.stdout.contains(line), "{line}\n{}", said.stdout);
@@ -82,7 +82,7 @@ task stiff extends folding {
     let differs = task["material"]["simulated"][0].as_str().unwrap();
     assert!(
         differs.starts_with(
-            "the cloth cannot be laid: a cloth with a bending length of up to `0.09` m"
+            "the cloth cannot be laid: a cloth with a bending length of up to `90` mm"
         ),
         "{task}"
     );

@@ -136,9 +136,13 @@ fn table(readings: &[Reading]) -> String {
         "", "declared", "expected", "measured", ""
     )];
     lines.extend(readings.iter().map(|reading| {
-        let digits = if reading.unit.is_empty() { 3 } else { 1 };
+        let digits = |value: f64| match reading.unit {
+            "" => 3,
+            "mm" if value < 1.0 => 2,
+            _ => 1,
+        };
         let value = |value: Option<f64>| match value {
-            Some(value) => format!("{value:.digits$}"),
+            Some(value) => format!("{value:.*}", digits(value)),
             None => "-".to_owned(),
         };
         let [declared, expected] = [reading.declared, reading.expected].map(value);
