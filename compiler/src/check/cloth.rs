@@ -42,6 +42,14 @@ pub(crate) fn check<'a>(
     if let Some((_, expr)) = spacing {
         check_spacing(&cloth, expr.span(), context)?;
     }
+    if let Some(material) = &cloth.material
+        && let Some(why) = context.loaded.refuses_cloth(material, cloth.spacing_m)
+    {
+        let message = format!("the cloth cannot be laid in the simulator: {why}");
+        let at = statement.value().span();
+        let diagnostic = Diagnostic::new(Code::ClothTooStiff, at, message);
+        context.remark(diagnostic.help("state a larger `spacing`; only a real arm needs none"));
+    }
     if let Some(grid) = context.grid {
         return replaced(cloth, grid, statement, context);
     }
