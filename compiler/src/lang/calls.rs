@@ -16,8 +16,8 @@ pub(crate) const PARTICLES: Range = Range::plain("a count of particles", 2.0, 20
 /// The length of a side, for the fewest to the most particles.
 const SIDE: Kind = Kind::Quantity(Range::new("a side", (6.25, "mm"), (1243.75, "mm")));
 
-/// Particles nearer than the thinnest gap between layers (1 mm) would hold each other apart within a layer, and most woven
-/// cloths are too stiff for a spacing below 2 mm; above 12 mm no bend of a bending length below 24 mm is met.
+/// At 2 mm, bending lengths above about 17 mm are too stiff for a step, and most woven cloths have such; at 12 mm, no loop or
+/// fold of one below 24 mm is met.
 const SPACING: Arg = Arg::named(
     "spacing",
     Kind::Quantity(Range::new("a spacing", (2.0, "mm"), (12.0, "mm"))),

@@ -136,13 +136,13 @@ fn table(readings: &[Reading]) -> String {
         "", "declared", "expected", "measured", ""
     )];
     lines.extend(readings.iter().map(|reading| {
-        let digits = |value: f64| match reading.unit {
-            "" => 3,
-            "mm" if value < 1.0 => 2,
+        let digits = match (reading.unit, reading.declared) {
+            ("", _) => 3,
+            ("mm", Some(declared)) if declared < 1.0 => 2,
             _ => 1,
         };
         let value = |value: Option<f64>| match value {
-            Some(value) => format!("{value:.*}", digits(value)),
+            Some(value) => format!("{value:.digits$}"),
             None => "-".to_owned(),
         };
         let [declared, expected] = [reading.declared, reading.expected].map(value);
