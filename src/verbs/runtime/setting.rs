@@ -91,7 +91,7 @@ pub fn start(
             ClothStart::File { file } => {
                 let path = task_files::resolve(folder, file).map_err(Failure::environment)?;
                 let start = Start::load(&path, None).map_err(Failure::environment)?;
-                check_spacing(&start.name, start.grid.spacing_m, program)?;
+                check_spacing(&format!("`{}`", start.name), start.grid.spacing_m, program)?;
                 Ok(start)
             }
         };
@@ -112,7 +112,7 @@ pub fn start(
     }
     let stated = stated_frame(&arguments.frame, program.cloth.spacing_m)?;
     let start = Start::load(Path::new(text), stated).map_err(Failure::environment)?;
-    check_spacing(&start.name, start.grid.spacing_m, program)?;
+    check_spacing(&format!("`{}`", start.name), start.grid.spacing_m, program)?;
     Ok(start)
 }
 
@@ -128,7 +128,7 @@ pub fn check_spacing(start: &str, spacing_m: f64, program: &Program) -> Result<(
         None => String::new(),
     };
     Err(Failure::environment(format!(
-        "the particles of the start `{start}` are {found} mm apart, and those of the task's cloth {wanted} mm{state}"
+        "the particles of the start {start} are {found} mm apart, and those of the task's cloth {wanted} mm{state}"
     )))
 }
 

@@ -104,7 +104,8 @@ pub fn prepare(
                 let points = starts::recorded(recorded, &program.task);
                 let points = points.map_err(Failure::environment)?;
                 for point in &points {
-                    setting::check_spacing(&point.in_words(), point.cloth.spacing_m, &program)?;
+                    let start = format!("{} of `{}`", point.number, recorded.display());
+                    setting::check_spacing(&start, point.cloth.spacing_m, &program)?;
                 }
                 points
             }
