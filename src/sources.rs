@@ -8,6 +8,8 @@ use clap::ValueHint;
 use fab_base::wording::quoted;
 use fab_base::{files, npy};
 use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, diag};
+#[cfg(feature = "runtime")]
+use fab_program::Material;
 use fab_program::{PINS_FILE, Program, Trial, pins_folder};
 use serde::Deserialize;
 use serde::Serialize;
@@ -130,6 +132,12 @@ impl Loader for Looking {
 
     fn trial(&self, title: &str) -> Option<Trial> {
         pinned_trial(&self.disk.folder, title)
+    }
+
+    #[cfg(feature = "runtime")]
+    fn refuses_cloth(&self, material: &Material, spacing_m: f64) -> Option<String> {
+        let checked = fab_world::material(material).check(spacing_m as f32);
+        checked.err().map(|error| error.to_string())
     }
 }
 

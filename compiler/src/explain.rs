@@ -5,7 +5,7 @@
 
 use crate::diag::{self, CODES, Code, CodeEntry, Color, GROUPS};
 use crate::{Listed, LoadError, Loader, Wanted};
-use fab_program::Trial;
+use fab_program::{Material, Trial};
 
 /// The name of an example's file.
 const FILE: &str = "example.fab";
@@ -161,6 +161,20 @@ impl Loader for Files<'_> {
     fn trial(&self, title: &str) -> Option<Trial> {
         trial(title)
     }
+
+    fn refuses_cloth(&self, material: &Material, spacing_m: f64) -> Option<String> {
+        refuses_cloth(material, spacing_m)
+    }
+}
+
+/// Returns what the simulator says of the example of a cloth that is too stiff for its spacing.
+pub fn refuses_cloth(material: &Material, spacing_m: f64) -> Option<String> {
+    let is_too_stiff = material.bending_length_m.warp == 0.09 && spacing_m == 0.00625;
+    is_too_stiff.then(|| {
+        include_str!("diag/examples/F0512.txt")
+            .trim_end()
+            .to_owned()
+    })
 }
 
 /// Returns what the demonstration of an example with a wrong step did, as `fabc subgoals` found it.

@@ -120,6 +120,10 @@ impl Loader for Overlay<'_> {
     fn trial(&self, title: &str) -> Option<fab_program::Trial> {
         self.loader.trial(title)
     }
+
+    fn refuses_cloth(&self, material: &fab_program::Material, spacing_m: f64) -> Option<String> {
+        self.loader.refuses_cloth(material, spacing_m)
+    }
 }
 
 /// Tries of the edits of one compilation.

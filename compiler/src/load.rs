@@ -10,7 +10,8 @@ use crate::path;
 use crate::syntax;
 use fab_grammar::ast::{Experts, Material, Name, Task};
 use fab_grammar::{FileId, Kind, Node, Sources, Span, Tree};
-use fab_program::Trial;
+use fab_program::{self as program, Trial};
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most files in one compilation.
@@ -68,7 +69,12 @@ pub(crate) struct Loaded<'a> {
     /// The words of all files that use a name; those that only declare a constant, a keypoint or a material are left out.
     used: BTreeSet<&'a str>,
     loader: &'a dyn Loader,
+    /// What [`Loaded::materials_to_use`] found for a file.
+    libraries: RefCell<BTreeMap<FileId, Option<LibraryOfMaterials>>>,
 }
+
+/// The path of a file in a `use`, and the names of its materials.
+type LibraryOfMaterials = (&'static str, Vec<String>);
 
 impl<'a> Loaded<'a> {
     /// Views the files of `texts`.
@@ -105,6 +111,7 @@ impl<'a> Loaded<'a> {
             sizes,
             extended: BTreeSet::new(),
             loader,
+            libraries: RefCell::default(),
             used: texts.trees.iter().flat_map(used).collect(),
         };
         let tasks = loaded.files.iter().flat_map(|file| &file.tasks);
@@ -154,6 +161,33 @@ impl<'a> Loaded<'a> {
     /// Returns what the steps of a task's demonstration did when it was last executed; see [`Loader::trial`].
     pub fn trial(&self, title: &str) -> Option<Trial> {
         self.loader.trial(title)
+    }
+
+    /// Returns why a cloth cannot be laid in the caller's simulator; see [`Loader::refuses_cloth`].
+    pub fn refuses_cloth(&self, material: &program::Material, spacing_m: f64) -> Option<String> {
+        self.loader.refuses_cloth(material, spacing_m)
+    }
+
+    /// Returns a path that `file` may use to read the library of materials, and the names that it declares, if it lies in a
+    /// folder `lib` beside the file or beside the file's folder.
+    pub fn materials_to_use(&self, file: FileId) -> Option<LibraryOfMaterials> {
+        let mut libraries = self.libraries.borrow_mut();
+        let library = libraries.entry(file);
+        library.or_insert_with(|| self.find_materials(file)).clone()
+    }
+
+    fn find_materials(&self, file: FileId) -> Option<LibraryOfMaterials> {
+        let here = &self.texts.portable_names[file.index()];
+        let name = &self.texts.sources.get(file).name;
+        let paths = ["lib/materials.fab", "../lib/materials.fab"].into_iter();
+        let mut allowed = paths.filter(|path| path::within_or_library(here, path).is_some());
+        allowed.find_map(|path| {
+            let text = self.loader.load(&path::beside(name, path)).ok()?;
+            let tree = fab_grammar::parse(file, &text).tree;
+            let declared = tree.view().materials();
+            let names = declared.map(|material| material.name().text().to_owned());
+            Some((path, names.collect()))
+        })
     }
 
     /// Returns whether any file uses a constant, a keypoint or a material of this name, or may do so in text that did

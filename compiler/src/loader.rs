@@ -1,6 +1,6 @@
 //! The compiler's only access to the outside: it asks for texts by name, and for what lies where a task names a file.
 
-use fab_program::Trial;
+use fab_program::{Material, Trial};
 
 /// Gives the compiler texts, its only access to the outside.
 pub trait Loader {
@@ -23,6 +23,12 @@ pub trait Loader {
     ///
     /// `title` is the task's, or `task/variant`. A result of another demonstration is not used.
     fn trial(&self, _title: &str) -> Option<Trial> {
+        None
+    }
+
+    /// Returns why the caller's simulator cannot lay a cloth of this material with particles this far apart; `None` if it can,
+    /// or if there is no simulator. Lower case, no full stop.
+    fn refuses_cloth(&self, _material: &Material, _spacing_m: f64) -> Option<String> {
         None
     }
 }

@@ -109,7 +109,8 @@ pub enum MaterialError {
     },
     /// Bending is so stiff that a step would need too many substeps.
     #[error(
-        "a cloth with a bending length of up to `{length_m}` m needs `{substeps}` substeps at a spacing of `{spacing_m}` m, more than `{MAX_SUBSTEPS}`; a spacing from `{least_spacing_m:.4}` m on would do"
+        "a cloth with a bending length of up to `{}` mm needs `{substeps}` substeps at a spacing of `{}` mm, more than `{MAX_SUBSTEPS}`; a spacing from `{}` mm on would do",
+        mm(*length_m), mm(*spacing_m), least_mm(*least_spacing_m)
     )]
     TooStiff {
         /// Longest bending length, metres.
@@ -196,21 +197,29 @@ impl std::fmt::Display for MaterialWarning {
         match self {
             MaterialWarning::Gap { thickness_m, gap_m } => write!(
                 f,
-                "layers keep `{gap_m}` m apart and not the thickness of `{thickness_m}` m; contacts hold `{MIN_GAP_M}` to `{MAX_GAP_M}` m"
+                "layers keep `{}` mm apart and not the thickness of `{}` mm; contacts hold `{}` to `{}` mm",
+                mm(*gap_m),
+                mm(*thickness_m),
+                mm(MIN_GAP_M),
+                mm(MAX_GAP_M)
             ),
             MaterialWarning::Coarse {
                 length_m,
                 spacing_m,
             } => write!(
                 f,
-                "a bending length of `{length_m}` m is met within 10 % only at a spacing of up to `{spacing_m:.4}` m"
+                "a bending length of `{}` mm is met within 10 % only at a spacing of up to `{}` mm",
+                mm(*length_m),
+                most_mm(*spacing_m)
             ),
             MaterialWarning::Sharp {
                 length_m,
                 spacing_m,
             } => write!(
                 f,
-                "loops and folds of a bending length of `{length_m}` m are met within 10 % only at a spacing of up to `{spacing_m:.4}` m; creases open too little"
+                "loops and folds of a bending length of `{}` mm are met within 10 % only at a spacing of up to `{}` mm; creases open too little",
+                mm(*length_m),
+                most_mm(*spacing_m)
             ),
             MaterialWarning::Unsteady {
                 length_m,
@@ -219,16 +228,20 @@ impl std::fmt::Display for MaterialWarning {
             } => {
                 write!(
                     f,
-                    "with a bending length of `{length_m}` m a cloth in the air may change its momentum by more than `0.005` in 0.4 s"
+                    "with a bending length of `{}` mm a cloth in the air may change its momentum by more than `0.005` in 0.4 s",
+                    mm(*length_m)
                 )?;
                 if *is_light {
                     f.write_str(", and layers of one so light may not lie down on each other")?;
                 }
-                write!(f, "; a spacing of about `{spacing_m:.4}` m would do")
+                write!(f, "; a spacing of `{}` mm would do", least_mm(*spacing_m))
             }
             MaterialWarning::Curls { bias_m, least_m } => write!(
                 f,
-                "a strip on the bias curls or twists: with a width of `{BIAS_STRIP_M}` m it shows a bending length of as little as `{least_m:.4}` m and not `{bias_m:.4}` m; long loops and folds of the cloth tip over"
+                "a strip on the bias curls or twists: with a width of `{}` mm it shows a bending length of as little as `{}` mm and not `{}` mm; long loops and folds of the cloth tip over",
+                mm(BIAS_STRIP_M),
+                mm(*least_m),
+                mm(*bias_m)
             ),
             MaterialWarning::Threads { less } => write!(
                 f,
@@ -244,14 +257,32 @@ impl std::fmt::Display for MaterialWarning {
             ),
             MaterialWarning::Shear { declared, shown } => write!(
                 f,
-                "on the bias the cloth gives by `{shown:.2}` and not by `{declared}` of its length: one of this weight is not held stiffer against shear at this spacing"
+                "on the bias the cloth gives by `{shown:.2}` and not by `{declared}` of its length, since one of this weight is not held stiffer at this spacing: in a fold it shears more easily than the real one"
             ),
             MaterialWarning::SoftBias { bias_m, least_m } => write!(
                 f,
-                "on the bias the cloth has a bending length of `{least_m:.4}` m and not `{bias_m}` m: with these of warp and weft it cannot be less"
+                "on the bias the cloth has a bending length of `{}` mm and not `{}` mm: with these of warp and weft it cannot be less",
+                mm(*least_m),
+                mm(*bias_m)
             ),
         }
     }
+}
+
+/// Writes a length in millimetres, with at most one decimal from 10 mm on and two below.
+fn mm(metres: f32) -> f64 {
+    let per_mm = if metres < 0.01 { 100.0 } else { 10.0 };
+    (1000.0 * per_mm * f64::from(metres)).round() / per_mm
+}
+
+/// Writes the largest spacing that would do, rounded down so that it does.
+fn most_mm(spacing_m: f32) -> f64 {
+    (1e4 * f64::from(spacing_m) + 0.001).floor() / 10.0
+}
+
+/// Writes the least spacing that would do, rounded up so that it does.
+fn least_mm(spacing_m: f32) -> f64 {
+    (1e4 * f64::from(spacing_m) - 0.001).ceil() / 10.0
 }
 
 /// Stiffnesses of a cloth on a grid, for particles of mass 1.

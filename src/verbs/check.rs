@@ -198,7 +198,7 @@ fn unjudged(program: &Program, beside: &Path) -> Option<&'static str> {
 fn twin_too_stiff(program: &Program) -> Option<String> {
     let twin = &program.rehearsal.as_ref()?.twin;
     let material = fab_world::material(twin.material.as_ref()?);
-    let smallest_m = fab_world::twin::least_spacing_m(twin) as f32;
+    let smallest_m = fab_world::twin::least_spacing_m(twin, &program.cloth) as f32;
     let error = material.check(smallest_m).err()?;
     Some(format!("the smallest cannot be laid: {error}"))
 }
@@ -209,15 +209,11 @@ fn twin_too_stiff(_: &Program) -> Option<String> {
     None
 }
 
-/// Returns in what the simulated cloth of a material differs from it, and whether it can be simulated at all.
+/// Returns in what the simulated cloth of a material differs from it; nothing of a cloth that cannot be laid, which is a warning.
 #[cfg(feature = "runtime")]
 fn differs(material: &Material, spacing_m: f64) -> Option<Vec<String>> {
-    Some(
-        match fab_world::material(material).check(spacing_m as f32) {
-            Ok(warnings) => warnings.iter().map(ToString::to_string).collect(),
-            Err(error) => vec![format!("the cloth cannot be laid: {error}")],
-        },
-    )
+    let warnings = fab_world::material(material).check(spacing_m as f32).ok()?;
+    Some(warnings.iter().map(ToString::to_string).collect())
 }
 
 /// Returns nothing: without a simulator no cloth is simulated.

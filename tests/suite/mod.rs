@@ -72,6 +72,7 @@ mod sim_replay;
 mod sim_verbs;
 mod skipped_steps;
 mod snap;
+mod spacing;
 mod springing_back;
 mod stand_in;
 mod steered;

@@ -5,6 +5,7 @@ use super::expressions::{Scope, call, material_name, wrong_form};
 use super::material;
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::calls::{CLOTHS, SPACING_M, particle_limits};
+use fab_grammar::Span;
 use fab_grammar::ast::{Expr, Statement};
 use fab_program::Cloth;
 use fab_program::exact::written;
@@ -28,20 +29,58 @@ pub(crate) fn check<'a>(
     for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
         // `edge` is the only unit without a size before the cloth is known.
         if matches!(value, ArgValue::Number(number) if number.is_nan()) {
-            let message = "a side of the cloth cannot be given in `edge`, the cloth's own side";
+            let message = "a length of the cloth cannot be given in `edge`, the cloth's own side";
             let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
-            return Err(context.error(diagnostic.help("write a length such as `250mm`")));
+            return Err(context.error(diagnostic.help("write a length such as `4mm` or `250mm`")));
         }
     }
     let mut cloth = (CLOTHS[row].make)(&args);
     if let Some((_, expr)) = bound.iter().find(|(arg, _)| arg.name == "material") {
         cloth.material = material::named(material_name(*expr, context)?, context)?;
     }
+    let spacing = bound.iter().find(|(arg, _)| arg.name == "spacing");
+    if let Some((_, expr)) = spacing {
+        check_spacing(&cloth, expr.span(), context)?;
+    }
+    if let Some(material) = &cloth.material
+        && let Some(why) = context.loaded.refuses_cloth(material, cloth.spacing_m)
+    {
+        let message = format!("the cloth cannot be laid in the simulator: {why}");
+        let at = statement.value().span();
+        let diagnostic = Diagnostic::new(Code::ClothTooStiff, at, message);
+        context.remark(diagnostic.help("state a larger `spacing`; only a real arm needs none"));
+    }
     if let Some(grid) = context.grid {
         return replaced(cloth, grid, statement, context);
     }
     rounded(&cloth, &args.0, statement, context);
     Ok(cloth)
+}
+
+/// Reports a spacing that the cloth cannot have: the recorded one has its own, and a side can have too many particles.
+fn check_spacing(cloth: &Cloth, at: Span, context: &mut Context<'_, '_>) -> Result<(), Reported> {
+    if cloth.material.is_none() && cloth.spacing_m != SPACING_M {
+        let message = "the recorded cloth has a spacing of `6.25mm`";
+        let help =
+            "its springs were fitted at that spacing; leave `spacing` out, or state a `material`";
+        let diagnostic = Diagnostic::new(Code::OutOfRange, at, message);
+        return Err(context.error(diagnostic.help(help)));
+    }
+    let [_, most] = particle_limits();
+    let longer = cloth.dimx.max(cloth.dimy);
+    if longer > most {
+        let spacing = written(mm(cloth.spacing_m), 3);
+        let message = format!("a side would have `{longer}` particles `{spacing}mm` apart");
+        let least_mm = (cloth.edge_m() * 1e4 / f64::from(most - 1)).ceil() / 10.0;
+        let help = format!(
+            "a side has at most {most} particles; write `spacing: {}mm`, or a side of at most `{}mm`",
+            written(least_mm, 1),
+            written(mm(cloth.spacing_m * f64::from(most - 1)), 3),
+        );
+        let diagnostic = Diagnostic::new(Code::OutOfRange, at, message);
+        return Err(context.error(diagnostic.help(help)));
+    }
+    Ok(())
 }
 
 /// Replaces the declared grid with the caller's, if there is one.
@@ -72,8 +111,13 @@ fn rounded(
     statement: Statement<'_>,
     context: &mut Context<'_, '_>,
 ) {
-    let Cloth { dimx, dimy, .. } = *cloth;
-    let side_mm = |n_particles: u32| f64::from(n_particles - 1) * SPACING_M * 1000.0;
+    let Cloth {
+        dimx,
+        dimy,
+        spacing_m,
+        ..
+    } = *cloth;
+    let side_mm = |n_particles: u32| mm(f64::from(n_particles - 1) * spacing_m);
     let is_exact = |(name, value): &(&str, ArgValue)| match (*name, value) {
         ("width", ArgValue::Number(m)) => (m * 1000.0 - side_mm(dimx)).abs() < 1e-6,
         ("depth" | "side", ArgValue::Number(m)) => (m * 1000.0 - side_mm(dimy)).abs() < 1e-6,
@@ -89,5 +133,14 @@ fn rounded(
         written(side_mm(dimy), 3)
     );
     let diagnostic = Diagnostic::new(Code::Rounded, statement.value().span(), message);
-    context.remark(diagnostic.help(format!("`grid({dimx}, {dimy})` states this size exactly")));
+    let spacing = match spacing_m == SPACING_M {
+        true => String::new(),
+        false => format!(", spacing: {}mm", written(mm(spacing_m), 3)),
+    };
+    let help = format!("`grid({dimx}, {dimy}{spacing})` states this size exactly");
+    context.remark(diagnostic.help(help));
+}
+
+fn mm(metres: f64) -> f64 {
+    metres * 1000.0
 }

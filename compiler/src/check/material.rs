@@ -239,14 +239,30 @@ pub(super) fn named<'a>(
         .flat_map(|file| &file.materials)
         .map(|material| material.name().text())
         .collect();
-    if seen.is_empty() {
+    let candidates = || seen.iter().copied().chain([RECORDED]);
+    let is_near = nearest(name.text(), candidates()).is_some();
+    let message = format!("there is no material `{}`", name.text());
+    let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message).about(name.text());
+    let library = context.loaded.materials_to_use(file);
+    let in_library = library.as_ref().and_then(|(path, declared)| {
+        let meant = nearest(name.text(), declared.iter().map(String::as_str))?;
+        (meant == name.text() || !is_near).then_some((path, meant))
+    });
+    if let Some((path, meant)) = in_library {
         context.may_be_hidden(name.text())?;
-        let message = format!("there is no material `{}`", name.text());
-        let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message);
-        let help = "declare it, or write `use \"lib/materials.fab\"` for the shipped ones";
-        return Err(context.error(diagnostic.about(name.text()).help(help)));
+        let diagnostic = match meant == name.text() {
+            true => diagnostic,
+            false => diagnostic.meant(name.span(), meant),
+        };
+        let help = format!("write `use \"{path}\"` at the top of this file: it declares `{meant}`");
+        return Err(context.error(diagnostic.help(help)));
     }
-    Err(context.unknown("material", name, seen.into_iter().chain([RECORDED])))
+    if seen.is_empty() && !is_near {
+        context.may_be_hidden(name.text())?;
+        let help = "declare it, or write `use \"lib/materials.fab\"` for the shipped ones";
+        return Err(context.error(diagnostic.help(help)));
+    }
+    Err(context.unknown("material", name, candidates()))
 }
 
 /// Warns of the materials of the first file that no cloth is made of. A file without tasks declares them for others.

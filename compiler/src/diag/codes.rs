@@ -222,7 +222,7 @@ codes! {
 
     "F0208" Rounded Note
     "a side is rounded to whole particles"
-    "A cloth is a grid of particles 6.25 mm apart, so its sides are multiples of that. `grid(55, 44)` is exact."
+    "A cloth is a grid of particles, 6.25 mm apart unless it states a `spacing`, so its sides are multiples of that. `grid(55, 44)` is exact."
 
     "F0209" CameraSeesTooLittle Warning
     "the cloth does not fit into the picture"
@@ -360,6 +360,10 @@ codes! {
     "F0511" MaterialIncomplete Error
     "a material lacks a value, or its source"
     "A `material` states its weight, thickness, bending length, crease recovery, stretch and friction, each with the place where the value comes from: a publication, or how it was measured. Without a source, nobody can check a value or improve it. The colours of its faces are optional, and each is a name for prompts and a colour for the simulator's camera."
+
+    "F0512" ClothTooStiff Warning
+    "the simulator cannot lay a cloth"
+    "The stiffer a cloth and the nearer its particles, the more substeps a step of the simulator needs, and it has at most 100. Every run in the simulator ends with this message. A real arm needs no simulator, so this is only a warning. `fabc check` gives it in builds that have the simulator; the message says which `spacing` would do."
 
     "F0601" SaidNowhere Warning
     "a component is never used"

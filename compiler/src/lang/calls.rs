@@ -7,7 +7,7 @@ use fab_program::{Camera, Cloth, ClothPoint, ClothStart, ImageUp, MANNERS, Manne
 
 // ---- cloths --------------------------------------------------------------------------------------
 
-/// Distance between particles, metres: the grid of the paper's cloths (protocol, section 1).
+/// Distance between particles unless the task states another, metres: the grid of the paper's cloths (protocol, section 1).
 pub(crate) const SPACING_M: f64 = 0.00625;
 
 /// Particles on a side; their number grows with the square.
@@ -15,6 +15,15 @@ pub(crate) const PARTICLES: Range = Range::plain("a count of particles", 2.0, 20
 
 /// The length of a side, for the fewest to the most particles.
 const SIDE: Kind = Kind::Quantity(Range::new("a side", (6.25, "mm"), (1243.75, "mm")));
+
+/// At 2 mm, bending lengths above about 17 mm are too stiff for a step, and most woven cloths have such; at 12 mm, no loop or
+/// fold of one below 24 mm is met.
+const SPACING: Arg = Arg::named(
+    "spacing",
+    Kind::Quantity(Range::new("a spacing", (2.0, "mm"), (12.0, "mm"))),
+    "the distance between particles, of a cloth with a `material`",
+)
+.or(Default::Number(SPACING_M));
 
 const STARTS: &[Word] = &[
     Word::new("flat", "flat and straight"),
@@ -57,18 +66,24 @@ pub(crate) const CLOTHS: &[CallOf<Cloth>] = &[
                 Kind::Whole(PARTICLES),
                 "particles from back to front",
             ),
+            SPACING,
             START,
             MATERIAL,
         ],
-        "particles from left to right and from back to front, 6.25 mm apart",
-        |args| cloth([args.whole("width"), args.whole("depth")], args),
+        "particles from left to right and from back to front",
+        |args| cloth(["width", "depth"].map(|side| args.whole(side)), args),
     ),
     Call::new(
         "square",
         "a cloth",
-        &[Arg::positional("side", SIDE, "its side"), START, MATERIAL],
+        &[
+            Arg::positional("side", SIDE, "its side"),
+            SPACING,
+            START,
+            MATERIAL,
+        ],
         "the same side both ways",
-        |args| cloth([particles(args.number("side")); 2], args),
+        |args| cloth(["side"; 2].map(|side| particles(side, args)), args),
     ),
     Call::new(
         "rectangle",
@@ -76,21 +91,17 @@ pub(crate) const CLOTHS: &[CallOf<Cloth>] = &[
         &[
             Arg::positional("width", SIDE, "from left to right"),
             Arg::positional("depth", SIDE, "from back to front"),
+            SPACING,
             START,
             MATERIAL,
         ],
         "width and depth",
-        |args| {
-            cloth(
-                ["width", "depth"].map(|side| particles(args.number(side))),
-                args,
-            )
-        },
+        |args| cloth(["width", "depth"].map(|side| particles(side, args)), args),
     ),
 ];
 
-fn particles(side_m: f64) -> u32 {
-    (side_m / SPACING_M).round() as u32 + 1
+fn particles(side: &str, args: &Args) -> u32 {
+    (args.number(side) / args.number("spacing")).round() as u32 + 1
 }
 
 fn cloth([dimx, dimy]: [u32; 2], args: &Args) -> Cloth {
@@ -102,7 +113,7 @@ fn cloth([dimx, dimy]: [u32; 2], args: &Args) -> Cloth {
     Cloth {
         dimx,
         dimy,
-        spacing_m: SPACING_M,
+        spacing_m: args.number("spacing"),
         start,
         material: None,
     }

@@ -6,6 +6,8 @@
 use super::sections::Inheritance;
 use super::vocabulary::{CallEntry, Vocabulary, WordEntry, vocabulary};
 use crate::diag::CODES;
+use fab_program::exact::written;
+use fab_program::units::base;
 use fab_program::vocabulary::{Arg, Bound, Default, Kind, Place, Range, Word};
 
 const BEGIN: &str = "<!-- table: ";
@@ -150,6 +152,7 @@ fn argument(arg: &Arg) -> String {
         Some(Default::Word(word)) => format!(" (without it: `{word}`)"),
         Some(Default::Number(number)) => {
             let unit = range(arg.kind).map_or("", |range| range.to.1);
+            let number = written(number / base((1.0, unit)), 3);
             format!(" (without it: `{number}{unit}`)")
         }
     };

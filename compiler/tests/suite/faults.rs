@@ -15,7 +15,7 @@
 use crate::common;
 use fab_compiler::diag::{self, CODES, Color, Diagnostic, Severity};
 use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, line_and_column};
-use fab_program::Trial;
+use fab_program::{Material, Trial};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::PathBuf;
@@ -394,6 +394,11 @@ impl Loader for Fixtures {
     fn trial(&self, title: &str) -> Option<Trial> {
         Fixtures::trials().remove(title)
     }
+
+    /// A simulator for cloths that bend less than a board.
+    fn refuses_cloth(&self, material: &Material, _spacing_m: f64) -> Option<String> {
+        (material.name == "board").then(|| "a board is too stiff".to_owned())
+    }
 }
 
 /// The fixtures, with one of them changed.
@@ -417,5 +422,9 @@ impl Loader for Edited {
 
     fn trial(&self, title: &str) -> Option<Trial> {
         Fixtures.trial(title)
+    }
+
+    fn refuses_cloth(&self, material: &Material, spacing_m: f64) -> Option<String> {
+        Fixtures.refuses_cloth(material, spacing_m)
     }
 }

@@ -63,6 +63,52 @@ material cotton {
 }
 
 #[test]
+fn a_cloth_of_a_material_has_the_spacing_that_it_states() {
+    let silk = r#"
+material silk {
+    weight    35g/m2                               from "scales"
+    thickness 0.1mm                                from "a gauge"
+    bending   warp: 13mm, weft: 12mm, bias: 11mm   from "a cantilever"
+    recovery  125deg                               from "a protractor"
+    stretch   warp: 0.015, weft: 0.025, bias: 0.08 from "a weight"
+    friction  table: 0.3, itself: 0.4              from "a slope"
+}
+"#;
+    let of = |cloth: &str| {
+        let text = TASK.replace("cloth grid(55, 44)", &format!("cloth {cloth}"));
+        program("task.fab", &format!("{silk}{text}"))
+    };
+    for (cloth, dims, spacing_m) in [
+        ("square(340mm, material: silk)", [55, 55], 0.00625),
+        (
+            "square(340mm, spacing: 4mm, material: silk)",
+            [86, 86],
+            0.004,
+        ),
+        (
+            "rectangle(340mm, 240mm, material: silk, spacing: 0.4cm)",
+            [86, 61],
+            0.004,
+        ),
+        (
+            "grid(33, 17, spacing: 12mm, material: silk)",
+            [33, 17],
+            0.012,
+        ),
+    ] {
+        let made = of(cloth).cloth;
+        assert_eq!(
+            ([made.dimx, made.dimy], made.spacing_m),
+            (dims, spacing_m),
+            "{cloth}"
+        );
+    }
+    let [default, stated] = ["", ", spacing: 6.25mm"]
+        .map(|spacing| of(&format!("grid(55, 44{spacing}, material: silk)")).hash());
+    assert_eq!(default, stated);
+}
+
+#[test]
 fn a_program_looks_back_if_a_question_does() {
     let told = TASK.replace("component role \"\"\"", "component role when last \"\"\"");
     for (text, looks_back) in [(TASK, false), (&told, true)] {

@@ -10,7 +10,7 @@ use crate::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_picture::Mask;
 use fab_picture::observation::Observation;
-use fab_program::{Camera, Distrusted, Material, Picker, Program, Rehearsal, RehearsalMeasure};
+use fab_program::{Camera, Cloth, Distrusted, Picker, Program, Rehearsal, RehearsalMeasure};
 use fab_vision::{Rectangle, VisionError};
 use fab_world::twin::{Drawn, Kind, Sighting, Twin, TwinView};
 use fab_world::{Motion, World, WorldError};
@@ -30,9 +30,7 @@ pub struct Twins {
     rehearsal: Rehearsal,
     camera: Camera,
     picker: Picker,
-    colours: Option<Material>,
-    /// How high the task's cloth lies above the table where it lies flat, metres.
-    flat_m: f64,
+    cloth: Cloth,
     /// Distinguishes the draws of rollouts.
     seed: String,
     /// Whether nothing real can move.
@@ -140,8 +138,7 @@ impl Twins {
             rehearsal: program.rehearsal.clone()?,
             camera: program.camera.clone(),
             picker: program.picker,
-            colours: program.cloth.material.clone(),
-            flat_m: program.cloth.rest_height_m(),
+            cloth: program.cloth.clone(),
             seed: format!("twin {draws}"),
             is_simulated: world.is_simulated(),
             subgoals: subgoals.pictures.iter().map(silhouette).collect(),
@@ -239,11 +236,11 @@ impl Twins {
     fn lay(&self, observation: &Observation, cloth: Option<&Mask>) -> Result<Vec<Laid>, Aside> {
         let cloth = cloth.ok_or(Aside::NoCloth)?;
         if let Some(raised_m) = raised_m(observation, cloth)
-            && raised_m > self.flat_m + RAISED_M
+            && raised_m > self.cloth.rest_height_m() + RAISED_M
         {
             return Err(Aside::NotFlat {
                 raised_mm: raised_m * 1000.0,
-                flat_mm: self.flat_m * 1000.0,
+                flat_mm: self.cloth.rest_height_m() * 1000.0,
             });
         }
         let rectangle = fab_vision::rectangle_around(cloth)?.ok_or(Aside::NoCloth)?;
@@ -252,7 +249,7 @@ impl Twins {
             camera: &self.camera,
             picker: self.picker,
             ranges: &self.rehearsal.twin,
-            colours: self.colours.as_ref(),
+            cloth: &self.cloth,
         };
         let twins = (1..=self.rehearsal.twin.draws).map(|draw| {
             let drawn = Drawn::by(kind.ranges, &format!("{} {draw}", self.seed));

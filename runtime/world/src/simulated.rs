@@ -313,13 +313,13 @@ pub fn stopped(error: SimError) -> WorldError {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::conformance;
     use fab_program::{Cloth, ClothStart, Colour, Face, Picker};
 
-    fn towel() -> program::Material {
+    pub(crate) fn towel() -> program::Material {
         let along = |warp, weft, bias| program::Directions { warp, weft, bias };
         program::Material {
             name: "towel".to_owned(),

@@ -34,7 +34,7 @@ use fab_program::{self as program, ClothStart, PixelPoint, TwinRanges};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
-/// Distance between a twin's particles, metres, up to rounding and drawn size: that of the recorded cloths.
+/// Distance between the recorded cloth's particles, metres.
 const SPACING_M: f64 = 0.00625;
 
 /// The fewest and the most particles along a side.
@@ -112,8 +112,8 @@ pub struct Kind<'a> {
     pub picker: program::Picker,
     /// What they are made of, and the ranges of what is drawn.
     pub ranges: &'a TwinRanges,
-    /// What the task's cloth is said to be made of; only its colours are used.
-    pub colours: Option<&'a program::Material>,
+    /// The cloth that the task declares; only its colours and the distance between its particles are used.
+    pub cloth: &'a program::Cloth,
 }
 
 /// The drawn values of a twin.
@@ -145,9 +145,18 @@ pub struct Twin {
     table_m: f64,
 }
 
+/// Returns the distance between the particles of twins of a task's cloth, metres: that of the cloth, so both bend alike. Twins of
+/// the recorded cloth have its own.
+fn spacing_m(ranges: &TwinRanges, cloth: &program::Cloth) -> f64 {
+    match ranges.material {
+        Some(_) => cloth.spacing_m,
+        None => SPACING_M,
+    }
+}
+
 /// Returns about the least distance between a twin's particles, metres: that of the smallest one.
-pub fn least_spacing_m(ranges: &TwinRanges) -> f64 {
-    ranges.size[0] * SPACING_M
+pub fn least_spacing_m(ranges: &TwinRanges, cloth: &program::Cloth) -> f64 {
+    ranges.size[0] * spacing_m(ranges, cloth)
 }
 
 /// A twin as its camera sees it.
@@ -166,10 +175,11 @@ impl Twin {
         let friction = BTreeMap::from([("friction".to_owned(), drawn.friction)]);
         let mut world = SimulatedWorld::new(kind.camera, kind.picker)?
             .with_material(kind.ranges.material.as_ref())
-            .with_look(look(kind.colours))
+            .with_look(look(kind.cloth.material.as_ref()))
             .varied(&AxisValues(friction), kind.camera);
+        let spacing_m = spacing_m(kind.ranges, kind.cloth);
         let count = |side_m: f64| {
-            let cells = (side_m / SPACING_M).round() + 1.0;
+            let cells = (side_m / spacing_m).round() + 1.0;
             cells.clamp(PARTICLES[0], PARTICLES[1])
         };
         let counts = seen.sides_m.map(count);
@@ -242,17 +252,23 @@ mod tests {
     use super::*;
     use crate::WorldPoint;
     use crate::conformance;
+    use crate::simulated::tests::towel;
     use fab_program::{Cloth, Picker};
 
-    /// The recorded cloth of 25 by 17 particles, turned and shifted.
-    fn laid() -> SimulatedWorld {
-        let cloth = Cloth {
+    /// The recorded cloth, of 25 by 17 particles.
+    fn recorded() -> Cloth {
+        Cloth {
             dimx: 25,
             dimy: 17,
             spacing_m: SPACING_M,
             start: ClothStart::Flat,
             material: None,
-        };
+        }
+    }
+
+    /// The cloth, turned and shifted.
+    fn laid() -> SimulatedWorld {
+        let cloth = recorded();
         let mut world = SimulatedWorld::new(&conformance::camera(), Picker::default()).unwrap();
         let start = Start::flat(&cloth).moved(0.3, [0.02, -0.01]);
         world.reset(&start).unwrap();
@@ -284,7 +300,7 @@ mod tests {
             camera: &camera,
             picker: Picker::default(),
             ranges: &ranges([size; 2], [0.5; 2]),
-            colours: None,
+            cloth: &recorded(),
         };
         let drawn = Drawn::by(kind.ranges, "a");
         assert_eq!(
@@ -324,6 +340,34 @@ mod tests {
             // 1 / 1.2^2 is 0.69.
             assert!((0.66..0.73).contains(&larger), "{larger}");
         }
+    }
+
+    #[test]
+    fn a_twin_of_a_material_has_the_spacing_of_the_tasks_cloth() {
+        let mut world = laid();
+        let observation = world.observe().unwrap();
+        let seen = Sighting::of(&observation, corners_px(&world, &observation)).unwrap();
+        let cloth = Cloth {
+            spacing_m: 0.005,
+            ..recorded()
+        };
+        let count = |material| {
+            let ranges = TwinRanges {
+                material,
+                ..ranges([1.0; 2], [0.5; 2])
+            };
+            let kind = Kind {
+                camera: &conformance::camera(),
+                picker: Picker::default(),
+                ranges: &ranges,
+                cloth: &cloth,
+            };
+            let twin = Twin::lay(&seen, &kind, Drawn::by(&ranges, "a")).unwrap();
+            twin.world.particles().unwrap().len()
+        };
+        // 150 mm by 100 mm.
+        assert_eq!(count(Some(towel())), 31 * 21);
+        assert_eq!(count(None), 25 * 17);
     }
 
     #[test]

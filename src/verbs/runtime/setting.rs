@@ -18,6 +18,7 @@ use clap::ValueHint;
 use fab_agent::task_files;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
+use fab_program::exact::written;
 use fab_program::{ClothStart, Program};
 use fab_world::crumple;
 use fab_world::film::Recorder;
@@ -89,7 +90,9 @@ pub fn start(
             ClothStart::Crumpled => crumpled(program, DEFAULT_SEED, world, interrupt, io),
             ClothStart::File { file } => {
                 let path = task_files::resolve(folder, file).map_err(Failure::environment)?;
-                Start::load(&path, None).map_err(Failure::environment)
+                let start = Start::load(&path, None).map_err(Failure::environment)?;
+                check_spacing(&format!("`{}`", start.name), start.grid.spacing_m, program)?;
+                Ok(start)
             }
         };
     };
@@ -108,7 +111,25 @@ pub fn start(
         };
     }
     let stated = stated_frame(&arguments.frame, program.cloth.spacing_m)?;
-    Start::load(Path::new(text), stated).map_err(Failure::environment)
+    let start = Start::load(Path::new(text), stated).map_err(Failure::environment)?;
+    check_spacing(&format!("`{}`", start.name), start.grid.spacing_m, program)?;
+    Ok(start)
+}
+
+/// Refuses a start whose particles are not as far apart as those of the task's cloth, from which the task counts lengths.
+pub fn check_spacing(start: &str, spacing_m: f64, program: &Program) -> Result<(), Failure> {
+    let declared_m = program.cloth.spacing_m;
+    if (spacing_m / declared_m - 1.0).abs() < 1e-3 {
+        return Ok(());
+    }
+    let [found, wanted] = [spacing_m, declared_m].map(|metres| written(metres * 1000.0, 3));
+    let state = match program.cloth.material {
+        Some(_) => format!("; the task would state `spacing: {found}mm`"),
+        None => String::new(),
+    };
+    Err(Failure::environment(format!(
+        "the particles of the start {start} are {found} mm apart, and those of the task's cloth {wanted} mm{state}"
+    )))
 }
 
 /// Makes a simulated world that differs from a program's own in some values.

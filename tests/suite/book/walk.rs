@@ -357,6 +357,10 @@ impl Loader for Files<'_> {
     fn trial(&self, title: &str) -> Option<fab_program::Trial> {
         fab_compiler::explain::trial(title)
     }
+
+    fn refuses_cloth(&self, material: &fab_program::Material, spacing_m: f64) -> Option<String> {
+        fab_compiler::explain::refuses_cloth(material, spacing_m)
+    }
 }
 
 /// Wraps sections into a task that extends `half`.

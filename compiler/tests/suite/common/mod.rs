@@ -45,6 +45,10 @@ impl Loader for Memory {
     fn trial(&self, title: &str) -> Option<fab_program::Trial> {
         explain::trial(title)
     }
+
+    fn refuses_cloth(&self, material: &fab_program::Material, spacing_m: f64) -> Option<String> {
+        explain::refuses_cloth(material, spacing_m)
+    }
 }
 
 /// A folder, with one file's text replaced.

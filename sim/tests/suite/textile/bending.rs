@@ -332,10 +332,13 @@ fn materials_beyond_a_solver_are_refused_with_the_bound() {
         ..of_length(20.0)
     };
     let error = stiff.check(SPACING_M).unwrap_err().to_string();
-    assert!(
-        error.contains("substeps at a spacing of `0.00625` m"),
-        "{error}"
-    );
+    for words in [
+        "substeps at a spacing of `6.25` mm",
+        "from `8.8` mm on would do",
+    ] {
+        assert!(error.contains(words), "{error}");
+    }
+    assert!(stiff.check(0.0088).is_ok());
     let grid = Grid::new(5, 5, SPACING_M).unwrap();
     let refused = Simulator::flat(grid, &params(&stiff))
         .step()
@@ -379,10 +382,10 @@ fn what_a_cloth_cannot_show_is_warned_of() {
     let [(_, silk), _, (_, towel), _] = materials();
     assert!(
         told(&silk, SPACING_M)
-            .contains("layers keep `0.001` m apart and not the thickness of `0.0001` m")
+            .contains("layers keep `1` mm apart and not the thickness of `0.1` mm")
     );
     assert!(told(&silk, SPACING_M).contains(
-        "gives by `0.68` and not by `0.08` of its length: one of this weight is not held stiffer"
+        "gives by `0.68` and not by `0.08` of its length, since one of this weight is not held stiffer at this spacing: in a fold it shears more easily"
     ));
     assert_eq!(told(&towel, SPACING_M), "");
     let soft = Material {
@@ -390,10 +393,13 @@ fn what_a_cloth_cannot_show_is_warned_of() {
         ..of_length(8.0)
     };
     assert!(
-        told(&soft, SPACING_M).contains("within 10 % only at a spacing of up to `0.0043` m"),
+        told(&soft, SPACING_M).contains("within 10 % only at a spacing of up to `4.2` mm"),
         "{}",
         told(&soft, SPACING_M)
     );
+    // A spacing is rounded so that the advice can be taken.
+    assert!(!told(&soft, 0.0042).contains("up to `4.2` mm"));
+    assert!(!told(&soft, 0.004).contains("loops and folds"));
     // Softer on the bias than these threads can be.
     let slack = Material {
         thickness_m: 0.002,
@@ -411,7 +417,7 @@ fn what_a_cloth_cannot_show_is_warned_of() {
     };
     assert_eq!(
         told(&slack, SPACING_M),
-        "on the bias the cloth has a bending length of `0.0208` m and not `0.019` m: with these of warp and weft it cannot be less; a strip on the bias curls or twists: with a width of `0.04` m it shows a bending length of as little as `0.0140` m and not `0.0208` m; long loops and folds of the cloth tip over"
+        "on the bias the cloth has a bending length of `20.8` mm and not `19` mm: with these of warp and weft it cannot be less; a strip on the bias curls or twists: with a width of `40` mm it shows a bending length of as little as `14` mm and not `20.8` mm; long loops and folds of the cloth tip over"
     );
     let of = |change: &dyn Fn(&mut Material)| {
         let mut material = Material {
@@ -426,7 +432,7 @@ fn what_a_cloth_cannot_show_is_warned_of() {
     for (said, expected) in [
         (
             of(&|it| it.bending_length_m.weft = 0.012),
-            "loops and folds of a bending length of `0.012` m are met within 10 % only at a spacing of up to `0.0060` m; creases open too little",
+            "loops and folds of a bending length of `12` mm are met within 10 % only at a spacing of up to `6` mm; creases open too little",
         ),
         (
             of(&|it| {
@@ -436,7 +442,7 @@ fn what_a_cloth_cannot_show_is_warned_of() {
                     bias: 0.057,
                 }
             }),
-            "with a bending length of `0.06` m a cloth in the air may change its momentum by more than `0.005` in 0.4 s; a spacing of about `0.0084` m would do",
+            "with a bending length of `60` mm a cloth in the air may change its momentum by more than `0.005` in 0.4 s; a spacing of `8.5` mm would do",
         ),
         (
             of(&|it| {
@@ -447,7 +453,7 @@ fn what_a_cloth_cannot_show_is_warned_of() {
                     bias: 0.057,
                 }
             }),
-            "in 0.4 s, and layers of one so light may not lie down on each other; a spacing of about `0.0084` m would do",
+            "in 0.4 s, and layers of one so light may not lie down on each other; a spacing of `8.5` mm would do",
         ),
         (
             of(&|it| it.stretch.weft = 0.3),

@@ -101,7 +101,13 @@ pub fn prepare(
         let points = match &arguments.starts {
             None => starts::generated(suite.starts_of(&program.task), &program.cloth),
             Some(recorded) => {
-                starts::recorded(recorded, &program.task).map_err(Failure::environment)?
+                let points = starts::recorded(recorded, &program.task);
+                let points = points.map_err(Failure::environment)?;
+                for point in &points {
+                    let start = format!("{} of `{}`", point.number, recorded.display());
+                    setting::check_spacing(&start, point.cloth.spacing_m, &program)?;
+                }
+                points
             }
         };
         let points = chosen(points, arguments.limit, arguments.shard);

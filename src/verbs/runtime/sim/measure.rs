@@ -136,7 +136,11 @@ fn table(readings: &[Reading]) -> String {
         "", "declared", "expected", "measured", ""
     )];
     lines.extend(readings.iter().map(|reading| {
-        let digits = if reading.unit.is_empty() { 3 } else { 1 };
+        let digits = match (reading.unit, reading.declared) {
+            ("", _) => 3,
+            ("mm", Some(declared)) if declared < 1.0 => 2,
+            _ => 1,
+        };
         let value = |value: Option<f64>| match value {
             Some(value) => format!("{value:.digits$}"),
             None => "-".to_owned(),
