@@ -1,6 +1,7 @@
 //! Mistakes in how a task changes what it inherits: the help names the way that works.
 
 use crate::diag::{Code, Diagnostic, among, nearest};
+use crate::lang::goal::METRICS;
 use crate::lang::sections::{Inheritance, SECTIONS};
 use fab_grammar::Span;
 
@@ -19,6 +20,9 @@ const fn misplaced(block: &'static str, word: &'static str, help: &'static str) 
 const IN_A_STAGE: &str = "it belongs in a `stage`; to change it, state the stage again: a stage replaces the inherited one of the same name";
 const IN_VERIFY: &str = "it belongs in `verify`; a `verify` of this task's own replaces the inherited one, so state the inherited checks in it too";
 const AS_IT_IS: &str = "a new part needs no word before it: write `component NAME \"…\"`, `check NAME { … } else \"…\"`, or `say NAME in STAGE after NAME`";
+
+const GOAL: &str =
+    "a task's goal is written `goal MEASURE < LIMIT`, such as `goal particle_distance < 40mm`";
 
 const LEFT_OUT: &str = "write `without component NAME`, `without check NAME` or `without variant NAME`; another section is stated again to change it";
 
@@ -83,6 +87,10 @@ pub(super) fn help_for_word(word: &str, block: Option<&str>) -> Option<&'static 
         rows.find(|row| (row.block, row.word) == (block, word))
     };
     let block = block?;
+    let is_measure = METRICS.iter().any(|row| row.metric.as_str() == word);
+    if is_measure && matches!(block, "task" | "variant") {
+        return Some(GOAL);
+    }
     // What a task may hold, a variant may hold too.
     let row = find(block).or_else(|| find("task").filter(|_| block == "variant"));
     row.map(|row| row.help)

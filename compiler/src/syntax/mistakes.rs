@@ -99,6 +99,7 @@ pub(super) fn recognise(
         let is_named =
             behind.starts_with(is_word) && !found.starts_with(is_word) && !found.starts_with('"');
         return Some(match is_named {
+            _ if found == "override" => usual().help("write `override` before `component`"),
             true => usual().help("remove it"),
             false => usual().help(*help),
         });
@@ -345,13 +346,23 @@ pub(super) fn recognise(
                 end: before.len(),
                 ..span
             };
-            usual().help("write `,` before it").likely(end, ",")
+            // `ring(last.place, mirror middle(…))`
+            let may_be_extra = rest[found.len()..].starts_with('(')
+                && last_word(before).is_some();
+            match may_be_extra {
+                true => usual().help("remove one of both words, or write `,` between them"),
+                false => usual().help("write `,` before it").likely(end, ","),
+            }
         }
         _ if expects("a value")
             && rest[found.len()..].starts_with(':')
             && last_open(before).is_some() =>
         {
             usual().help("an argument with a name belongs to a call: the call's name is missing before the `(`")
+        }
+        // `cloth (33, 33)`
+        _ if expected == ["`)`"] && found == "," && last_open(before).is_some_and(|at| text[..at].ends_with(' ')) => {
+            usual().help("the name of what has several values is missing before the `(`")
         }
         _ if expects("`of`") && matches!(found, "from" | "to" | "off" | "at" | "in" | "on") => {
             usual().meant(span, "of")
@@ -379,6 +390,10 @@ pub(super) fn recognise(
                     },
                     "else ",
                 )
+        }
+        // `const near far = 10px`
+        _ if expected == ["`=`"] && rest[found.len()..].trim_start().starts_with('=') => {
+            usual().help("remove one of both: a single name stands before `=`")
         }
         _ if expected == ["`=`"] && found.starts_with(|first: char| is_word(first) || "\"-".contains(first)) => {
             let start = Span {

@@ -72,7 +72,10 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
         Problem::MissingName { after } => {
             Diagnostic::new(Code::MissingName, span, format!("`{after}` is not followed by a name"))
                 .label("expected a name")
-                .help("a name begins with a letter and has only letters without accents, digits and `_`; words of the language cannot be names")
+                .help(match sign_before_name(&text[span.start..span.end]) {
+                    Some(sign) => format!("remove the `{sign}`"),
+                    None => "a name begins with a letter and has only letters without accents, digits and `_`; words of the language cannot be names".to_owned(),
+                })
         }
         Problem::Surplus { found } => {
             let diagnostic =
@@ -130,8 +133,12 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
         Problem::TrailingComma => Diagnostic::new(Code::TrailingComma, span, "a list ends with a comma")
             .help("remove the comma, or add another part")
             .edit(span, ""),
-        Problem::UnclosedString => Diagnostic::new(Code::UnclosedText, span, "the text does not end on this line")
-            .help("close it with `\"`; a text of several lines is written between `\"\"\"` and `\"\"\"`"),
+        Problem::UnclosedString => Diagnostic::new(Code::UnclosedText, span, "the text does not end on this line").help(
+            match has_stray_quote(&text[span.start..]) {
+                true => "one `\"` of this line is too many, or one is missing",
+                false => "close it with `\"`; a text of several lines is written between `\"\"\"` and `\"\"\"`",
+            },
+        ),
         Problem::UnopenedString => {
             let start = Span { end: span.start, ..span };
             Diagnostic::new(Code::UnclosedText, span, "this text has no quote at its beginning")
@@ -162,6 +169,23 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
                 .help("write `{{ name }}` for a value, `{{ \"{{\" }}` for two literal braces")
         }
     }
+}
+
+/// Returns the sign with which a text begins, if a name follows it: `) folding`.
+fn sign_before_name(text: &str) -> Option<char> {
+    let sign = text.chars().next().filter(char::is_ascii_punctuation)?;
+    let rest = text[1..].trim_start();
+    (rest.starts_with(|it: char| it.is_ascii_alphabetic()) && !"_\"'".contains(sign))
+        .then_some(sign)
+}
+
+/// Returns whether a line has another quote, or begins with one that no text follows: `" = 10mm`, `"lib/a.fab" "`.
+fn has_stray_quote(text: &str) -> bool {
+    let line = text.lines().next().unwrap_or_default();
+    let begins_none = line
+        .strip_prefix('"')
+        .is_some_and(|text| !text.starts_with(|it: char| it.is_alphanumeric()));
+    begins_none || line.matches('"').count() > 1
 }
 
 fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) -> Diagnostic {
