@@ -22,6 +22,16 @@ impl ActionField {
     pub fn is_point(&self) -> bool {
         self.choices.are_points()
     }
+
+    /// Returns what an offered length or speed is, metres or metres per second; `None` for any other value.
+    pub fn metres(&self, value: &Value) -> Option<f64> {
+        let (Choices::Lengths { choices, .. }, Value::Length { length }) = (&self.choices, value)
+        else {
+            return None;
+        };
+        let choice = choices.iter().find(|choice| choice.value == *length);
+        choice.map(|choice| choice.m)
+    }
 }
 
 impl Choices {

@@ -68,11 +68,10 @@ impl Manner {
         press_m: Some(0.0),
     };
 
-    /// Returns how far what it states is from what another manner states, or from the usual; metres and seconds, added up.
-    pub fn away_from(&self, other: &Manner) -> f64 {
-        let other = |name| other.get(name).or(Manner::USUAL.get(name));
-        let away = |(name, value): (&'static str, f64)| Some((value - other(name)?).abs());
-        self.stated().filter_map(away).sum()
+    /// Returns what it states of a field, or the usual; metres, or metres per second. `None` for a name that is none of
+    /// [`MANNERS`].
+    pub fn or_usual(&self, name: &str) -> Option<f64> {
+        self.get(name).or(Manner::USUAL.get(name))
     }
 
     /// Returns whether nothing is stated.

@@ -33,10 +33,18 @@ const WEIGHING: &[&str] = words!("too or either between both exceeds far also mo
 const DROPPING: &[&str] =
     words!("too near rules ruled out ring last excluded forbidden invalid breaks violates");
 
-/// What else than a motion goes from one point to another.
-const LINES: &[&str] = words!(
-    "edge side hem rim border crease line diagonal seam boundary distance length vector px pixels mm gap row not neither nor than second
-    opposite far"
+/// What moves from one point to another.
+const MOTIONS: &[&str] = words!(
+    "motion movement path arrow gripper move moves moved carry carries carried drag drags dragged bring brings brought travel travels"
+);
+
+/// Verbs of a fold that is a motion: `the fold runs from (10, 20) to (30, 40)`.
+const RUNNING: &[&str] = words!("runs goes leads");
+
+/// What makes such a part speak of something else than the motion.
+const NO_MOTION: &[&str] = words!(
+    "edge side hem rim border crease line diagonal seam boundary distance length vector px pixels mm gap row wrinkle flap layer
+    cloth's not neither nor than second opposite"
 );
 
 /// The most tokens of a line or sentence that is looked at.
@@ -176,11 +184,15 @@ impl<'a> Answer<'a> {
     ) -> Option<Claim> {
         let words = &self.tokens[part];
         let is_other =
-            |it: &Token<'_>| it.is_any(UNREAL) || it.is_any(WEIGHING) || it.is_any(LINES);
+            |it: &Token<'_>| it.is_any(UNREAL) || it.is_any(WEIGHING) || it.is_any(NO_MOTION);
         if words.len() > MAX_PART || words.iter().any(is_other) {
             return None;
         }
         let from = words.iter().position(|it| it.is("from"))?;
+        let has = |wanted: &[&str]| words[..from].iter().any(|it| it.is_any(wanted));
+        if !has(MOTIONS) && !(has(&["fold"]) && has(RUNNING)) {
+            return None;
+        }
         let mut cursor = Cursor::at(words, from + 1);
         let (picked, _) = value::bare(&mut cursor, &self.context(pick))?;
         let is_picked = stated.iter().any(|it| it.value_of(pick) == Some(&picked));

@@ -61,6 +61,11 @@ const COMPARING: &[&str] =
 /// Verbs after `I` for what is picked, unless it is chosen `as` something.
 const CHOOSING: &[&str] = words!("choose chose select selected");
 
+/// Words for where the motion ends, before which `I chose` speaks of the place.
+const ENDING: &[&str] = words!(
+    "place target destination landing lands land drop go goes end ends arrowhead head where final release released"
+);
+
 /// What may stand between a verb and its corner.
 const BETWEEN: &[&str] =
     words!("the its this up by at on hold of cloth cloth's fabric towel my your towel's fabric's");
@@ -125,9 +130,16 @@ pub(super) fn of_sentence(
             && at >= sentence.start + 2
             && tokens[at - 1].is("point")
             && tokens[at - 2].is_any(&["pick", "grasp"]);
+        // `Where should it go? I chose the lower left corner.`
+        let is_asked = sentence.start > 0 && tokens[sentence.start - 1].is_sign('?');
+        let said = match is_asked {
+            true => sentence.start.saturating_sub(MAX_BACK)..at,
+            false => sentence.start..at,
+        };
         let chooses = tokens[at].is_any(CHOOSING)
             && at > sentence.start
-            && tokens[at - 1].is_any(&["i", "we"]);
+            && tokens[at - 1].is_any(&["i", "we"])
+            && !tokens[said].iter().any(|it| it.is_any(ENDING));
         let taken = match is_act || chooses || begins || is_point {
             true => taken(Cursor::at(within, at + 1)),
             false => corner(within, at)
@@ -137,7 +149,10 @@ pub(super) fn of_sentence(
         let is_told = |it: &Corner| {
             // `I chose the lower left corner as the target`
             let next = within.get(it.end);
-            let is_use = chooses && next.is_some_and(|next| next.is_any(&["as", "for", "to"]));
+            let is_use = chooses
+                && next.is_some_and(|next| {
+                    next.is_any(&["as", "for", "to", "first", "initially", "at"])
+                });
             !is_use && (it.deg.is_some() || !(begins || is_point || chooses))
         };
         let Some(taken) = taken.filter(is_told) else {

@@ -441,7 +441,11 @@ fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Menti
     let pair = PAIRS
         .iter()
         .find(|(_, verbs, behind)| at > 0 && tokens[at].is(behind) && tokens[at - 1].is_any(verbs));
-    if let Some(field) = pair.and_then(|(name, ..)| has(name)) {
+    // `It lets go once the line from (10, 20) is vertical.`
+    let is_time = tokens.get(at + 1).is_some_and(|next| {
+        next.is_any(&["once", "when", "after", "until", "from", "before", "as"])
+    });
+    if let Some(field) = pair.filter(|_| !is_time).and_then(|(name, ..)| has(name)) {
         return Some(Mention {
             field,
             form: Form::Verb,

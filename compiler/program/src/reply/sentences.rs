@@ -987,7 +987,11 @@ impl<'a> Sentences<'a> {
             // `The lower left corner, (10, 20), goes to the center, (30, 40).`
             let is_corner = before.is_any(&["corner", "tip", "flap"]) || before.is_sign(',');
             // `carries that corner across the cloth, and opens at (30, 40)`
-            let is_gripper = before.is_any(&["and", "gripper", "then", "fingers"]);
+            let is_gripper = before.is_any(&["gripper", "fingers"])
+                || before.is_any(&["and", "then"])
+                    && self.tokens[self.sentence(at).start..at].iter().any(|it| {
+                        it.is_any(&["gripper", "fingers", "robot", "arm", "carries", "i"])
+                    });
             let lands = needs && ends.iter().any(|words| cursor.eat_words(words))
                 || is_gripper && opens.iter().any(|words| cursor.eat_words(words))
                 || is_corner && cursor.eat_words("goes to");
@@ -1224,8 +1228,8 @@ impl<'a> Sentences<'a> {
             let sentence = self.sentence(at);
             // `upward, which is where the flat cloth's edge would be`
             let adds = |it: &usize| {
-                self.tokens[*it].is_sign(',') && { self.tokens.get(it + 1) }
-                    .is_some_and(|next| next.is_any(&["which", "where"]))
+                self.tokens[*it].is_sign(',')
+                    && Cursor::at(self.tokens, it + 1).eat_words("which is where")
             };
             let end = (at..sentence.end).find(adds).unwrap_or(sentence.end);
             if is_unreal[sentence.start..end].contains(&true) {

@@ -620,7 +620,9 @@ fn eat_echo(cursor: &mut Cursor<'_, '_>, context: &Context<'_>) -> bool {
 /// Returns the only choice that is in bold where all are listed: `0 deg | **45 deg** | 90 deg`.
 fn marked_in_echo(mut cursor: Cursor<'_, '_>, context: &Context<'_>) -> Option<Value> {
     let mut echo = cursor;
-    if !eat_echo(&mut echo, context) {
+    let is_whole =
+        eat_echo(&mut echo, context) && echo.peek().is_none_or(|next| next.gap >= Gap::Line);
+    if !is_whole {
         return None;
     }
     let mut marked = space::declared(context.expected.field)
@@ -851,9 +853,8 @@ fn tail(
             Kind::Word if is_joined_word(&cursor) => return Err(goes_on(before, context)),
             // `Pick Point = (10, 20) and` above the next field
             Kind::Word if token.is("and") && cursor.rest().len() == 1 => {
-                let below = context.whole[token.end()..].trim_start();
-                let is_name = below.starts_with(|it: char| it.is_alphabetic() || it == '*');
-                return is_name
+                let below = &context.whole[token.end()..];
+                return begins_field(below)
                     .then_some(())
                     .ok_or_else(|| goes_on(before, context));
             }
@@ -905,11 +906,29 @@ fn tail(
     }
 }
 
-/// Returns whether a comment begins: two slashes, blanks, and a word.
+/// Returns whether the next line names a field and gives it a value: `**Place Point** = `.
+fn begins_field(below: &str) -> bool {
+    let marks = |it: char| it.is_whitespace() || it.is_ascii_digit() || "*_`-.".contains(it);
+    let line = below.trim_start_matches(marks);
+    let line = line.lines().next().unwrap_or_default();
+    let name = line.split_once(['=', ':']).map(|(name, _)| name);
+    name.is_some_and(|name| {
+        let words = name.split_whitespace().count();
+        let is_plain = |it: char| it.is_alphabetic() || " *_`".contains(it);
+        (1..=3).contains(&words) && name.chars().all(is_plain)
+    })
+}
+
+/// What makes a comment more than a description: `// placeholder`, `// swap if needed`.
+const REMARKING: &[&str] =
+    words!("placeholder todo example sample change swap half double y check or not");
+
+/// Returns whether a comment begins: two slashes, blanks, and words that only describe.
 fn is_comment(cursor: &Cursor<'_, '_>) -> bool {
     let [slash, word] = [1, 2].map(|at| cursor.ahead(at));
     slash.is_some_and(|it| it.is_sign('/') && it.gap == Gap::None)
         && word.is_some_and(|it| it.kind == Kind::Word && it.gap == Gap::Space)
+        && !cursor.rest().iter().any(|it| it.is_any(REMARKING))
 }
 
 /// Returns whether only words follow an arrow.

@@ -84,10 +84,17 @@ pub(super) fn side(cursor: &mut Cursor<'_, '_>) -> Option<f64> {
         None => {
             *cursor = behind;
             // `Up to half an edge`
-            let is_bound = cursor.eat_word("to")
-                && cursor.peek().is_some_and(|next| {
-                    next.kind == Kind::Number || next.is_any(&["half", "a", "an", "one", "three"])
-                });
+            let is_up = start.peek().is_some_and(|it| it.is("up"));
+            let is_bound = is_up && cursor.eat_word("to") && {
+                let is_whole = cursor.eat_any(&["half"]);
+                cursor.eat_any(&["a", "an", "one", "three"]);
+                is_whole
+                    || cursor.peek().is_some_and(|next| {
+                        next.kind == Kind::Number
+                            || next
+                                .is_any(&["quarter", "quarters", "tenth", "half", "edge", "full"])
+                    })
+            };
             *cursor = behind;
             if is_bound {
                 *cursor = start;

@@ -13,6 +13,9 @@ use fab_program::space;
 use fab_program::{ActionField, Choices, Fold, PixelPoint, Program, Proposal, Subgoals, Value};
 use fab_world::{WorldPoint, expert};
 
+/// The fields besides points on which the motion depends.
+const MOVING: [&str; 2] = ["direction", "distance"];
+
 /// How many points of a field are tried, nearest first.
 const NEAREST: usize = 12;
 
@@ -107,22 +110,18 @@ fn wanted(fold: &Fold, step: &StepView<'_>) -> Result<Aim, String> {
 
 /// Returns the offered action closest to the aim that was not refused yet, with a note on its distance.
 fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Proposal, String)> {
-    let mut best: Option<([f64; 3], Proposal, Action)> = None;
     let refused = refusals.iter().filter_map(|it| it.proposal.as_ref());
-    for proposal in proposals(step, aim) {
-        if refused.clone().any(|it| *it == proposal) {
+    let refused: Vec<&Proposal> = refused.collect();
+    let mut best: Option<(f64, Proposal, Action)> = None;
+    for proposal in proposals(step, aim, &refused) {
+        if refused.contains(&&proposal) {
             continue;
         }
         let Some(action) = Action::lower(step.program, &proposal, step.scene, step.observation)
         else {
             continue;
         };
-        // Of equal points, as the demonstration is carried; then as unlike as possible to what was refused.
-        let away = [
-            away_px(aim[0], action.pick_px) + away_px(aim[1], action.place_px),
-            action.motion.manner.away_from(&step.program.manner),
-            refused.clone().map(|it| alike(it, &proposal)).sum(),
-        ];
+        let away = away_px(aim[0], action.pick_px) + away_px(aim[1], action.place_px);
         if best.as_ref().is_none_or(|(least, ..)| away < *least) {
             best = Some((away, proposal, action));
         }
@@ -144,17 +143,15 @@ fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Propo
     Some((proposal, note))
 }
 
-/// Returns how many fields of two proposals are equal.
-fn alike(one: &Proposal, other: &Proposal) -> f64 {
-    let pairs = one.fields.iter().zip(&other.fields);
-    pairs.filter(|(one, other)| one == other).count() as f64
-}
-
-/// Lists actions of the declared space: the nearest points, all directions, lengths and words.
-fn proposals(step: &StepView<'_>, aim: Aim) -> Vec<Proposal> {
+/// Lists actions of the declared space: the nearest points, and all directions and distances; of any other field the
+/// value that was refused least often.
+fn proposals(step: &StepView<'_>, aim: Aim, refused: &[&Proposal]) -> Vec<Proposal> {
     let mut all = vec![Proposal::default()];
     for field in &step.program.actions {
-        let values = candidates(step, field, aim);
+        let values = match field.is_point() || MOVING.contains(&field.name.as_str()) {
+            true => candidates(step, field, aim),
+            false => least_refused(step, field, refused).into_iter().collect(),
+        };
         let longer = all.iter().flat_map(|shorter| {
             values.iter().map(|value| {
                 let mut proposal = shorter.clone();
@@ -165,6 +162,28 @@ fn proposals(step: &StepView<'_>, aim: Aim) -> Vec<Proposal> {
         all = longer.collect();
     }
     all
+}
+
+/// Returns the value of a field that was refused least often; of equals, that nearest to how the fold is demonstrated.
+fn least_refused(step: &StepView<'_>, field: &ActionField, refused: &[&Proposal]) -> Option<Value> {
+    let name = &field.name;
+    let usual = step.program.manner.or_usual(name);
+    let cost = |value: &Value| {
+        let is_same = |it: &&&Proposal| {
+            it.fields
+                .iter()
+                .any(|own| own.0 == *name && own.1 == *value)
+        };
+        let away = usual.zip(field.metres(value));
+        (
+            refused.iter().filter(is_same).count(),
+            away.map_or(0.0, |(usual, metres)| (metres - usual).abs()),
+        )
+    };
+    let costs = space::choices(field, step.scene).into_iter();
+    let costs = costs.map(|value| (cost(&value), value));
+    let least = costs.reduce(|least, it| if it.0 < least.0 { it } else { least });
+    least.map(|(_, value)| value)
 }
 
 fn candidates(step: &StepView<'_>, field: &ActionField, [pick, place]: Aim) -> Vec<Value> {

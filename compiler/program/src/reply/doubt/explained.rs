@@ -38,7 +38,9 @@ pub(super) fn why(clauses: &[Clause<'_>]) -> Option<&'static str> {
                 let next = clauses.get(at + 1);
                 // `I would rather gain a little than lose what is won`
                 let compares = next.is_some_and(|next| next.joint == "than");
-                let is_settled = clauses[at + 1..].iter().any(|it| it.holds_either_way());
+                let settles = |it: &&Clause<'_>| it.holds_either_way();
+                let is_settled =
+                    clauses[at + 1..].iter().take(2).any(settles) && !clause.names_the_answer();
                 if compares || is_settled || next.is_some_and(|next| next.wonders_about_the_cloth())
                 {
                     return None;
@@ -83,12 +85,24 @@ impl Clause<'_> {
 
     /// `[I can't be sure that it is a corner,] but pulling it will help in either case`
     fn holds_either_way(&self) -> bool {
-        let helps = |it: &&str| words!("help helps work works gain gains right same").contains(it);
+        let helps = |it: &&str| words!("help helps gain gains").contains(it);
+        let weakens =
+            |it: &&str| words!("may might could should nothing not you something").contains(it);
         self.joint == "but"
             && self.words.iter().any(helps)
+            && !self.words.iter().any(weakens)
             && (self.words.ends_with(&["in", "either", "case"])
                 || self.words.ends_with(&["either", "way"])
                 || self.words.ends_with(&["in", "any", "case"]))
+    }
+
+    fn names_the_answer(&self) -> bool {
+        let names = |it: &&str| {
+            ANSWERS.contains(it)
+                || words!("these those values numbers coordinates point points direction distance")
+                    .contains(it)
+        };
+        self.words.iter().any(names)
     }
 
     fn regrets(&self) -> bool {
