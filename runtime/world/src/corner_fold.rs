@@ -4,12 +4,12 @@
 //! it must be carried to stay. World, motion and search are those of a demonstrated step.
 
 use crate::metrics::cloth_moved;
+use crate::simulated::Params;
 use crate::smallest_fold;
 use crate::start::Start;
 use crate::{Motion, SimulatedWorld, World, WorldError, WorldPoint};
 use fab_base::interrupt::Interrupt;
 use fab_program::{Camera, Cloth, ClothStart, ImageUp, Picker, SmallestFold};
-use fab_sim::Params;
 
 /// How far the corner is carried, millimetres.
 pub const CARRIED_MM: u32 = 40;

@@ -36,7 +36,7 @@ pub struct MeasureArguments {
     /// Distance between particles, millimetres.
     #[arg(long, value_name = "MM", default_value_t = 1000.0 * SPACING_M)]
     pub spacing: f64,
-    /// Search the smallest fold of a corner that stays, too, which takes some ten times as long.
+    /// Search the smallest fold of a corner that stays, too, which takes ten times as long or more.
     #[arg(long)]
     pub smallest_fold: bool,
     /// Print one JSON document.
@@ -234,5 +234,5 @@ fn table(readings: &[Reading], corner: &Corner) -> String {
 }
 
 fn line([what, declared, expected, measured, unit, within, method]: [&str; 7]) -> String {
-    format!("{what:<24} {declared:>9} {expected:>9} {measured:>9}  {unit:<4} {within:<20} {method}")
+    format!("{what:<24} {declared:>9} {expected:>9} {measured:>9}  {unit:<4} {within:<21} {method}")
 }
