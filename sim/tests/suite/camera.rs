@@ -378,6 +378,19 @@ fn a_redrawn_picture_is_the_one_that_is_drawn_anew() {
     let [from, to] = [[-0.06, 0.06], [0.03, -0.03]];
     let folded = cloth.pick_and_place_in(&Manner::default(), from, to, &|| false, &mut watch);
     assert!(folded.unwrap().grasped.is_some());
+    // A particle that moves alone changes how the cells around it look.
+    for moved in (0..441).step_by(13) {
+        let mut now = before.0.clone();
+        now[moved][2] += 0.01;
+        let (was, is) = ((&before.0[..], None), (&now[..], None));
+        aside = view.render(grid, was.0, None).rgb;
+        above = camera.render(grid, was.0, &look).rgb;
+        view.redraw(&mut aside, grid, was, is);
+        camera.redraw_marked(&mut above, grid, &look, was, is);
+        assert!(aside == view.render(grid, is.0, None).rgb, "aside, {moved}");
+        let drawn = camera.render(grid, is.0, &look);
+        assert!(above == drawn.rgb, "above, {moved}");
+    }
 }
 
 #[test]
