@@ -53,6 +53,7 @@ bench: deps
 	$(WITH_ENV) sh scripts/count-instructions.sh
 	$(WITH_ENV) cargo build --release --locked
 	$(WITH_ENV) sh scripts/bench-snapshots.sh "$${CARGO_TARGET_DIR:-target}/release/fabc"
+	$(WITH_ENV) sh scripts/bench-films.sh "$${CARGO_TARGET_DIR:-target}/release/fabc"
 	$(WITH_ENV) sh scripts/bench-textbook.sh "$${CARGO_TARGET_DIR:-target}/release/fabc"
 
 book:

@@ -6,7 +6,7 @@
 
 use crate::mask::Mask;
 use crate::raster::{Raster, Shade, Vertex, Window};
-use crate::scene::{self, Marker, Seen};
+use crate::scene::{self, Marker, Seen, State};
 
 /// Smallest image side, pixels.
 pub const MIN_SIZE_PX: u32 = 16;
@@ -185,28 +185,85 @@ impl TopDownCamera {
         look: &Look,
         marker: Option<&Marker>,
     ) -> Frame {
+        let camera = self.drawing();
+        let tiles = camera.tiles(look);
+        let sums = tiles.sums(self.up);
+        let size = camera.size_px as usize;
+        let mut frame = Frame {
+            width: camera.size_px,
+            height: camera.size_px,
+            rgb: sums.iter().map(|sum| mean(*sum)).collect(),
+            depth_m: vec![1.0 / (1.0 / camera.height_m); size * size],
+        };
+        let triangles = camera.scene(&cloth.into(), (positions, marker), look);
+        let window = Window::around(&triangles, [size, size]);
+        let Frame { rgb, depth_m, .. } = &mut frame;
+        self.draw(&triangles, &window, (&tiles, sums), rgb, depth_m);
+        frame
+    }
+
+    /// Turns the colours of one state of a cloth into those of another one, as [`TopDownCamera::render_marked`] draws them.
+    ///
+    /// Costs the less the less of the picture has changed.
+    ///
+    /// - `rgb`: the colours of a frame of this camera.
+    /// - `before`, `now`: positions as for `render`, equally many, and the picker's marker.
+    pub fn redraw_marked(
+        &self,
+        rgb: &mut [u8],
+        cloth: impl Into<Mask>,
+        look: &Look,
+        before: State<'_>,
+        now: State<'_>,
+    ) {
         let mask = &cloth.into();
-        let camera = TopDownCamera {
+        let camera = self.drawing();
+        let points = scene::changed(mask, before, now, &[&|point| camera.see(point)]);
+        let window = Window::around_points(points.into_iter(), [camera.size_px as usize; 2]);
+        let mut triangles = camera.scene(mask, now, look);
+        triangles.retain(|triangle| window.meets(triangle));
+        let tiles = camera.tiles(look);
+        let sums = tiles.sums(self.up);
+        self.draw(&triangles, &window, (&tiles, sums), rgb, &mut []);
+    }
+
+    /// Returns the camera that draws: with +Y up, and of a size within the bounds.
+    fn drawing(&self) -> TopDownCamera {
+        TopDownCamera {
             up: ImageUp::Y,
             size_px: self.size_px.clamp(MIN_SIZE_PX, MAX_SIZE_PX),
             ..*self
-        };
-        let size = camera.size_px as usize;
-        let mut triangles = camera.triangles(mask, positions, look);
-        if let Some(marker) = marker {
-            triangles.extend(marker.triangles(&|point| camera.see(point)));
         }
-        let background = 1.0 / camera.height_m;
-        let mut raster = Raster::new(Window::around(&triangles, [size, size]), background);
-        let tiles = camera.tiles(look);
-        let mut sums = tiles.sums(self.up);
-        let mut depth_m = vec![1.0 / background; size * size];
+    }
+
+    /// Lists what stands above the table.
+    fn scene(&self, mask: &Mask, (positions, marker): State<'_>, look: &Look) -> Vec<[Vertex; 3]> {
+        let mut triangles = self.triangles(mask, positions, look);
+        if let Some(marker) = marker {
+            triangles.extend(marker.triangles(&|point| self.see(point)));
+        }
+        triangles
+    }
+
+    /// Draws triangles and the table behind them into a window of a picture.
+    ///
+    /// - `sums`: of the bare table.
+    /// - `depth_m`: of the bare table in the window, or nothing if depths are not wanted.
+    fn draw(
+        &self,
+        triangles: &[[Vertex; 3]],
+        window: &Window,
+        (tiles, mut sums): (&Tiles, Vec<u16>),
+        rgb: &mut [u8],
+        depth_m: &mut [f32],
+    ) {
+        let camera = self.drawing();
+        let size = camera.size_px as usize;
+        let mut raster = Raster::new(window.clone(), 1.0 / camera.height_m);
         for [u, v] in (0..3).flat_map(|v| [0, 1, 2].map(|u| [u, v])) {
             let offset = [OFFSETS[u], OFFSETS[v]];
             raster.clear(offset);
-            for triangle in &triangles {
-                raster.draw(triangle);
-            }
+            raster.draw(triangles);
             for ([column, row], colour, inverse_depth) in raster.drawn() {
                 let pixel = self.up.pixel(column, row, size);
                 let tile = tiles.colour(tiles.columns[u][column], tiles.rows[v][row]);
@@ -215,20 +272,20 @@ impl TopDownCamera {
                     let sum = &mut sums[3 * pixel + channel];
                     *sum = *sum - u16::from(tile[channel]) + u16::from(colour[channel]);
                 }
-                if offset == [0.5, 0.5] {
-                    depth_m[pixel] = 1.0 / inverse_depth;
+                if offset == [0.5, 0.5]
+                    && let Some(depth_m) = depth_m.get_mut(pixel)
+                {
+                    *depth_m = 1.0 / inverse_depth;
                 }
             }
         }
-        let samples = (OFFSETS.len() * OFFSETS.len()) as u16;
-        Frame {
-            width: camera.size_px,
-            height: camera.size_px,
-            rgb: sums
-                .iter()
-                .map(|sum| ((sum + samples / 2) / samples) as u8)
-                .collect(),
-            depth_m,
+        for row in window.rows.clone() {
+            for column in window.columns.clone() {
+                let first = 3 * self.up.pixel(column, row, size);
+                for channel in first..first + 3 {
+                    rgb[channel] = mean(sums[channel]);
+                }
+            }
         }
     }
 
@@ -285,6 +342,12 @@ impl TopDownCamera {
             inverse_depth: 1.0 / below_m,
         })
     }
+}
+
+/// Returns the mean of the samples of a pixel.
+fn mean(sum: u16) -> u8 {
+    const SAMPLES: u16 = (OFFSETS.len() * OFFSETS.len()) as u16;
+    ((sum + SAMPLES / 2) / SAMPLES) as u8
 }
 
 /// The checkered table as the samples of a picture see it.

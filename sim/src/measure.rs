@@ -5,6 +5,7 @@
 //! simulator. A particle stands for a square patch of cloth of one spacing a side, so that the cloth goes on for half a
 //! spacing beyond the last one.
 
+pub mod bounds;
 mod sliding;
 mod table;
 

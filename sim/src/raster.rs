@@ -4,6 +4,8 @@
 //! and inverse depth. Knows neither world nor camera.
 
 use crate::camera::Look;
+#[cfg(not(feature = "narrow"))]
+use multiversion::multiversion;
 use std::ops::Range;
 
 /// Colours of both sides at a vertex, 0 to 255 per channel.
@@ -45,25 +47,43 @@ pub(crate) struct Window {
 
 impl Window {
     /// Returns the pixels that triangles can touch, of an image of `[width, height]`.
-    pub fn around(triangles: &[[Vertex; 3]], [width, height]: [usize; 2]) -> Window {
-        let range = |coordinate: fn(&Vertex) -> f32, size: usize| {
-            let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-            for value in triangles.iter().flatten().map(coordinate) {
-                low = low.min(value);
-                high = high.max(value);
+    pub fn around(triangles: &[[Vertex; 3]], size: [usize; 2]) -> Window {
+        let corners = triangles.iter().flatten();
+        Window::around_points(corners.map(|vertex| [vertex.column, vertex.row]), size)
+    }
+
+    /// Returns the pixels that triangles between points can touch, column and row, of an image of `[width, height]`.
+    pub fn around_points(
+        points: impl Iterator<Item = [f32; 2]>,
+        [width, height]: [usize; 2],
+    ) -> Window {
+        let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+        for point in points {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(point[axis]);
+                high[axis] = high[axis].max(point[axis]);
             }
+        }
+        let range = |axis: usize, size: usize| {
             // Casts to an integer saturate, so far-away corners need no special care.
-            let end = ((high + 1.0).max(0.0) as usize).min(size);
-            (low.floor().max(0.0) as usize).min(end)..end
+            let end = ((high[axis] + 1.0).max(0.0) as usize).min(size);
+            (low[axis].floor().max(0.0) as usize).min(end)..end
         };
         Window {
-            columns: range(|vertex| vertex.column, width),
-            rows: range(|vertex| vertex.row, height),
+            columns: range(0, width),
+            rows: range(1, height),
         }
     }
-}
 
-impl Window {
+    /// Tells whether the rectangle around a triangle touches it.
+    pub fn meets(&self, triangle: &[Vertex; 3]) -> bool {
+        let within = |coordinate: fn(&Vertex) -> f32, range: &Range<usize>| {
+            let [a, b, c] = triangle.each_ref().map(coordinate);
+            a.max(b).max(c) >= range.start as f32 && a.min(b).min(c) <= range.end as f32
+        };
+        within(|vertex| vertex.column, &self.columns) && within(|vertex| vertex.row, &self.rows)
+    }
+
     /// Tells whether it has no pixels.
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty() || self.rows.is_empty()
@@ -110,10 +130,15 @@ impl Raster {
         })
     }
 
-    /// Draws a triangle where it is nearer than what is there.
+    /// Draws triangles where they are nearer than what is there.
     ///
     /// Corners in clockwise order on the image show the top side, otherwise the underside.
-    pub fn draw(&mut self, triangle: &[Vertex; 3]) {
+    pub fn draw(&mut self, triangles: &[[Vertex; 3]]) {
+        draw_all(self, triangles);
+    }
+
+    #[inline(always)]
+    fn draw_one(&mut self, triangle: &[Vertex; 3]) {
         let [a, b, c] = triangle;
         let twice_area = cross(a, b, c.column, c.row);
         if twice_area == 0.0 || !twice_area.is_finite() {
@@ -156,7 +181,16 @@ impl Raster {
     }
 }
 
+/// Draws one triangle after another.
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
+fn draw_all(raster: &mut Raster, triangles: &[[Vertex; 3]]) {
+    for triangle in triangles {
+        raster.draw_one(triangle);
+    }
+}
+
 /// Returns the pixels of a range whose sample lies between the least and greatest coordinate.
+#[inline(always)]
 fn covered(coordinates: [f32; 3], offset: f32, range: &Range<usize>) -> Range<usize> {
     let low = coordinates.iter().fold(f32::INFINITY, |low, &c| low.min(c));
     let high = coordinates
@@ -169,6 +203,7 @@ fn covered(coordinates: [f32; 3], offset: f32, range: &Range<usize>) -> Range<us
 }
 
 /// Returns twice the signed area of the triangle `a`, `b`, (`u`, `v`); positive when clockwise on the image.
+#[inline(always)]
 fn cross(a: &Vertex, b: &Vertex, u: f32, v: f32) -> f32 {
     (b.column - a.column) * (v - a.row) - (b.row - a.row) * (u - a.column)
 }

@@ -183,6 +183,11 @@ impl Simulator {
         &self.mask
     }
 
+    /// Returns the substeps of a step; one of a material takes more while it moves fast.
+    pub fn substeps(&self) -> u32 {
+        self.solver.substeps()
+    }
+
     /// Returns the number of springs that a sweep pulls.
     pub fn spring_count(&self) -> usize {
         self.solver.spring_count()

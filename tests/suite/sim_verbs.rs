@@ -59,6 +59,12 @@ fn time_counts_steps_springs_and_memory_and_gives_equal_bits() {
     let two = told(folder.path(), &["time", "--size", "25", "--threads", "2"]);
     assert_eq!(two["digest"], value["digest"]);
     assert_eq!(value["digest"].as_str().unwrap().len(), 64);
+    assert_eq!(value["material"], Value::Null);
+    let call = ["time", "--size", "25", "--material", "denim", "--json"];
+    let denim: Value = serde_json::from_str(&said(folder.path(), &call).stdout).unwrap();
+    assert_eq!(denim["material"], "denim");
+    assert!(denim["substeps"].as_u64() > value["substeps"].as_u64());
+    assert_ne!(denim["digest"], value["digest"]);
 }
 
 #[test]
@@ -308,6 +314,11 @@ fn a_material_is_measured_by_its_name() {
         assert!(ring["declared"].is_null(), "{ring}");
         assert!((1.9..2.6).contains(&(expected / bending_mm)), "{ring}");
         assert_ne!(value["params"], fab_sim::Params::default().hash());
+        // The bounds hold at another spacing.
+        assert!(readings.iter().all(|it| it["within"].is_null()), "{value}");
+        assert_eq!(value["corner"]["carried_mm"], 40);
+        assert!(value["corner"]["stays_mm"].is_f64(), "{value}");
+        assert_eq!(value["corner"]["smallest_fold"], Value::Null);
         // What so few particles cannot show is null, and said.
         let without = readings.iter().filter(|it| it["measured"].is_null());
         let names: Vec<&str> = without.map(|it| it["what"].as_str().unwrap()).collect();
@@ -327,6 +338,38 @@ fn a_material_is_measured_by_its_name() {
         let said = said(folder.path(), &["measure", name]);
         assert_eq!(said.code, 64);
         assert!(said.stderr.contains(why), "{}", said.stderr);
+    }
+}
+
+#[test]
+fn a_smallest_fold_is_searched_only_if_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let call = [
+        "measure",
+        "cotton",
+        "--spacing",
+        "20",
+        "--smallest-fold",
+        "--json",
+    ];
+    let said = said(folder.path(), &call);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    let value: Value = serde_json::from_str(&said.stdout).unwrap();
+    let smallest = &value["corner"]["smallest_fold"]["from"]["mm"];
+    assert!(smallest.as_u64().is_some_and(|mm| mm > 40), "{value}");
+}
+
+#[test]
+fn the_page_of_materials_states_the_bounds_of_the_readings() {
+    let page = fs::read_to_string(project("docs/materials.md")).unwrap();
+    for bound in fab_sim::measure::bounds::BOUNDS {
+        let within = match bound.share > 0.0 {
+            true => format!("{:.0} %", 100.0 * bound.share),
+            false => format!("{}", bound.plain),
+        };
+        let line = format!("| {} | {} | {within} |", bound.readings, bound.of);
+        let line = line.replace("|  |", "| |");
+        assert!(page.contains(&line), "docs/materials.md lacks `{line}`");
     }
 }
 

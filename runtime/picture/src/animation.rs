@@ -8,7 +8,6 @@ use fab_base::files::NewFile;
 use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 use image::RgbImage;
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -16,8 +15,8 @@ use std::path::{Path, PathBuf};
 pub const MAX_COLOURS: usize = 255;
 /// The number of pixels that stay as they were.
 const SAME: u8 = 255;
-/// Colours of which the nearest one is remembered; more are looked up anew.
-const MAX_REMEMBERED: usize = 1 << 16;
+/// Places for colours of which the nearest one is remembered, a power of two; one that finds its place taken is looked up anew.
+const REMEMBERED: usize = 1 << 14;
 
 /// Why an animation cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -44,7 +43,8 @@ pub enum AnimationError {
 #[derive(Clone, Debug)]
 pub struct Palette {
     colours: Vec<[u8; 3]>,
-    nearest: HashMap<[u8; 3], u8>,
+    /// By [`Palette::place`]: a colour, and the number of the nearest one.
+    nearest: Vec<Option<([u8; 3], u8)>>,
 }
 
 impl Palette {
@@ -56,13 +56,16 @@ impl Palette {
         }
         Palette {
             colours,
-            nearest: HashMap::new(),
+            nearest: vec![None; REMEMBERED],
         }
     }
 
     /// Returns the number of the nearest colour; of equally near ones, the first.
     fn number(&mut self, colour: [u8; 3]) -> u8 {
-        if let Some(&number) = self.nearest.get(&colour) {
+        let place = Palette::place(colour);
+        if let Some((remembered, number)) = self.nearest[place]
+            && remembered == colour
+        {
             return number;
         }
         let distance = |other: &[u8; 3]| -> i32 {
@@ -75,11 +78,14 @@ impl Palette {
         let numbered = (0_u8..).zip(&self.colours);
         let nearest = numbered.min_by_key(|(_, other)| distance(other));
         let number = nearest.map_or(0, |(number, _)| number);
-        if self.nearest.len() >= MAX_REMEMBERED {
-            self.nearest.clear();
-        }
-        self.nearest.insert(colour, number);
+        self.nearest[place] = Some((colour, number));
         number
+    }
+
+    /// Returns where a colour is remembered.
+    fn place([red, green, blue]: [u8; 3]) -> usize {
+        let mixed = u32::from_le_bytes([red, green, blue, 0]).wrapping_mul(0x9e37_79b1);
+        (mixed >> (u32::BITS - REMEMBERED.ilog2())) as usize
     }
 
     /// Returns 256 colours as a GIF file has them.
@@ -185,6 +191,11 @@ impl Animation {
         self.encoder.get_ref().bytes
     }
 
+    /// Returns the last picture that was shown.
+    pub fn last(&self) -> Option<&RgbImage> {
+        self.last.as_ref()
+    }
+
     /// Adds a picture, to be shown for no time until [`Animation::hold`] gives it some.
     ///
     /// A picture equal to the one before is that one. Returns whether it differs.
@@ -215,19 +226,17 @@ impl Animation {
 
     /// Finds the number of each pixel's colour.
     fn numbers(&mut self, picture: &RgbImage) -> Vec<u8> {
+        let pixels = picture.as_raw().as_chunks().0.iter();
         let (Some(last), Some(waiting)) = (&self.last, &self.waiting) else {
-            let pixels = picture.pixels();
-            return pixels.map(|pixel| self.palette.number(pixel.0)).collect();
+            return pixels.map(|pixel| self.palette.number(*pixel)).collect();
         };
-        let both = picture
-            .as_raw()
-            .chunks_exact(3)
-            .zip(last.as_raw().chunks_exact(3));
-        let numbered = both.zip(&waiting.numbers);
+        let numbered = pixels
+            .zip(last.as_raw().as_chunks().0)
+            .zip(&waiting.numbers);
         numbered
-            .map(|((new, old), number)| match (new == old, new) {
-                (false, &[red, green, blue]) => self.palette.number([red, green, blue]),
-                _ => *number,
+            .map(|((new, old), number)| match new == old {
+                true => *number,
+                false => self.palette.number(*new),
             })
             .collect()
     }

@@ -4,6 +4,7 @@
 //! about prompts, models or checks.
 
 pub mod conformance;
+pub mod corner_fold;
 pub mod crumple;
 pub mod expert;
 pub mod external;

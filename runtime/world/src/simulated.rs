@@ -79,6 +79,11 @@ impl SimulatedWorld {
         self
     }
 
+    /// Changes the physics, with the material; the colours stay.
+    pub fn with_parameters(self, parameters: Params) -> SimulatedWorld {
+        SimulatedWorld { parameters, ..self }
+    }
+
     /// Changes the colours of cloth and table.
     pub fn with_look(self, look: Look) -> SimulatedWorld {
         SimulatedWorld { look, ..self }

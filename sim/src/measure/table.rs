@@ -1,9 +1,10 @@
 //! The textile table: what a material declares, what a cloth of it should show, and what the simulated one shows.
 
+use super::bounds::{self, BOUNDS_SPACING_M};
 use super::{
-    Crease, Cut, Fineness, Loop, MeasureError, cantilever, crease_recovery_deg, drape_coefficient,
-    extension, fold_height, free_fold, hanging_loop, momentum_change, self_friction,
-    table_friction,
+    Crease, Cut, Fineness, HOLDING_FRICTION, Loop, MeasureError, cantilever, crease_recovery_deg,
+    drape_coefficient, extension, fold_height, free_fold, hanging_loop, momentum_change,
+    self_friction, table_friction,
 };
 use crate::material::{Directions, Material};
 
@@ -23,6 +24,17 @@ pub struct Reading {
     pub expected: Option<f64>,
     /// What the simulated cloth shows.
     pub measured: f64,
+    /// The least and the greatest value that it is known to show; `None` for what has no bound, where a warning of the material
+    /// names the reading, and at other spacings than [`BOUNDS_SPACING_M`].
+    pub within: Option<[f64; 2]>,
+}
+
+impl Reading {
+    /// Tells whether it shows what it is known to show; `None` where nothing is known.
+    pub fn is_within(&self) -> Option<bool> {
+        let [least, most] = self.within?;
+        Some((least..=most).contains(&self.measured))
+    }
 }
 
 /// Measures what a material declares and a specimen shows, and how its cloth loops, folds, drapes and keeps its momentum.
@@ -56,6 +68,13 @@ pub fn textile_table(
     let but =
         |declared: f32, expected: f32| [declared, expected].map(|value| Some(f64::from(value)));
     let only = |expected: f64| [None, Some(expected)];
+    let fold_method = match table.min(itself) < HOLDING_FRICTION {
+        true => "elastica, as if friction were 0.6",
+        false => "elastica",
+    };
+    // What cannot be simulated fails above.
+    let warnings = material.check(at.spacing_m).unwrap_or_default();
+    let is_bounded = (at.spacing_m - BOUNDS_SPACING_M).abs() < 1e-6;
     #[rustfmt::skip] // a table, one reading a line
     let rows = [
         ("bending length, warp", "cantilever, ASTM D1388 A", "mm", same(warp), bending(Cut::Warp)?),
@@ -63,7 +82,7 @@ pub fn textile_table(
         ("bending length, bias", "cantilever, ASTM D1388 A", "mm", but(bias, stiff), bending(Cut::Bias)?),
         ("depth of a heart loop", "elastica, Plaut 2015", "mm", only(heart), heart_m),
         ("depth of a ring loop", "elastica, Plaut 2015", "mm", only(ring), ring_m),
-        ("height of a free fold", "elastica, friction from 0.6 on", "mm", only(fold_m), fold.height_m),
+        ("height of a free fold", fold_method, "mm", only(fold_m), fold.height_m),
         ("gap between layers", "free fold", "mm", but(material.thickness_m, gap_m), fold.gap_m),
         ("crease recovery, warp", "ISO 2313", "deg", but(recovery, opens), recovers(Cut::Warp)?),
         ("crease recovery, weft", "ISO 2313", "deg", but(recovery, opens), recovers(Cut::Weft)?),
@@ -79,13 +98,17 @@ pub fn textile_table(
         .into_iter()
         .map(|(what, method, unit, [declared, expected], measured)| {
             let scale = if unit == "mm" { 1000.0 } else { 1.0 };
+            let expected = expected.map(|value| scale * value);
+            let bounded = expected.filter(|_| is_bounded);
             Reading {
                 what,
                 method,
                 unit,
                 declared: declared.map(|value| scale * value),
-                expected: expected.map(|value| scale * value),
+                expected,
                 measured: scale * measured,
+                within: bounded
+                    .and_then(|expected| bounds::within(what, expected, gap_m, &warnings)),
             }
         })
         .collect())

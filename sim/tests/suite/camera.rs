@@ -1,7 +1,7 @@
 //! The camera: geometry, sides, and what is left out.
 
 use fab_sim::{
-    CameraError, Frame, Grid, ImageUp, Look, Marker, Mask, Params, Picture, Simulator,
+    CameraError, Frame, Grid, ImageUp, Look, Manner, Marker, Mask, Params, Picture, Simulator,
     SlantedCamera, SlantedView, TopDownCamera,
 };
 
@@ -346,6 +346,51 @@ fn the_slanted_view_shows_cloth_shadow_and_marker() {
         holds: false,
     };
     assert!(!view.sees(&far));
+}
+
+#[test]
+fn a_redrawn_picture_is_the_one_that_is_drawn_anew() {
+    let grid = Grid::new(21, 21, 0.00625).unwrap();
+    let look = Look::default();
+    let view = SlantedView::new(slanted(), &look);
+    let camera = folding_camera(224).with_up(ImageUp::X);
+    let mut cloth = Simulator::flat(grid, &Params::default());
+    let mut before = (cloth.positions(), None);
+    let mut aside = view.render(grid, &before.0, None).rgb;
+    let mut above = camera.render(grid, &before.0, &look).rgb;
+    let mut watch = |cloth: &Simulator| {
+        if !cloth.steps().is_multiple_of(4) {
+            return;
+        }
+        // Every other picture is without the marker.
+        let marker = cloth.steps().is_multiple_of(8).then(|| cloth.marker());
+        let now = (cloth.positions(), marker);
+        let was = (&before.0[..], before.1.as_ref());
+        let is = (&now.0[..], now.1.as_ref());
+        view.redraw(&mut aside, grid, was, is);
+        camera.redraw_marked(&mut above, grid, &look, was, is);
+        let drawn = view.render(grid, is.0, is.1);
+        assert!(aside == drawn.rgb, "aside, step {}", cloth.steps());
+        let drawn = camera.render_marked(grid, is.0, &look, is.1);
+        assert!(above == drawn.rgb, "above, step {}", cloth.steps());
+        before = now;
+    };
+    let [from, to] = [[-0.06, 0.06], [0.03, -0.03]];
+    let folded = cloth.pick_and_place_in(&Manner::default(), from, to, &|| false, &mut watch);
+    assert!(folded.unwrap().grasped.is_some());
+    // A particle that moves alone changes how the cells around it look.
+    for moved in (0..441).step_by(13) {
+        let mut now = before.0.clone();
+        now[moved][2] += 0.01;
+        let (was, is) = ((&before.0[..], None), (&now[..], None));
+        aside = view.render(grid, was.0, None).rgb;
+        above = camera.render(grid, was.0, &look).rgb;
+        view.redraw(&mut aside, grid, was, is);
+        camera.redraw_marked(&mut above, grid, &look, was, is);
+        assert!(aside == view.render(grid, is.0, None).rgb, "aside, {moved}");
+        let drawn = camera.render(grid, is.0, &look);
+        assert!(above == drawn.rgb, "above, {moved}");
+    }
 }
 
 #[test]

@@ -133,6 +133,12 @@ struct State {
     marker: Option<Marker>,
 }
 
+impl State {
+    fn parts(&self) -> (&[[f32; 3]], Option<&Marker>) {
+        (&self.positions, self.marker.as_ref())
+    }
+}
+
 /// A camera and what it needs.
 enum Scene {
     Slanted(Box<SlantedView>),
@@ -223,7 +229,7 @@ impl Recording {
             why: error.to_string(),
         })?;
         let shown = scene.state(cloth);
-        let picture = scene.picture(cloth, &shown);
+        let picture = scene.picture(cloth, &shown, None);
         let size = [picture.width(), picture.height()];
         let mut animation = Animation::create(&self.plan.path, size, palette(look))?;
         animation.show(picture)?;
@@ -291,7 +297,9 @@ impl Open {
         if state == self.shown {
             return Ok(());
         }
-        if self.animation.show(self.scene.picture(cloth, &state))? {
+        let last = self.animation.last().map(|picture| (picture, &self.shown));
+        let picture = self.scene.picture(cloth, &state, last);
+        if self.animation.show(picture)? {
             self.still_cs = 0;
         }
         self.shown = state;
@@ -310,21 +318,37 @@ impl Scene {
         }
     }
 
-    /// Draws what a state shows.
-    fn picture(&self, cloth: &Simulator, state: &State) -> RgbImage {
-        let (mask, positions) = (cloth.mask(), &state.positions);
-        let marker = state.marker.as_ref();
-        let (width, height, rgb) = match self {
-            Scene::Slanted(view) => {
-                let Picture { width, height, rgb } = view.render(mask, positions, marker);
-                (width, height, rgb)
-            }
-            Scene::Table(camera, look) => {
-                let frame = camera.render_marked(mask, positions, look, marker);
-                (frame.width, frame.height, frame.rgb)
-            }
+    /// Draws what a state shows; only what differs from the last picture, if there is one.
+    fn picture(
+        &self,
+        cloth: &Simulator,
+        state: &State,
+        last: Option<(&RgbImage, &State)>,
+    ) -> RgbImage {
+        let mask = cloth.mask();
+        let Some((picture, before)) = last else {
+            let (positions, marker) = state.parts();
+            let (width, height, rgb) = match self {
+                Scene::Slanted(view) => {
+                    let Picture { width, height, rgb } = view.render(mask, positions, marker);
+                    (width, height, rgb)
+                }
+                Scene::Table(camera, look) => {
+                    let frame = camera.render_marked(mask, positions, look, marker);
+                    (frame.width, frame.height, frame.rgb)
+                }
+            };
+            return RgbImage::from_raw(width, height, rgb)
+                .expect("a picture holds width * height pixels");
         };
-        RgbImage::from_raw(width, height, rgb).expect("a picture holds width * height pixels")
+        let (mut picture, before, now) = (picture.clone(), before.parts(), state.parts());
+        match self {
+            Scene::Slanted(view) => view.redraw(&mut picture, mask, before, now),
+            Scene::Table(camera, look) => {
+                camera.redraw_marked(&mut picture, mask, look, before, now);
+            }
+        }
+        picture
     }
 
     /// Finds out what is to be drawn.

@@ -1,60 +1,9 @@
 //! Materials all over what a task may declare: what one reads is within its bound, or a warning names it.
 
 use super::*;
-use fab_sim::MaterialWarning;
+use fab_sim::measure::bounds::{Bound, promised};
 use fab_sim::measure::textile_table;
 use std::collections::BTreeMap;
-
-/// Returns the lines of the textile table that a warning names, each with the least and the most that it still promises, as
-/// shares of what is expected.
-fn named(warning: &MaterialWarning) -> Vec<(&'static str, [f32; 2])> {
-    const ANY: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
-    let within = |names: &[&'static str]| names.iter().map(|name| (*name, ANY)).collect();
-    match warning {
-        MaterialWarning::Coarse { .. } => within(&["bending length"]),
-        MaterialWarning::Sharp { .. } => within(&["loop", "fold", "gap between layers", "crease"]),
-        MaterialWarning::Unsteady { is_light: true, .. } => {
-            within(&["momentum", "fold", "gap between layers"])
-        }
-        MaterialWarning::Unsteady { .. } => within(&["momentum"]),
-        MaterialWarning::Curls { bias_m, least_m } => {
-            let mut lines = within(&["loop", "fold", "gap between layers"]);
-            lines.push(("bending length, bias", [least_m / bias_m, 1.1]));
-            lines
-        }
-        MaterialWarning::Threads { less } => {
-            let least = 0.98 * (1.0 - less);
-            let mut lines = ["stretch, warp", "stretch, weft"]
-                .map(|name| (name, [least, 1.01]))
-                .to_vec();
-            lines.push(("stretch, bias", [0.9, 1.15]));
-            lines
-        }
-        // The table expects what these say.
-        MaterialWarning::Gap { .. }
-        | MaterialWarning::Crease { .. }
-        | MaterialWarning::Shear { .. }
-        | MaterialWarning::SoftBias { .. } => Vec::new(),
-    }
-}
-
-/// Returns by how much a line of the table may be off: as a share, and in its own unit.
-fn bound(what: &str, expected: f64, gap_m: f32) -> [f64; 2] {
-    match what {
-        "bending length, bias" => [0.1, 0.0],
-        _ if what.starts_with("bending") && expected >= 15.0 => [0.05, 0.0],
-        "crease recovery, warp" | "crease recovery, weft" => {
-            [0.0, if gap_m > 0.002 { 21.0 } else { 16.0 }]
-        }
-        "stretch, bias" => [0.1, 0.0],
-        _ if what.starts_with("stretch") => [0.01, 0.0],
-        "friction on the table" => [0.0, 0.015],
-        "friction on itself" if (0.2..=1.0).contains(&expected) => [0.08, 0.0],
-        "friction on itself" => [0.2, 0.0],
-        "change of momentum" => [0.0, 0.005],
-        _ => [0.1, 0.0],
-    }
-}
 
 /// Numbers that differ from each other and are the same in each run, from 0 to 1.
 fn draws(mut state: u64) -> impl FnMut() -> f32 {
@@ -106,33 +55,29 @@ fn judged(material: &Material) -> Judged {
     let warnings = warnings.unwrap_or_else(|error| failed(error.to_string()));
     let readings = textile_table(material, SPACING_M);
     let readings = readings.unwrap_or_else(|error| failed(error.to_string()));
-    let off = readings.iter().filter_map(|reading| {
-        let expected = reading.expected?;
-        let [share, plain] = bound(reading.what, expected, material.gap_m());
-        let is_right = (reading.measured - expected).abs() <= share * expected + plain;
-        (!is_right).then_some((reading.what, reading.measured, expected))
+    let silent = readings.iter().filter(|it| it.is_within() == Some(false));
+    let silent = silent.map(|it| format!("{}: {} of {:?}", it.what, it.measured, it.within));
+    // What is off its bound, whatever a warning says.
+    let off = readings.iter().filter(|reading| {
+        let gap_m = material.gap_m();
+        let bound = reading.expected.and_then(|expected| {
+            let bound = Bound::of(reading.what, expected, gap_m)?;
+            Some(bound.range(expected))
+        });
+        bound.is_some_and(|[least, most]| !(least..=most).contains(&reading.measured))
     });
-    let off: Vec<_> = off.collect();
-    let is_named = |warning: &MaterialWarning, what: &str, share: f32| {
-        named(warning).iter().any(|(name, [least, most])| {
-            what.contains(name) && (share.is_nan() || (*least..=*most).contains(&share))
-        })
-    };
-    let silent = off.iter().filter(|(what, measured, expected)| {
-        let share = (measured / expected) as f32;
-        !warnings.iter().any(|it| is_named(it, what, share))
+    let off: Vec<&str> = off.map(|reading| reading.what).collect();
+    let named = warnings.iter().filter(|warning| {
+        let mut names = readings.iter().map(|reading| reading.what);
+        names.any(|name| promised(warning, name).is_some())
     });
-    let silent =
-        silent.map(|(what, measured, expected)| format!("{what}: {measured} of {expected}"));
-    let naming = warnings.iter().filter(|it| !named(it).is_empty());
-    let warned = naming.map(|warning| {
+    let warned = named.map(|warning| {
         let kind = format!("{warning:?}");
         let kind = kind.split(' ').next().unwrap().to_owned();
-        let is_off = off.iter().any(|(what, ..)| {
-            let mut names = named(warning).into_iter();
-            names.any(|(name, _)| what.contains(name))
-        });
-        (kind, is_off)
+        (
+            kind,
+            off.iter().any(|name| promised(warning, name).is_some()),
+        )
     });
     Judged {
         silent: silent.collect(),

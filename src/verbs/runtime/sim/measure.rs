@@ -7,16 +7,27 @@ use crate::sources;
 use crate::verbs::runtime::setting::materials;
 use clap::Args;
 use clap::ValueHint;
+use fab_program::SmallestFold;
 use fab_sim::measure::{Reading, textile_table};
 use fab_sim::{Grid, Material, Params};
-use fab_world::simulated;
+use fab_world::corner_fold::{CARRIED_MM, CornerFold};
+use fab_world::{WorldError, simulated};
 use serde_json::{Value, json};
 use std::path::Path;
 
+/// What `--help` says at its end.
+const EXAMPLES: &str = "Examples:
+  fabc sim measure cotton
+  fabc sim measure tasks/dishcloth.fab:dishcloth --smallest-fold
+  fabc sim measure denim --set bending_length_m.warp=0.02
+
+docs/materials.md says how a cloth is measured on a desk, and what each line means.";
+
 /// Arguments of `sim measure`.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub struct MeasureArguments {
-    /// The material: the name of a shipped one, `FILE.fab:NAME` for one of a file, or a `.json` file with one object.
+    /// The material: a shipped one (`cotton`, `towel`, `denim`, `silk`), `FILE.fab:NAME` for one of a file, or a `.json` file with one object.
     #[arg(value_name = "MATERIAL", value_hint = ValueHint::FilePath)]
     pub material: String,
     /// Replace a value of the material, such as `bending_length_m.warp=0.02`.
@@ -25,6 +36,9 @@ pub struct MeasureArguments {
     /// Distance between particles, millimetres.
     #[arg(long, value_name = "MM", default_value_t = 1000.0 * SPACING_M)]
     pub spacing: f64,
+    /// Search the smallest fold of a corner that stays, too, which takes ten times as long or more.
+    #[arg(long)]
+    pub smallest_fold: bool,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -45,24 +59,25 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
         .check(spacing_m)
         .map_err(|error| Failure::environment(format!("`{}`: {error}", arguments.material)))?;
     io.progress("measuring");
-    let readings = textile_table(&material, spacing_m);
+    let readings = textile_table(&material, spacing_m).map_err(Failure::environment)?;
+    let params = Params {
+        material: Some(material.clone()),
+        ..Params::default()
+    };
+    let corner = corner(arguments, &params, io)?;
     io.progress("");
-    let readings = readings.map_err(Failure::environment)?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     if arguments.json {
-        let params = Params {
-            material: Some(material.clone()),
-            ..Params::default()
-        };
         io.json(&json!({
             "params": params.hash(),
             "material": material,
             "spacing_mm": arguments.spacing,
             "readings": readings,
+            "corner": corner,
             "warnings": warnings,
         }));
     } else {
-        io.data(&(table(&readings) + "\n"));
+        io.data(&(table(&readings, &corner) + "\n"));
     }
     let missing = readings
         .iter()
@@ -130,11 +145,43 @@ fn replace(values: &mut Value, change: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-fn table(readings: &[Reading]) -> String {
-    let mut lines = vec![format!(
-        "{:<24} {:>9} {:>9} {:>9}  {:<4} method",
-        "", "declared", "expected", "measured", ""
-    )];
+/// What becomes of a corner of a square of 340 mm that is carried along the diagonal.
+#[derive(serde::Serialize)]
+struct Corner {
+    carried_mm: u32,
+    /// How far from its place it comes to rest; null if nothing was held.
+    stays_mm: Option<f64>,
+    /// Null if it was not asked for.
+    smallest_fold: Option<SmallestFold>,
+}
+
+fn corner(arguments: &MeasureArguments, params: &Params, io: &Io) -> Result<Corner, Failure> {
+    let failed = |error: WorldError| match error {
+        WorldError::Interrupted => Failure::interrupted(),
+        error => Failure::environment(error),
+    };
+    let interrupt = io.interrupt()?;
+    let mut fold = CornerFold::new(params.clone(), 0.001 * arguments.spacing).map_err(failed)?;
+    let stays_mm = fold.stays_mm(&interrupt).map_err(failed)?;
+    let smallest_fold = match arguments.smallest_fold {
+        true => {
+            io.progress("searching the smallest fold");
+            Some(fold.smallest(&interrupt).map_err(failed)?)
+        }
+        false => None,
+    };
+    Ok(Corner {
+        carried_mm: CARRIED_MM,
+        stays_mm,
+        smallest_fold,
+    })
+}
+
+fn table(readings: &[Reading], corner: &Corner) -> String {
+    let titles = [
+        "", "declared", "expected", "measured", "", "within", "method",
+    ];
+    let mut lines = vec![line(titles)];
     lines.extend(readings.iter().map(|reading| {
         let digits = match (reading.unit, reading.declared) {
             ("", _) => 3,
@@ -147,10 +194,49 @@ fn table(readings: &[Reading]) -> String {
         };
         let [declared, expected] = [reading.declared, reading.expected].map(value);
         let measured = value(Some(reading.measured).filter(|it| it.is_finite()));
-        format!(
-            "{:<24} {declared:>9} {expected:>9} {measured:>9}  {:<4} {}",
-            reading.what, reading.unit, reading.method
-        )
+        let mark = if reading.is_within() == Some(false) {
+            "off: "
+        } else {
+            ""
+        };
+        let within = match reading.within {
+            Some([least, most]) => {
+                // The bounds of small shares differ in one digit more.
+                let digits = if digits == 3 { 4 } else { 1 };
+                format!("{mark}{least:.digits$} to {most:.digits$}")
+            }
+            None => "-".to_owned(),
+        };
+        let Reading {
+            what, unit, method, ..
+        } = reading;
+        line([what, &declared, &expected, &measured, unit, &within, method])
     }));
+    let (smallest, how) = match corner.smallest_fold {
+        Some(SmallestFold::From { mm }) => (format!("{mm}"), "carried so far, it stays".to_owned()),
+        Some(SmallestFold::NoneUpTo { mm }) => {
+            ("-".to_owned(), format!("none up to {mm} mm stays"))
+        }
+        None => ("-".to_owned(), "`--smallest-fold` searches it".to_owned()),
+    };
+    let carried = format!("corner carried {} mm", corner.carried_mm);
+    let stays = corner
+        .stays_mm
+        .map_or("-".to_owned(), |mm| format!("{mm:.1}"));
+    let stays_how = "how far away it stays";
+    lines.push(line([&carried, "-", "-", &stays, "mm", "-", stays_how]));
+    lines.push(line([
+        "smallest corner fold",
+        "-",
+        "-",
+        &smallest,
+        "mm",
+        "-",
+        &how,
+    ]));
     lines.join("\n")
+}
+
+fn line([what, declared, expected, measured, unit, within, method]: [&str; 7]) -> String {
+    format!("{what:<24} {declared:>9} {expected:>9} {measured:>9}  {unit:<4} {within:<21} {method}")
 }

@@ -2,10 +2,12 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::verbs::runtime::setting::materials;
 use crate::verbs::runtime::sim::SPACING_M;
 use crate::verbs::runtime::sim::parallel::in_parallel;
 use clap::Args;
 use fab_sim::{Grid, Params, SimError, diagonal_fold};
+use fab_world::simulated;
 use serde_json::json;
 use std::time::Instant;
 
@@ -15,6 +17,9 @@ pub struct TimeArguments {
     /// Particles along each side of the cloth.
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(25..=200))]
     pub size: u32,
+    /// A cloth of a shipped material, or of `FILE.fab:NAME`; the recorded scene's cloth otherwise.
+    #[arg(long, value_name = "NAME")]
+    pub material: Option<String>,
     /// Cloths folded side by side.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=super::MAX_THREADS))]
     pub threads: u16,
@@ -25,16 +30,22 @@ pub struct TimeArguments {
 
 /// How often the fold is timed; the median is reported.
 const REPEATS: usize = 3;
+
 /// Times the fold and reports.
 pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
     let dim = arguments.size as usize;
     let grid = Grid::new(dim, dim, SPACING_M as f32)
         .map_err(|error| Failure::usage(format!("`--size {dim}`: {error}")))?;
-    let params = Params::default();
+    let material = arguments.material.as_deref();
+    let material = material.map(|name| materials::find(name, io)).transpose()?;
+    let params = Params {
+        material: material.as_ref().map(simulated::material),
+        ..Params::default()
+    };
     let interrupt = io.interrupt()?;
     let threads = usize::from(arguments.threads);
     let (mut cpu_ms, mut wall_ms) = (Vec::new(), Vec::new());
-    let (mut steps, mut n_springs, mut digest) = (0, 0, None);
+    let (mut steps, mut counts, mut digest) = (0, [0; 2], None);
     for repeat in 1..=REPEATS {
         io.progress(&format!("fold {repeat} of {REPEATS}"));
         let (began, cpu_before) = (Instant::now(), usage::cpu_s());
@@ -42,7 +53,10 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
             threads,
             threads,
             |_| match diagonal_fold(grid, &params, &|| interrupt.is_raised()) {
-                Ok(cloth) => Ok(Some((cloth.steps(), cloth.digest(), cloth.spring_count()))),
+                Ok(cloth) => {
+                    let counts = [cloth.substeps() as usize, cloth.spring_count()];
+                    Ok(Some((cloth.steps(), cloth.digest(), counts)))
+                }
                 Err(SimError::Interrupted { .. }) => Ok(None),
                 Err(error) => Err(Failure::environment(error)),
             },
@@ -55,7 +69,7 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
             let Some((taken, end, counted)) = result else {
                 return Err(Failure::interrupted());
             };
-            (steps, n_springs) = (taken, counted);
+            (steps, counts) = (taken, counted);
             if *digest.get_or_insert_with(|| end.clone()) != end {
                 return Err(Failure::environment(
                     "two equal folds ended with different bits; this machine cannot be trusted",
@@ -66,14 +80,16 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
         wall_ms.push(1000.0 * wall_s / all_steps);
         cpu_ms.extend(cpu_s.map(|cpu_s| 1000.0 * cpu_s / all_steps));
     }
+    let [n_substeps, n_springs] = counts;
     let result = json!({
         "params": params.hash(),
+        "material": arguments.material,
         "size": dim,
         "threads": threads,
         "repeats": REPEATS,
         "particles": grid.particle_count(),
         "steps": steps,
-        "substeps": params.substeps,
+        "substeps": n_substeps,
         "constraints": n_springs,
         "self_contact": params.self_contact_m > 0.0,
         "cpu_ms_per_step": median(cpu_ms),
@@ -89,13 +105,12 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
             None => "unknown here".to_owned(),
         };
         io.data(&format!(
-            "{dim} x {dim} particles, {steps} steps of {} substeps, {n_springs} springs, self-contact {}\n\
+            "{dim} x {dim} particles, {steps} steps of {n_substeps} substeps, {n_springs} springs, self-contact {}\n\
              CPU ms per step   {}   (median of {REPEATS})\n\
              wall ms per step  {}   ({threads} side by side)\n\
              peak memory MB    {}\n\
              digest {}\n\
              simulator parameters {}",
-            params.substeps,
             if params.self_contact_m > 0.0 {
                 "on"
             } else {
