@@ -105,17 +105,14 @@ pub fn text(path: &str) -> &'static str {
     std::str::from_utf8(bytes).expect("a shipped source is UTF-8")
 }
 
-/// Returns the embedded files in a folder of the tasks, with their paths relative to the tasks.
-pub fn files_of(folder: &str) -> impl Iterator<Item = (&'static str, &'static [u8])> {
-    let files = FILES.iter().filter(move |(path, _)| {
-        let inside = path.strip_prefix(folder);
-        inside.is_some_and(|inside| inside.starts_with('/'))
-    });
+/// Returns the embedded libraries, with their paths relative to the tasks.
+pub fn libraries() -> impl Iterator<Item = (&'static str, &'static [u8])> {
+    let files = FILES.iter().filter(|(path, _)| path.starts_with("lib/"));
     files.map(|(path, bytes)| (*path, *bytes))
 }
 
 /// Returns how to get a file that is missing and shipped, as the end of a sentence.
-pub fn way_to(missing: &Path) -> Option<String> {
+pub fn library_hint(missing: &Path) -> Option<String> {
     let is_library = |it: &&str| it.starts_with("lib/") && missing.ends_with(it);
     if missing.exists() {
         return None;
@@ -126,13 +123,19 @@ pub fn way_to(missing: &Path) -> Option<String> {
     ))
 }
 
-/// Returns the file of an embedded task.
-pub fn embedded_task(word: &str) -> Result<(&'static str, &'static [u8]), Failure> {
-    let name = format!("{word}.fab");
-    match FILES.iter().find(|(path, _)| *path == name) {
-        Some((path, bytes)) => Ok((path, bytes)),
-        None => Err(Failure::environment(not_shipped(word))),
+/// Returns the files of an embedded task: its source, its pictures, and its demonstrations.
+pub fn task_files(
+    word: &str,
+) -> Result<impl Iterator<Item = (&'static str, &'static [u8])>, Failure> {
+    if !names().any(|name| name == word) {
+        return Err(Failure::environment(not_shipped(word)));
     }
+    let own = [format!("{word}.fab"), format!("demos/{word}.jsonl")];
+    let pictures = format!("{word}.subgoals/");
+    let files = FILES
+        .iter()
+        .filter(move |(path, _)| own.iter().any(|own| own == path) || path.starts_with(&pictures));
+    Ok(files.map(|(path, bytes)| (*path, *bytes)))
 }
 
 /// Says that no shipped task has this name.

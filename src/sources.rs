@@ -63,9 +63,9 @@ impl Loader for Disk {
             inside_or_library(&self.folder, path).and_then(|path| read_bounded(&path))
         };
         let bytes = bytes.map_err(|why| {
-            let nearby = match nearby(path) {
+            let nearby = match similar_file(path) {
                 Some(meant) => format!("; did you mean `{meant}`?"),
-                None => shipped::way_to(path).unwrap_or_default(),
+                None => shipped::library_hint(path).unwrap_or_default(),
             };
             wrong(format!("cannot read `{name}`: {why}{nearby}"))
         })?;
@@ -78,18 +78,15 @@ impl Loader for Disk {
     }
 }
 
-/// Returns a file that was probably meant in place of one that does not exist: of a similar name beside it, or of a library
+/// Returns what was probably meant in place of a file that does not exist: the name of a similar one beside it, or a library
 /// in the folder above.
-fn nearby(path: &Path) -> Option<String> {
+fn similar_file(path: &Path) -> Option<String> {
     let folder = path.parent()?;
     let name = path.file_name()?.to_str()?;
     if path.exists() {
         return None;
     }
-    let here = match folder.as_os_str().is_empty() {
-        true => Path::new("."),
-        false => folder,
-    };
+    let here = Path::new(".").join(folder);
     let files = std::fs::read_dir(here).into_iter().flatten().flatten();
     let mut files: Vec<String> = { files }
         .filter_map(|file| file.file_name().into_string().ok())
@@ -97,13 +94,16 @@ fn nearby(path: &Path) -> Option<String> {
         .collect();
     files.sort();
     if let Some(meant) = diag::nearest(name, files.iter().map(String::as_str)) {
-        return Some(folder.join(meant).display().to_string());
+        return Some(meant.to_owned());
     }
-    let library = Path::new(folder.file_name()?).join(name);
-    let above = folder.parent()?.parent()?.join(&library);
-    above
-        .is_file()
-        .then(|| Path::new("..").join(library).display().to_string())
+    let library = Path::new("../lib").join(name);
+    let is_library = folder.file_name()? == "lib";
+    let is_above = is_library
+        && Path::new(".")
+            .join(folder.parent()?)
+            .join(&library)
+            .is_file();
+    is_above.then(|| library.display().to_string())
 }
 
 /// The largest file that a check looks into, bytes; as much as a start may have.

@@ -209,7 +209,7 @@ fn twin_too_stiff(_: &Program) -> Option<String> {
     None
 }
 
-/// Returns in what the simulated cloth of a material differs from it; nothing of a cloth that cannot be laid, which is a warning.
+/// Returns in what the simulated cloth of a material differs from it; `None` if it cannot be laid, which F0512 reports.
 #[cfg(feature = "runtime")]
 fn differs(material: &Material, spacing_m: f64) -> Option<Vec<String>> {
     let warnings = fab_world::material(material).check(spacing_m as f32).ok()?;

@@ -18,7 +18,7 @@ use fab_compiler::{LoadError, Loader};
 use fab_program::Program;
 use serde_json::json;
 use staging::Staging;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `new`.
@@ -43,7 +43,7 @@ pub enum NewVerb {
 /// Arguments of `new library`.
 #[derive(Args)]
 pub struct LibraryArguments {
-    /// Shipped tasks that are copied too, with their pictures.
+    /// Shipped tasks that are copied too, with their pictures and demonstrations.
     #[arg(value_name = "TASK")]
     pub tasks: Vec<String>,
     /// The folder that gets `lib` and the tasks; default: the current one.
@@ -112,10 +112,10 @@ pub fn run(arguments: &NewArguments, io: &Io) -> Result<Exit, Failure> {
 /// Copies what is not there yet; a file of another content stays as it is, and is named.
 fn library(arguments: &LibraryArguments, io: &Io) -> Result<Exit, Failure> {
     let folder = arguments.folder.clone().unwrap_or_default();
-    let mut wanted: Vec<(&str, &[u8])> = shipped::files_of("lib").collect();
-    for task in &arguments.tasks {
-        wanted.push(shipped::embedded_task(task)?);
-        wanted.extend(shipped::files_of(&format!("{task}.subgoals")));
+    let mut wanted: Vec<(&str, &[u8])> = shipped::libraries().collect();
+    let tasks: BTreeSet<&String> = arguments.tasks.iter().collect();
+    for task in tasks {
+        wanted.extend(shipped::task_files(task)?);
     }
     let unwritable = |error: std::io::Error| {
         let folder = shown(&folder);

@@ -208,10 +208,38 @@ fn libraries_are_copied_beside_own_tasks_and_changed_ones_stay() {
         "{}",
         unknown.stderr
     );
-    let missing = folder.path().join("elsewhere");
-    std::fs::create_dir(&missing).unwrap();
-    std::fs::write(missing.join("x.fab"), "use \"lib/materials.fab\"\n").unwrap();
-    let advised = finish(fabc(&missing).args(["check", "x.fab"]));
+    let all = [
+        "all_corners_inward",
+        "double_triangle",
+        "smoothing",
+        "hem",
+        "hem",
+    ];
+    let copied = told(&[&["new", "library"], &all[..]].concat());
+    assert_eq!(copied.code, 0, "{}", copied.stderr);
+    for task in all {
+        let checked = told(&["check", &format!("{task}.fab"), "--deny-warnings"]);
+        assert_eq!(checked.code, 0, "{}{}", checked.stdout, checked.stderr);
+        assert!(
+            !checked.stdout.contains("variants with errors"),
+            "{}",
+            checked.stdout
+        );
+    }
+    let elsewhere = folder.path().join("elsewhere");
+    std::fs::create_dir(&elsewhere).unwrap();
+    std::fs::write(elsewhere.join("x.fab"), "use \"lib/materials.fab\"\n").unwrap();
+    for (place, file) in [
+        (&elsewhere, "x.fab"),
+        (&folder.path().to_owned(), "elsewhere/x.fab"),
+    ] {
+        let above = finish(fabc(place).args(["check", file]));
+        let meant = "did you mean `../lib/materials.fab`?";
+        assert!(above.stdout.contains(meant), "{}", above.stdout);
+    }
+    let empty = tempfile::tempdir().unwrap();
+    std::fs::copy(elsewhere.join("x.fab"), empty.path().join("x.fab")).unwrap();
+    let advised = finish(fabc(empty.path()).args(["check", "x.fab"]));
     assert!(
         advised.stdout.contains("`fabc new library` copies it"),
         "{}",

@@ -240,18 +240,35 @@ task gripped extends folding {
 fn the_expert_lifts_as_it_is_demonstrated_and_answers_a_refusal_with_other_values() {
     let folder = tempfile::tempdir().unwrap();
     support::bring_library(folder.path());
-    std::fs::write(folder.path().join("gripped.fab"), GRIPPED).unwrap();
-    let mut command = support::fabc(folder.path());
-    command.args(["run", "gripped.fab", "--policy", "expert", "--out", "run"]);
-    let said = support::finish(&mut command);
+    let runs = |task: &str, out: &str| {
+        std::fs::write(folder.path().join("gripped.fab"), task).unwrap();
+        let mut command = support::fabc(folder.path());
+        command.args(["run", "gripped.fab", "--policy", "expert", "--out", out]);
+        let said = support::finish(&mut command).stderr;
+        let attempts = record(&folder.path().join(out)).steps[0].attempts.len();
+        (said, attempts)
+    };
+    let is_firm = "lift < 40mm or grip == \"firm\"";
+    let (said, attempts) = runs(&GRIPPED.replace(is_firm, "lift < 400mm"), "free");
+    let carried = ", grip firm, pinch 10 mm, lift 30 mm, cloth moved";
+    // As high as the picker lifts, 50 mm, but for the pinch, which has no such measure.
     assert!(
-        said.stderr
-            .contains(", grip firm, pinch 10 mm, lift 60 mm, cloth moved"),
-        "{}",
-        said.stderr
+        said.contains("refused by `wide`") && attempts == 2,
+        "{said}"
     );
-    let attempts = &record(&folder.path().join("run")).steps[0].attempts;
-    assert_eq!(attempts.len(), 2);
+    let (said, attempts) = runs(GRIPPED, "gripped");
+    assert!(said.contains("A high lift needs a firm grip."), "{said}");
+    assert!(said.contains(carried) && attempts == 2, "{said}");
+    // A lift that no word makes right, and more words than can be combined.
+    let words = ["a", "b", "c", "d", "e", "f", "g", "h"].map(|it| format!("\"{it}\""));
+    let many = (0..8).map(|field| format!("f{field}: one of {}\n", words.join(", ")));
+    let many = format!("{}lift:", many.collect::<String>());
+    let low = GRIPPED.replace(is_firm, "lift < 40mm");
+    let (said, attempts) = runs(&low.replace("lift:", &many), "low");
+    assert!(
+        said.contains(", lift 30 mm, cloth moved") && attempts == 2,
+        "{said}"
+    );
 }
 
 #[test]

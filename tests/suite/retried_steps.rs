@@ -36,7 +36,7 @@ fn play(program: &Program, wrong: u32) -> Played {
     let (mut told, mut again) = (Vec::new(), Vec::new());
     let report = trial.run(models, &run, &mut |event| match event {
         Event::Stepped { number, step, .. } => told.push([number, step]),
-        Event::Again {
+        Event::Retried {
             number,
             step,
             overlap,

@@ -93,7 +93,9 @@ pub mod words;
 pub use data::actions::{ActionField, Choices, Direction, LengthChoice, Proposal, Value};
 pub use data::annotate::{Layer, Mark, Spot};
 pub use data::camera::{Camera, ImageUp, PixelPoint};
-pub use data::cloth::{Cloth, ClothStart, RECORDED_HEIGHT_M};
+pub use data::cloth::{
+    Cloth, ClothStart, RECORDED_HEIGHT_M, RECORDED_SPACING_M, STATED_SPACING_MM,
+};
 pub use data::demos::Demos;
 pub use data::files::{FileRef, SourceStamp};
 pub use data::folds::{ClothPoint, Fold, Sequence};

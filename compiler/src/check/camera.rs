@@ -126,12 +126,13 @@ pub(crate) fn cloth_is_first(
 ) {
     const NAME: &str = "cloth";
     let masks = { keypoints.iter() }.filter(|it| it.extractor.shape() == KeypointShape::Mask);
-    let mut cloth: Option<&str> = None;
+    let (mut first, mut cloth): (Option<&str>, Option<&str>) = (None, None);
     let mut named = false;
     for mask in masks {
         // As a rollout does: the first mask, and a cleaned version of it.
         if cloth.is_none() || mask.extractor.refines() == cloth {
             cloth = Some(&mask.name);
+            first = first.or(cloth);
         }
         named |= mask.name == NAME && cloth != Some(NAME);
     }
@@ -139,12 +140,16 @@ pub(crate) fn cloth_is_first(
     let ends = cloth
         .filter(|_| named)
         .and_then(|cloth| Some((cloth, declared(cloth)?, declared(NAME)?)));
-    let Some((cloth, first, own)) = ends else {
+    let Some((cloth, at, own)) = ends else {
         return;
     };
-    let message = format!("`{cloth}`, the first mask, is the cloth, and `{NAME}` is not");
-    let diagnostic = Diagnostic::new(Code::OtherMaskIsCloth, first, message)
-        .also(own, "this mask is only one of the others")
+    let what = match first {
+        Some(first) if first != cloth => format!("made of the first mask, `{first}`"),
+        _ => "the first mask".to_owned(),
+    };
+    let message = format!("`{cloth}`, {what}, is the cloth, and `{NAME}` is not");
+    let diagnostic = Diagnostic::new(Code::OtherMaskIsCloth, at, message)
+        .also(own, "this is another mask")
         .help("declare the cloth's mask above all others: picks land on it, and coverage is measured on it; only `largest` and `closed` of it take its place");
     context.remark(diagnostic);
 }

@@ -4,12 +4,12 @@ use super::context::Context;
 use super::expressions::{Scope, call, material_name, wrong_form};
 use super::material;
 use crate::diag::{Code, Diagnostic, Reported};
-use crate::lang::calls::{CLOTHS, SPACING_M, particle_limits};
+use crate::lang::calls::{CLOTHS, particle_limits};
 use fab_grammar::Span;
 use fab_grammar::ast::{Expr, Statement};
-use fab_program::Cloth;
 use fab_program::exact::written;
 use fab_program::vocabulary::ArgValue;
+use fab_program::{Cloth, RECORDED_SPACING_M};
 
 /// Reads the cloth's size and how it lies at the start.
 pub(crate) fn check<'a>(
@@ -48,7 +48,9 @@ pub(crate) fn check<'a>(
         let message = format!("the cloth cannot be laid in the simulator: {why}");
         let at = statement.value().span();
         let diagnostic = Diagnostic::new(Code::ClothTooStiff, at, message);
-        context.remark(diagnostic.help("state a larger `spacing`; only a real arm needs none"));
+        context.remark(
+            diagnostic.help("state a larger `spacing`; a run on a real arm is not affected"),
+        );
     }
     if let Some(grid) = context.grid {
         return replaced(cloth, grid, statement, context);
@@ -59,7 +61,7 @@ pub(crate) fn check<'a>(
 
 /// Reports a spacing that the cloth cannot have: the recorded one has its own, and a side can have too many particles.
 fn check_spacing(cloth: &Cloth, at: Span, context: &mut Context<'_, '_>) -> Result<(), Reported> {
-    if cloth.material.is_none() && cloth.spacing_m != SPACING_M {
+    if cloth.material.is_none() && cloth.spacing_m != RECORDED_SPACING_M {
         let message = "the recorded cloth has a spacing of `6.25mm`";
         let help =
             "its springs were fitted at that spacing; leave `spacing` out, or state a `material`";
@@ -133,11 +135,13 @@ fn rounded(
         written(side_mm(dimy), 3)
     );
     let diagnostic = Diagnostic::new(Code::Rounded, statement.value().span(), message);
-    let spacing = match spacing_m == SPACING_M {
+    let spacing = match spacing_m == RECORDED_SPACING_M {
         true => String::new(),
         false => format!(", spacing: {}mm", written(mm(spacing_m), 3)),
     };
-    let help = format!("`grid({dimx}, {dimy}{spacing})` states this size exactly");
+    let help = format!(
+        "`grid({dimx}, {dimy}{spacing})` states this size exactly, with the other arguments as they are"
+    );
     context.remark(diagnostic.help(help));
 }
 

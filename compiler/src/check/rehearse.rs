@@ -269,7 +269,7 @@ fn choose<'a>(
     }
     if let (RehearsalMeasure::Coverage, Some(subgoals)) = (measure, merged.subgoals) {
         let message =
-            "`coverage` is most where the cloth is folded least, and the task has subgoals";
+            "`coverage` is largest where the cloth is folded least, and the task has subgoals";
         let diagnostic = Diagnostic::new(Code::FoldChosenByCoverage, name.span(), message)
             .also(subgoals.head_span(), "the subgoals")
             .help("write `choose most overlap`, which compares with the next subgoal")

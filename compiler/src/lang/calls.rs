@@ -3,12 +3,12 @@
 use fab_program::data::keypoints::IMAGE;
 use fab_program::units::base;
 use fab_program::vocabulary::{Arg, ArgValue, Args, Call, CallOf, Default, Kind, Range, Word};
-use fab_program::{Camera, Cloth, ClothPoint, ClothStart, ImageUp, MANNERS, Manner, Picker};
+use fab_program::{
+    Camera, Cloth, ClothPoint, ClothStart, ImageUp, MANNERS, Manner, Picker, RECORDED_SPACING_M,
+    STATED_SPACING_MM,
+};
 
 // ---- cloths --------------------------------------------------------------------------------------
-
-/// Distance between particles unless the task states another, metres: the grid of the paper's cloths (protocol, section 1).
-pub(crate) const SPACING_M: f64 = 0.00625;
 
 /// Particles on a side; their number grows with the square.
 pub(crate) const PARTICLES: Range = Range::plain("a count of particles", 2.0, 200.0);
@@ -16,14 +16,16 @@ pub(crate) const PARTICLES: Range = Range::plain("a count of particles", 2.0, 20
 /// The length of a side, for the fewest to the most particles.
 const SIDE: Kind = Kind::Quantity(Range::new("a side", (6.25, "mm"), (1243.75, "mm")));
 
-/// At 2 mm, bending lengths above about 17 mm are too stiff for a step, and most woven cloths have such; at 12 mm, no loop or
-/// fold of one below 24 mm is met.
 const SPACING: Arg = Arg::named(
     "spacing",
-    Kind::Quantity(Range::new("a spacing", (2.0, "mm"), (12.0, "mm"))),
+    Kind::Quantity(Range::new(
+        "a spacing",
+        (STATED_SPACING_MM[0], "mm"),
+        (STATED_SPACING_MM[1], "mm"),
+    )),
     "the distance between particles, of a cloth with a `material`",
 )
-.or(Default::Number(SPACING_M));
+.or(Default::Number(RECORDED_SPACING_M));
 
 const STARTS: &[Word] = &[
     Word::new("flat", "flat and straight"),

@@ -21,13 +21,13 @@ const IN_A_STAGE: &str = "it belongs in a `stage`; to change it, state the stage
 const IN_VERIFY: &str = "it belongs in `verify`; a `verify` of this task's own replaces the inherited one, so state the inherited checks in it too";
 const AS_IT_IS: &str = "a new part needs no word before it: write `component NAME \"…\"`, `check NAME { … } else \"…\"`, or `say NAME in STAGE after NAME`";
 
-const GOAL: &str =
-    "a task's goal is written `goal MEASURE < LIMIT`, such as `goal particle_distance < 40mm`";
-
 const LEFT_OUT: &str = "write `without component NAME`, `without check NAME` or `without variant NAME`; another section is stated again to change it";
 
 const BEHIND_ELSE: &str =
     "the message of a check is behind `else`: write `check NAME { … } else \"…\"`";
+
+/// Arguments that take a range.
+const RANGED: [&str; 3] = ["size:", "friction:", "hue:"];
 
 /// Words that people write, with the block in which they write them.
 const MISPLACED: &[Misplaced] = &[
@@ -81,19 +81,22 @@ const MISPLACED: &[Misplaced] = &[
 ];
 
 /// Returns the help for an unknown word at the beginning of a line.
-pub(super) fn help_for_word(word: &str, block: Option<&str>) -> Option<&'static str> {
+pub(super) fn help_for_word(word: &str, block: Option<&str>) -> Option<String> {
     let find = |block: &str| {
         let mut rows = MISPLACED.iter();
         rows.find(|row| (row.block, row.word) == (block, word))
     };
     let block = block?;
-    let is_measure = METRICS.iter().any(|row| row.metric.as_str() == word);
-    if is_measure && matches!(block, "task" | "variant") {
-        return Some(GOAL);
+    let measure = METRICS.iter().find(|row| row.metric.as_str() == word);
+    if let Some(row) = measure.filter(|_| matches!(block, "task" | "variant")) {
+        return Some(format!(
+            "a task's goal begins with `goal`: `{}`",
+            row.example
+        ));
     }
     // What a task may hold, a variant may hold too.
     let row = find(block).or_else(|| find("task").filter(|_| block == "variant"));
-    row.map(|row| row.help)
+    row.map(|row| row.help.to_owned())
 }
 
 /// Makes the diagnostic for an unknown word behind `without` or `override`, unless it is a misspelt one that fits.
@@ -168,13 +171,12 @@ pub(super) fn help(
     if line == "without" && expects("`component`") {
         return Some(left_out(found, expects("`variant`")));
     }
-    let ends_in_digit = before.ends_with(|it: char| it.is_ascii_alphanumeric());
+    // `size: 0.9-1.1`
+    let number = |it: char| it.is_ascii_digit() || it == '.';
+    let label = before.trim_end_matches(number).trim_end();
+    let is_range = label.len() < before.len() && RANGED.iter().any(|it| label.ends_with(it));
     let behind = text[span.start..].strip_prefix(['-', '–', '…']);
-    let to_number = behind.is_some_and(|rest| {
-        rest.trim_start()
-            .starts_with(|it: char| it.is_ascii_digit())
-    });
-    if ends_in_digit && to_number && (expects("`,`") || expects("`)`")) {
+    if is_range && behind.is_some_and(|rest| rest.trim_start().starts_with(number)) {
         return Some("a range is written with `to`: `0.9 to 1.1`".to_owned());
     }
     let said = line.strip_prefix("say")?.trim();

@@ -99,7 +99,9 @@ pub(super) fn recognise(
         let is_named =
             behind.starts_with(is_word) && !found.starts_with(is_word) && !found.starts_with('"');
         return Some(match is_named {
-            _ if found == "override" => usual().help("write `override` before `component`"),
+            _ if found == "override" && before.ends_with("component") => {
+                usual().help("write `override` before `component`")
+            }
             true => usual().help("remove it"),
             false => usual().help(*help),
         });
@@ -350,7 +352,7 @@ pub(super) fn recognise(
             let may_be_extra = rest[found.len()..].starts_with('(')
                 && last_word(before).is_some();
             match may_be_extra {
-                true => usual().help("remove one of both words, or write `,` between them"),
+                true => usual().help("remove one of the two words, or write `,` between them"),
                 false => usual().help("write `,` before it").likely(end, ","),
             }
         }
@@ -360,9 +362,9 @@ pub(super) fn recognise(
         {
             usual().help("an argument with a name belongs to a call: the call's name is missing before the `(`")
         }
-        // `cloth (33, 33)`
+        // `cloth (33, 33, material: cotton)`
         _ if expected == ["`)`"] && found == "," && last_open(before).is_some_and(|at| text[..at].ends_with(' ')) => {
-            usual().help("the name of what has several values is missing before the `(`")
+            usual().help("a name is missing before the `(`, such as `grid`")
         }
         _ if expects("`of`") && matches!(found, "from" | "to" | "off" | "at" | "in" | "on") => {
             usual().meant(span, "of")
@@ -392,8 +394,11 @@ pub(super) fn recognise(
                 )
         }
         // `const near far = 10px`
-        _ if expected == ["`=`"] && rest[found.len()..].trim_start().starts_with('=') => {
-            usual().help("remove one of both: a single name stands before `=`")
+        _ if expected == ["`=`"]
+            && found.starts_with(|it: char| it.is_alphabetic())
+            && rest[found.len()..].trim_start().starts_with('=') =>
+        {
+            usual().help("remove one of the two names")
         }
         _ if expected == ["`=`"] && found.starts_with(|first: char| is_word(first) || "\"-".contains(first)) => {
             let start = Span {
@@ -410,7 +415,7 @@ pub(super) fn recognise(
                 .likely(whole, format!("\"{path}\""))
         }
         _ if expected == ["`most`"] => usual()
-            .help("write `most`: the answer with the most of a measure is taken"),
+            .help("write `most`: the answer with the highest measure is taken"),
         "<" | "<=" | "=" | "==" | ":" if before.ends_with("trust overlap") => {
             fault(sign(found), format!("expected `>`, found `{found}`"))
                 .help("write `>`: twins are trusted above the stated overlap")

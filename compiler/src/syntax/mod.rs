@@ -47,8 +47,10 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             let message = format!("expected {}, found `{word}`", among(meant.iter().copied()));
             let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
             match meant.as_slice() {
-                // `pick on cloth`
-                _ if word == "on" && meant.len() > 1 => diagnostic.help("write `within` and a mask, as in `pick within cloth`"),
+                _ if word == "on" && is_behind_point(&text[..span.start]) => {
+                    Diagnostic::new(Code::Unexpected, span, "expected `within`, found `on`")
+                        .help("write `within` and a mask, as in `pick within cloth`")
+                }
                 [only] => diagnostic.meant(span, only),
                 _ => diagnostic,
             }
@@ -134,7 +136,7 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             .help("remove the comma, or add another part")
             .edit(span, ""),
         Problem::UnclosedString => Diagnostic::new(Code::UnclosedText, span, "the text does not end on this line").help(
-            match has_stray_quote(&text[span.start..]) {
+            match has_stray_quote(text, span.start) {
                 true => "one `\"` of this line is too many, or one is missing",
                 false => "close it with `\"`; a text of several lines is written between `\"\"\"` and `\"\"\"`",
             },
@@ -153,7 +155,7 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             // Where it is unclear which quotes enclose the text, any edit would change it.
             if keeps_content(text, span, right) { diagnostic.edit(span, right.clone()) } else { diagnostic }
         }
-        Problem::BadEscape if text[span.end..].starts_with('n') => {
+        Problem::BadEscape if text[span.end..].starts_with('n') && !is_behind_use(text, span) => {
             Diagnostic::new(Code::BadEscape, span, "this `\\` escapes nothing")
                 .help("write a text of several lines between `\"\"\"` and `\"\"\"`; folders are separated by `/`")
         }
@@ -171,6 +173,18 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
     }
 }
 
+/// Returns whether a line is a `use`, whose text is a path.
+fn is_behind_use(text: &str, span: Span) -> bool {
+    let line = text[..span.start].lines().next_back().unwrap_or_default();
+    line.trim_start().starts_with("use")
+}
+
+/// Returns whether a text ends with the name of a point of the action.
+fn is_behind_point(before: &str) -> bool {
+    let before = before.trim_end();
+    before.ends_with("pick") || before.ends_with("place")
+}
+
 /// Returns the sign with which a text begins, if a name follows it: `) folding`.
 fn sign_before_name(text: &str) -> Option<char> {
     let sign = text.chars().next().filter(char::is_ascii_punctuation)?;
@@ -179,12 +193,16 @@ fn sign_before_name(text: &str) -> Option<char> {
         .then_some(sign)
 }
 
-/// Returns whether a line has another quote, or begins with one that no text follows: `" = 10mm`, `"lib/a.fab" "`.
-fn has_stray_quote(text: &str) -> bool {
-    let line = text.lines().next().unwrap_or_default();
-    let begins_none = line
-        .strip_prefix('"')
-        .is_some_and(|text| !text.starts_with(|it: char| it.is_alphanumeric()));
+/// Returns whether a line has another quote behind the one at `start`, or this one begins no text: `" = 10mm`, `lib/a.fab"`.
+fn has_stray_quote(text: &str, start: usize) -> bool {
+    let line = text[start..].lines().next().unwrap_or_default();
+    let behind = line.strip_prefix('"').unwrap_or_default();
+    let ends_word = text[..start].ends_with(|it: char| it.is_alphanumeric());
+    let begins_none = match behind.trim().is_empty() {
+        // A text of several lines may begin here.
+        true => ends_word,
+        false => behind.starts_with([' ', '=', ')', ',', '}']),
+    };
     begins_none || line.matches('"').count() > 1
 }
 

@@ -150,7 +150,7 @@ pub enum Event<'a> {
         /// What was executed.
         action: &'a Action,
         /// The other values of the answer, as an answer states them: `lift 60 mm`.
-        beside: Vec<String>,
+        other_values: Vec<String>,
         /// The checks dropped to accept it.
         without: &'a [String],
         /// The result of the grasp.
@@ -174,7 +174,7 @@ pub enum Event<'a> {
         why: Outcome,
     },
     /// A step's result does not match its subgoal, so it is taken again.
-    Again {
+    Retried {
         /// The number of its next action, from 1.
         number: u32,
         /// The task's step, from 1.
@@ -342,7 +342,7 @@ pub fn run(
             break;
         }
         if let (Some(before), Some(asked)) = (tries.before, &job.program.verify.result) {
-            progress(Event::Again {
+            progress(Event::Retried {
                 number: tries.number + 1,
                 step,
                 overlap: before.overlap,

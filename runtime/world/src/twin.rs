@@ -30,12 +30,9 @@ use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 use fab_picture::{Mask, depth_mask};
-use fab_program::{self as program, ClothStart, PixelPoint, TwinRanges};
+use fab_program::{self as program, ClothStart, PixelPoint, RECORDED_SPACING_M, TwinRanges};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
-
-/// Distance between the recorded cloth's particles, metres.
-const SPACING_M: f64 = 0.00625;
 
 /// The fewest and the most particles along a side.
 const PARTICLES: [f64; 2] = [2.0, 200.0];
@@ -150,7 +147,7 @@ pub struct Twin {
 fn spacing_m(ranges: &TwinRanges, cloth: &program::Cloth) -> f64 {
     match ranges.material {
         Some(_) => cloth.spacing_m,
-        None => SPACING_M,
+        None => RECORDED_SPACING_M,
     }
 }
 
@@ -260,7 +257,7 @@ mod tests {
         Cloth {
             dimx: 25,
             dimy: 17,
-            spacing_m: SPACING_M,
+            spacing_m: RECORDED_SPACING_M,
             start: ClothStart::Flat,
             material: None,
         }

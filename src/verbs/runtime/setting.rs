@@ -19,7 +19,7 @@ use fab_agent::task_files;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_program::exact::written;
-use fab_program::{ClothStart, Program};
+use fab_program::{ClothStart, Program, STATED_SPACING_MM};
 use fab_world::crumple;
 use fab_world::film::Recorder;
 use fab_world::start::{Grid, Start, StartFrame, Up};
@@ -116,6 +116,11 @@ pub fn start(
     Ok(start)
 }
 
+fn may_be_stated(spacing_mm: f64) -> bool {
+    let [least, most] = STATED_SPACING_MM;
+    (least..=most).contains(&spacing_mm)
+}
+
 /// Refuses a start whose particles are not as far apart as those of the task's cloth, from which the task counts lengths.
 pub fn check_spacing(start: &str, spacing_m: f64, program: &Program) -> Result<(), Failure> {
     let declared_m = program.cloth.spacing_m;
@@ -124,8 +129,10 @@ pub fn check_spacing(start: &str, spacing_m: f64, program: &Program) -> Result<(
     }
     let [found, wanted] = [spacing_m, declared_m].map(|metres| written(metres * 1000.0, 3));
     let state = match program.cloth.material {
-        Some(_) => format!("; the task would state `spacing: {found}mm`"),
-        None => String::new(),
+        Some(_) if may_be_stated(spacing_m * 1000.0) => {
+            format!("; the task would state `spacing: {found}mm`")
+        }
+        _ => String::new(),
     };
     Err(Failure::environment(format!(
         "the particles of the start {start} are {found} mm apart, and those of the task's cloth {wanted} mm{state}"

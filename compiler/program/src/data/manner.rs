@@ -60,7 +60,7 @@ const fn field(name: &'static str, range: Range, doc: &'static str) -> Arg {
 }
 
 impl Manner {
-    /// What `put_down` does about, where nothing is stated.
+    /// Roughly what `put_down` does where nothing is stated.
     pub const USUAL: Manner = Manner {
         lift_m: Some(0.05),
         speed_m_s: Some(0.5),

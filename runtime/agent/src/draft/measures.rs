@@ -1,18 +1,15 @@
 //! Infers the camera and the cloth's size; pictures show only the ratio between them.
 
 use super::DraftError;
-use fab_program::{Camera, Cloth, ClothStart, ImageUp};
+use fab_program::{Camera, Cloth, ClothStart, ImageUp, RECORDED_SPACING_M};
 use fab_world::start::RESTING_HEIGHT_M;
 use std::f64::consts::{FRAC_PI_4, PI};
-
-/// Distance between particles, metres, as in every task.
-pub const SPACING_M: f64 = 0.00625;
 
 /// The most particles along a side.
 const MOST_PARTICLES: u32 = 200;
 
 /// The longest side of a cloth, metres.
-pub const LARGEST_M: f64 = (MOST_PARTICLES - 1) as f64 * SPACING_M;
+pub const LARGEST_M: f64 = (MOST_PARTICLES - 1) as f64 * RECORDED_SPACING_M;
 
 /// How much larger an outline in whole pixels is than the cloth, pixels: partly covered pixels count.
 const RIM_PX: f64 = 0.7;
@@ -83,7 +80,7 @@ pub fn of(
         return Err(DraftError::TooLarge { longer_m });
     }
     let [dimx, dimy] = sides_px.map(|side| {
-        let particles = (side / longer_px * longer_m / SPACING_M).round() + 1.0;
+        let particles = (side / longer_px * longer_m / RECORDED_SPACING_M).round() + 1.0;
         particles.clamp(2.0, f64::from(MOST_PARTICLES)) as u32
     });
     let camera = Camera {
@@ -95,7 +92,7 @@ pub fn of(
     let cloth = Cloth {
         dimx,
         dimy,
-        spacing_m: SPACING_M,
+        spacing_m: RECORDED_SPACING_M,
         start: ClothStart::Flat,
         material: None,
     };

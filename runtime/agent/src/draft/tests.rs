@@ -215,7 +215,7 @@ fn a_cloth_that_lies_turned_in_larger_pictures_is_read_as_one_that_lies_straight
     let cloth = Cloth {
         dimx: 49,
         dimy: 41,
-        spacing_m: measures::SPACING_M,
+        spacing_m: fab_program::RECORDED_SPACING_M,
         start: program::ClothStart::Flat,
         material: None,
     };
@@ -370,7 +370,7 @@ fn a_square_has_eight_sides_to_fold_from_and_a_rectangle_four() {
     let cloth = |dimy| Cloth {
         dimx: 55,
         dimy,
-        spacing_m: measures::SPACING_M,
+        spacing_m: fab_program::RECORDED_SPACING_M,
         start: program::ClothStart::Flat,
         material: None,
     };

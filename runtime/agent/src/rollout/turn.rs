@@ -227,7 +227,7 @@ impl<'j> Turn<'j> {
             if let Some(why) = &twins.line().shortfall {
                 progress(Event::Note(format!("step {step}: {why}")));
             }
-            if twins.aside().is_none() {
+            if twins.aside().is_none() && !twins.line().candidates.is_empty() {
                 progress(Event::Rehearsed {
                     number,
                     step,
@@ -325,7 +325,7 @@ impl<'j> Turn<'j> {
             step,
             horizon: job.horizon(),
             action: &action,
-            beside: beside.collect(),
+            other_values: beside.collect(),
             without: self.line.accepted.as_ref().map_or(&[], |it| &it.without),
             grasp,
             moved: self.line.cloth,

@@ -22,15 +22,17 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
         | Event::Rehearsed { number, .. }
         | Event::Stepped { number, .. }
         | Event::Skipped { number, .. }
-        | Event::Again { number, .. }
+        | Event::Retried { number, .. }
             if number <= earlier => {}
-        Event::Again {
+        Event::Retried {
             number,
             step,
             overlap,
             limit,
         } => io.talk(&format!(
-            "step {step} again, kept as `step_{number}`: its result overlaps the subgoal's cloth by {overlap:.3}, and the task asks for more than {limit}"
+            "step {step} again, kept as `step_{number}`: its result overlaps the subgoal's cloth by {:.3}, and the task asks for more than {limit}",
+            // Rounded up, it could seem to be enough.
+            (overlap * 1000.0).floor() / 1000.0
         )),
         Event::Stopped {
             step, horizon, why, ..
@@ -59,7 +61,7 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
             step,
             horizon,
             action,
-            beside: values,
+            other_values,
             without,
             grasp,
             moved,
@@ -67,7 +69,7 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
             spent,
             ..
         } => {
-            let values: String = values.iter().map(|it| format!(", {it}")).collect();
+            let values: String = other_values.iter().map(|it| format!(", {it}")).collect();
             let beside = if action.pick_px == action.pick_on_cloth_px {
                 String::new()
             } else {
