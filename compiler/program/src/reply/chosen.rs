@@ -190,7 +190,8 @@ impl<'a> Answer<'a> {
         }
         let from = words.iter().position(|it| it.is("from"))?;
         let has = |wanted: &[&str]| words[..from].iter().any(|it| it.is_any(wanted));
-        if !has(MOTIONS) && !(has(&["fold"]) && has(RUNNING)) {
+        let is_motion = has(MOTIONS) || has(&["fold"]) && has(RUNNING);
+        if !is_motion {
             return None;
         }
         let mut cursor = Cursor::at(words, from + 1);
