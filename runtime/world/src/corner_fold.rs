@@ -96,7 +96,7 @@ mod tests {
         let stays_mm = corner.stays_mm(&interrupt).expect("a simulated cloth");
         assert!(stays_mm.is_some_and(|mm| mm < 10.0), "{stays_mm:?}");
         let smallest = corner.smallest(&interrupt).expect("a simulated cloth");
-        // Carried 70 mm it goes back, and 80 mm it stays: measured by the simulator before this search existed.
+        // Carried 70 mm it goes back, and 80 mm it stays: measured without this search.
         assert!(
             matches!(smallest, SmallestFold::From { mm: 71..=82 }),
             "{smallest:?}"
