@@ -172,7 +172,7 @@ impl Bending {
         }
     }
 
-    /// Returns where the velocities lead to, padded, and the acceleration by bending there, by slot, m/s^2.
+    /// Returns the acceleration by bending, by slot, m/s^2.
     ///
     /// - `lead_secs`: bends are taken where the velocities lead to in this time, which damps them.
     pub fn accelerate(
@@ -180,7 +180,7 @@ impl Bending {
         positions: &Planes,
         velocities: &Planes,
         lead_secs: f32,
-    ) -> (&Planes, &mut Planes) {
+    ) -> &Planes {
         self.write_points(positions, velocities, lead_secs);
         let ways = [self.pad(), self.stride];
         let per_2 = 1.0 / (self.spacing_m * self.spacing_m);
@@ -203,7 +203,7 @@ impl Bending {
         gather([&warp.x, &weft.x, &twist.x], ways, x);
         gather([&warp.y, &weft.y, &twist.y], ways, y);
         gather([&warp.z, &weft.z, &twist.z], ways, z);
-        (&self.points, &mut self.acceleration)
+        &self.acceleration
     }
 
     fn write_points(&mut self, positions: &Planes, velocities: &Planes, lead_secs: f32) {

@@ -87,11 +87,11 @@ fn solve_rows(
     let s = lines.stride;
     for row in 0..lines.rows - 1 {
         let (from, to) = (row * s, row * s + s);
-        let (old_x, new_x) = two_rows(&mut lines.way.x, to, s);
-        let (old_y, new_y) = two_rows(&mut lines.way.y, to, s);
-        let (old_z, new_z) = two_rows(&mut lines.way.z, to, s);
-        let (old_pivot, new_pivot) = two_rows(&mut lines.pivot, to, s);
-        let (old_pull, new_pull) = two_rows(&mut lines.pull, to, s);
+        let (old_x, new_x) = two_rows(&mut lines.way.x, [from, to], s);
+        let (old_y, new_y) = two_rows(&mut lines.way.y, [from, to], s);
+        let (old_z, new_z) = two_rows(&mut lines.way.z, [from, to], s);
+        let (old_pivot, new_pivot) = two_rows(&mut lines.pivot, [from, to], s);
+        let (old_pull, new_pull) = two_rows(&mut lines.pull, [from, to], s);
         let ends = [&x[from..to + s], &y[from..to + s], &z[from..to + s]];
         let ratio = &mut lines.ratio[to..to + s];
         eliminate(
@@ -105,7 +105,7 @@ fn solve_rows(
     }
     for row in (1..lines.rows - 1).rev() {
         let next = row * s + s;
-        let (low, high) = two_rows(&mut lines.pull, next, s);
+        let (low, high) = two_rows(&mut lines.pull, [row * s, next], s);
         substitute(low, high, &lines.ratio[next..next + s]);
     }
     for row in 0..lines.rows - 1 {
@@ -133,10 +133,14 @@ fn solve_rows(
     }
 }
 
-/// Returns the row that ends at `from`, and the one that begins there.
-fn two_rows(plane: &mut [f32], from: usize, stride: usize) -> (&mut [f32], &mut [f32]) {
-    let (before, after) = plane.split_at_mut(from);
-    (&mut before[from - stride..], &mut after[..stride])
+/// Returns two rows of a plane, of which the first ends before the second begins.
+pub(crate) fn two_rows(
+    plane: &mut [f32],
+    [from, next]: [usize; 2],
+    stride: usize,
+) -> (&mut [f32], &mut [f32]) {
+    let (before, after) = plane.split_at_mut(next);
+    (&mut before[from..from + stride], &mut after[..stride])
 }
 
 /// Eliminates the edges before from one row of edges.
@@ -210,12 +214,12 @@ fn eliminate(
 }
 
 #[inline(always)]
-fn blocks_mut(row: &mut [f32]) -> &mut [[f32; LANES]] {
+pub(crate) fn blocks_mut(row: &mut [f32]) -> &mut [[f32; LANES]] {
     row.as_chunks_mut().0
 }
 
 #[inline(always)]
-fn blocks(row: &[f32]) -> &[[f32; LANES]] {
+pub(crate) fn blocks(row: &[f32]) -> &[[f32; LANES]] {
     row.as_chunks().0
 }
 
@@ -228,7 +232,7 @@ fn two_blocks(rows: &[f32], stride: usize) -> [&[[f32; LANES]]; 2] {
 
 /// Corrects the pulls of one row of edges by those of the next.
 #[inline(always)]
-fn substitute(pull: &mut [f32], next: &[f32], ratio: &[f32]) {
+pub(crate) fn substitute(pull: &mut [f32], next: &[f32], ratio: &[f32]) {
     for ((pull, next), ratio) in blocks_mut(pull)
         .iter_mut()
         .zip(blocks(next))

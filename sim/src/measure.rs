@@ -488,7 +488,9 @@ pub fn drape_coefficient(
         point[2] = HIGH_M + 1e-5 * ((i * 7919) % 101) as f32;
     }
     let held: Vec<usize> = (0..dim * dim)
-        .filter(|&i| mask.has(i) && aside((i % dim) as f32, (i / dim) as f32) <= 0.5 * PEDESTAL_M)
+        .filter(|&i| {
+            mask.has(i) && aside((i % dim) as f32, (i / dim) as f32) <= 0.5 * PEDESTAL_M + spacing_m
+        })
         .collect();
     let mut cloth = Simulator::from_positions(&mask, &positions, &params)?;
     cloth.hold(&held)?;
@@ -598,9 +600,11 @@ pub fn extension(
     at: impl Into<Fineness>,
 ) -> Result<f64, MeasureError> {
     const LONG: usize = 32;
+    // Wide, since cells at the sheet's sides, whose diagonals end there, give more.
+    const WIDE: usize = 128;
     let at = at.into();
     // A sheared sheet has one cell less along the edge than particles to carry.
-    let sheared = 0.25 * (LONG - 1) as f64 / LONG as f64;
+    let sheared = 0.25 * (WIDE - 1) as f64 / WIDE as f64;
     let (load_n_m, most_gravity_m_s2, most_gives) = match cut {
         Cut::Warp | Cut::Weft => (THREAD_LOAD_N_M, 98.0, 0.01),
         Cut::Bias => (BIAS_LOAD_N_M, 9.8, 0.05),
@@ -616,7 +620,7 @@ pub fn extension(
     let ([dimx, dimy], gravity_m_s2, load_n_m) = match cut {
         Cut::Warp => ([LONG, 6], [drawn_m_s2, 0.0, 0.0], load_n_m),
         Cut::Weft => ([6, LONG], [0.0, -drawn_m_s2, 0.0], load_n_m),
-        Cut::Bias => ([LONG, 10], [drawn_m_s2, 0.0, 0.0], load_n_m * sheared),
+        Cut::Bias => ([WIDE, 10], [drawn_m_s2, 0.0, 0.0], load_n_m * sheared),
     };
     let grid = Grid::new(dimx, dimy, at.spacing_m)?;
     let params = Params {
@@ -637,18 +641,22 @@ pub fn extension(
     cloth.hold(&of_row(0).collect::<Vec<_>>())?;
     settle(&mut cloth, 4.0)?;
     let points = cloth.positions();
+    let (axis, sign) = match cut {
+        Cut::Warp | Cut::Bias => (0, 1.0),
+        Cut::Weft => (1, -1.0),
+    };
     let moved = |wanted: usize| {
         let sum: f64 = of_row(wanted)
-            .map(|i| f64::from((points[i][0] - start[i][0]) + (start[i][1] - points[i][1])))
+            .map(|i| sign * f64::from(points[i][axis] - start[i][axis]))
             .sum();
         sum * rows as f64 / (dimx * dimy) as f64
     };
     let spacing_m = f64::from(at.spacing_m);
-    let gives = moved(rows - 1) / spacing_m;
-    // The weight of all rows beyond each pair.
-    let rows_beyond = (rows * (rows - 1) / 2) as f64;
-    let gravity = f64::from(gravity_m_s2[0] - gravity_m_s2[1]);
-    let weight_n_m = f64::from(material.weight_kg_m2) * gravity * spacing_m * rows_beyond;
+    // Next to what is held a cell gives more than others.
+    let gives = (moved(rows - 1) - moved(1)) / spacing_m;
+    // The weight of all rows beyond each pair but the first.
+    let rows_beyond = ((rows - 1) * (rows - 2) / 2) as f64;
+    let weight_n_m = f64::from(material.weight_kg_m2 * drawn_m_s2) * spacing_m * rows_beyond;
     Ok(gives / weight_n_m * load_n_m)
 }
 

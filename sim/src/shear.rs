@@ -1,148 +1,366 @@
-//! Resistance of cells to shear: springs along both diagonals.
+//! Resistance of cells to shear: springs along both diagonals, solved by whole lines.
 //!
-//! In: positions, padded. Out: accelerations, added to those of bending. A cell that bends along a diagonal makes both
-//! shorter, so both may be shorter by [`SLACK`], and only their difference counts there. All springs are taken at the same
-//! positions, so that no direction of the grid comes before another. (Sweeps that pulled one diagonal after the other
-//! carried what was left over along the grid: folds from the back slid open where those from the front held.)
+//! In: positions and inverse masses by rows. Out: positions moved. The diagonals of one direction that follow each other
+//! are a chain, which is solved as a whole, as threads are (`lines`): any stiffness is stable. Both directions are solved at
+//! the same positions, and a particle that both pull at gives half of its mass to each (Tonge and others 2012), so none comes
+//! before the other. (Sweeps that pulled one diagonal after the other carried what was left over along the grid: folds from
+//! the back slid open where those from the front held.)
+//!
+//! A cell that is sheared has one longer diagonal, and one that bends along a diagonal has none: what is longer than at rest
+//! tells both apart, so only that is resisted by the declared rigidity. Both diagonals of a cell that folds up get shorter,
+//! which a weaker spring resists from [`SLACK`] on.
 
-use crate::layout::Layout;
+use crate::layout::{LANES, Layout};
+use crate::lines::{blocks, blocks_mut, substitute, two_rows};
 use crate::material::MOST_SHEAR;
 use crate::planes::Planes;
+use crate::sides::Side;
 #[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
 
-// Share of the spacing by which both diagonals of a cell may be too short: those of one whose edges keep their length while
-// it bends by 0.6 radians. Without any, cloth is too stiff on the bias. Without an end of it, cells fold up, and layers
-// pass through each other four times as often.
+// Share of the spacing by which both diagonals of a cell may be too short.
 const SLACK: f32 = 0.02;
+// The longer diagonal pulls along itself, and the threads that hold against it turn with the shear, so it must pull more than the
+// angle says, up to this many times what it is too long by. One of a cell that is sheared by 0.4 has it; one of a cell that bends
+// is hardly longer.
+const SHEARED: f32 = 1.5;
+// Stiffness of a cell that folds up, times the square of the longest substep.
+const FOLDED: f32 = 3.3;
 const TINY_M2: f32 = 1e-20;
 
 /// The diagonals of one cloth.
 #[derive(Clone, Debug)]
 pub(crate) struct Shear {
     stride: usize,
+    rows: usize,
     rest_m: f32,
-    /// Acceleration per length error, 1/s^2.
-    stiffness: f32,
-    /// By slot: 1 where the diagonal from it to the next row's right neighbour is there, and the one from the slot
-    /// to its right to the next row's.
-    there: [Vec<f32>; 2],
-    /// By slot: how much both diagonals may be shorter, metres; nothing where one is alone.
-    slack_m: Vec<f32>,
-    /// What each diagonal pulls its first end by, padded.
-    pulls: [Planes; 2],
+    slack_m: f32,
+    /// Acceleration per length error of a diagonal that is too long, and of one of a cell that folds up, 1/s^2.
+    stiffness: [f32; 2],
+    /// From a cell's first corner to the one that is right of it in the next row, and from the one right of it to the next row's.
+    chains: [Chains; 2],
+    /// By slot: inverse mass by the number of directions that pull at the particle.
+    split: Vec<f32>,
+}
+
+/// The diagonals of one direction, by cell.
+///
+/// Rows of cells have room for [`LANES`] on both sides, and begin with one of none.
+#[derive(Clone, Debug)]
+struct Chains {
+    /// 1 where the diagonal is there.
+    there: Vec<f32>,
+    /// Directions; when all are solved, what each diagonal moves its first end by.
+    way: Planes,
+    /// What each diagonal is too long by, as far as that is resisted.
+    excess: Vec<f32>,
+    /// Coupling of a diagonal to the one before, divided by the pivot of that one.
+    ratio: Vec<f32>,
+    /// Inverse pivots.
+    pivot: Vec<f32>,
+    pull: Vec<f32>,
+}
+
+impl Chains {
+    fn new(there: Vec<f32>) -> Chains {
+        let n = there.len();
+        Chains {
+            there,
+            way: Planes::zeros(n),
+            excess: vec![0.0; n],
+            ratio: vec![0.0; n],
+            pivot: vec![1.0; n],
+            pull: vec![0.0; n],
+        }
+    }
 }
 
 impl Shear {
-    /// Lists the diagonals of a cloth.
+    /// Lists the diagonals of a cloth whose rows are whole lanes.
     ///
-    /// - `stiffness`: acceleration per length error of a diagonal, 1/s^2.
-    pub fn new(layout: &Layout, stiffness: f32) -> Shear {
-        let (n, stride) = (layout.len(), layout.stride());
+    /// - `stiffness`: acceleration per length error of both diagonals, 1/s^2.
+    /// - `slow_secs`: the longest substep.
+    pub fn new(layout: &Layout, stiffness: f32, slow_secs: f32) -> Shear {
+        let (n, stride, rows) = (layout.len(), layout.stride(), layout.rows());
         let present = |slot: usize| slot < n && layout.is_present(slot);
-        let there = |slot: usize, [from, to]: [usize; 2]| {
-            let is_cell = slot % stride + 1 < layout.grid().dimx;
-            is_cell && present(slot + from) && present(slot + to)
-        };
-        let (down, up) = ([0, stride + 1], [1, stride]);
-        let marks = |ends| {
-            let mark = |slot| if there(slot, ends) { 1.0 } else { 0.0 };
-            (0..n).map(mark).collect()
-        };
-        let slack_m = SLACK * layout.grid().spacing_m;
-        let slack = |slot| {
-            let is_whole = there(slot, down) && there(slot, up);
-            if is_whole { slack_m } else { 0.0 }
-        };
-        let padded = n + 2 * (stride + 1);
+        let chains = [[0, stride + 1], [1, stride]].map(|[from, to]| {
+            let mut there = vec![0.0; wide(stride) * (rows + 1)];
+            for slot in layout.slots().iter().map(|&slot| slot as usize) {
+                let is_cell = slot % stride + 1 < layout.grid().dimx;
+                if is_cell && present(slot + from) && present(slot + to) {
+                    there[cell(stride, slot / stride) + slot % stride] = 1.0;
+                }
+            }
+            Chains::new(there)
+        });
+        let per_2 = 1.0 / (slow_secs * slow_secs);
+        // The longer diagonal resists for both.
+        let taut = 2.0 * stiffness.min(MOST_SHEAR * per_2);
         Shear {
             stride,
+            rows,
             rest_m: std::f32::consts::SQRT_2 * layout.grid().spacing_m,
-            stiffness,
-            there: [marks(down), marks(up)],
-            slack_m: (0..n).map(slack).collect(),
-            pulls: std::array::from_fn(|_| Planes::zeros(padded)),
+            slack_m: SLACK * layout.grid().spacing_m,
+            stiffness: [taut, taut.min(FOLDED * per_2)],
+            chains,
+            split: vec![0.0; n],
         }
     }
 
     /// Returns the number of diagonals.
     pub fn count(&self) -> usize {
-        let there = self.there.iter().flatten();
+        let there = self.chains.iter().flat_map(|chains| &chains.there);
         there.filter(|&&there| there > 0.0).count()
     }
 
-    /// Adds the accelerations of all diagonals, m/s^2.
+    /// Moves particles towards the lengths of their diagonals.
     ///
-    /// - `points`: positions after `stride + 1` values of padding, as [`Bending`](crate::bending::Bending) keeps them.
-    /// - `dt`: the substep, which bounds the stiffness.
-    pub fn accelerate(&mut self, points: &Planes, dt: f32, to: &mut Planes) {
-        let pad = self.stride + 1;
-        let stiffness = self.stiffness.min(MOST_SHEAR / (dt * dt));
-        let corners = [0, pad, 1, self.stride].map(|ahead| {
-            let Planes { x, y, z } = points;
-            [x, y, z].map(|plane| &plane[pad + ahead..])
-        });
-        let n = self.slack_m.len();
-        let pulls = self
-            .pulls
-            .each_mut()
-            .map(|Planes { x, y, z }| [x, y, z].map(|plane| &mut plane[pad..pad + n]));
-        let [down, up] = &self.there;
-        let marks = [down, up, &self.slack_m].map(Vec::as_slice);
-        pull(corners, marks, pulls, [stiffness, self.rest_m]);
-        let [down, up] = &self.pulls;
-        gather([&down.x, &up.x], [pad, self.stride], &mut to.x);
-        gather([&down.y, &up.y], [pad, self.stride], &mut to.y);
-        gather([&down.z, &up.z], [pad, self.stride], &mut to.z);
+    /// - `dt`: the substep, seconds.
+    pub fn solve(&mut self, side: &mut Side, dt: f32) {
+        let compliances = self.stiffness.map(|stiffness| 1.0 / (stiffness * dt * dt));
+        let Planes { x, y, z } = &mut side.positions;
+        solve_chains(self, [x, y, z], &side.inverse_mass, compliances);
     }
 }
 
-/// Writes what the diagonals of each cell pull their first ends by.
+/// Returns the places from one row of cells to the next.
+fn wide(stride: usize) -> usize {
+    stride + 2 * LANES
+}
+
+/// Returns the place of the first cell of a row.
+fn cell(stride: usize, row: usize) -> usize {
+    (row + 1) * wide(stride) + LANES
+}
+
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
+fn solve_chains(
+    shear: &mut Shear,
+    [x, y, z]: [&mut [f32]; 3],
+    weights: &[f32],
+    compliances: [f32; 2],
+) {
+    let (s, rows) = (shear.stride, shear.rows);
+    let wide = wide(s);
+    let [down, up] = &mut shear.chains;
+    for row in 0..rows - 1 {
+        let corners = [0, s + 1, 1, s].map(|ahead| {
+            let from = row * s + ahead;
+            [&x[from..from + s], &y[from..from + s], &z[from..from + s]]
+        });
+        let cells = cell(s, row)..cell(s, row) + s;
+        let [down, up] = [&mut *down, &mut *up].map(|chains| {
+            let Planes { x, y, z } = &mut chains.way;
+            let to = [x, y, z, &mut chains.excess];
+            (
+                &chains.there[cells.clone()],
+                to.map(|plane| &mut plane[cells.clone()]),
+            )
+        });
+        measure(corners, down, up, [shear.rest_m, shear.slack_m]);
+    }
+    for row in 0..rows {
+        let (own, before) = (cell(s, row), cell(s, row) - wide);
+        let pulls = [
+            &down.excess[own..][..s],
+            &down.excess[before - 1..][..s],
+            &up.excess[own - 1..][..s],
+            &up.excess[before..][..s],
+        ];
+        let slots = row * s..row * s + s;
+        split(pulls, &weights[slots.clone()], &mut shear.split[slots]);
+    }
+    for (chains, [from, to], back) in [(&mut *down, [0, s + 1], wide + 1), (up, [1, s], wide - 1)] {
+        for row in 0..rows - 1 {
+            let own = cell(s, row);
+            let ends = [from, to].map(|ahead| &shear.split[row * s + ahead..][..s]);
+            let Planes { x, y, z } = &chains.way;
+            let ways = [x, y, z].map(|way| [&way[own - back..][..s], &way[own..][..s]]);
+            let excess = [
+                &chains.excess[own - back..][..s],
+                &chains.excess[own..][..s],
+            ];
+            let (old_pivot, new_pivot) = two_rows(&mut chains.pivot, [own - back, own], s);
+            let (old_pull, new_pull) = two_rows(&mut chains.pull, [own - back, own], s);
+            let old = [&*old_pivot, &*old_pull];
+            let new = [new_pivot, new_pull, &mut chains.ratio[own..own + s]];
+            eliminate(ends, ways, excess, old, new, compliances);
+        }
+        for row in (0..rows - 1).rev() {
+            let own = cell(s, row);
+            let (pull, next) = two_rows(&mut chains.pull, [own, own + back], s);
+            substitute(pull, next, &chains.ratio[own + back..][..s]);
+        }
+        let Planes { x, y, z } = &mut chains.way;
+        scale(x, &chains.pull);
+        scale(y, &chains.pull);
+        scale(z, &chains.pull);
+    }
+    let [down, up] = &shear.chains;
+    for (to, down, up) in [
+        (x, &down.way.x, &up.way.x),
+        (y, &down.way.y, &up.way.y),
+        (z, &down.way.z, &up.way.z),
+    ] {
+        for row in 0..rows {
+            let (own, before) = (cell(s, row), cell(s, row) - wide);
+            let slots = row * s..row * s + s;
+            let pulls = [
+                &down[own..][..s],
+                &down[before - 1..][..s],
+                &up[own - 1..][..s],
+                &up[before..][..s],
+            ];
+            gather(pulls, &weights[slots.clone()], &mut to[slots]);
+        }
+    }
+}
+
+/// Writes the directions of a row of cells' diagonals, and what is resisted of their lengths.
 ///
 /// - `corners`: both ends of one diagonal, and both of the other.
-#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
-fn pull(
+#[inline(always)]
+fn measure(
     corners: [[&[f32]; 3]; 4],
-    [down, up, slack_m]: [&[f32]; 3],
-    [[dx, dy, dz], [ux, uy, uz]]: [[&mut [f32]; 3]; 2],
-    [stiffness, rest_m]: [f32; 2],
+    (down, [dx, dy, dz, d]): (&[f32], [&mut [f32]; 4]),
+    (up, [ux, uy, uz, u]): (&[f32], [&mut [f32]; 4]),
+    [rest_m, slack_m]: [f32; 2],
 ) {
-    let n = down.len();
-    let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [ex, ey, ez]] =
-        corners.map(|corner| corner.map(|plane| &plane[..n]));
-    let (up, slack_m) = (&up[..n], &slack_m[..n]);
-    let (dx, dy, dz) = (&mut dx[..n], &mut dy[..n], &mut dz[..n]);
-    let (ux, uy, uz) = (&mut ux[..n], &mut uy[..n], &mut uz[..n]);
+    let n = d.len() / LANES;
+    let corners = corners.map(|corner| corner.map(|plane| &blocks(plane)[..n]));
+    let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [ex, ey, ez]] = corners;
+    let (down, up) = (&blocks(down)[..n], &blocks(up)[..n]);
+    let [dx, dy, dz, d] = [dx, dy, dz, d].map(|plane| &mut blocks_mut(plane)[..n]);
+    let [ux, uy, uz, u] = [ux, uy, uz, u].map(|plane| &mut blocks_mut(plane)[..n]);
     for i in 0..n {
-        let one = [bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]];
-        let other = [ex[i] - cx[i], ey[i] - cy[i], ez[i] - cz[i]];
-        let [length, other_length] =
-            [one, other].map(|[x, y, z]| (x * x + y * y + z * z + TINY_M2).sqrt());
-        let (differ, both) = (
-            0.5 * (length - other_length),
-            0.5 * (length + other_length) - rest_m,
-        );
-        let beyond = both + slack_m[i];
-        let short = if beyond < 0.0 { beyond } else { 0.0 };
-        let both = if both > 0.0 { both } else { short };
-        let pull = stiffness * down[i] * (both + differ) / length;
-        dx[i] = pull * one[0];
-        dy[i] = pull * one[1];
-        dz[i] = pull * one[2];
-        let pull = stiffness * up[i] * (both - differ) / other_length;
-        ux[i] = pull * other[0];
-        uy[i] = pull * other[1];
-        uz[i] = pull * other[2];
+        let mut new = [[0.0; LANES]; 8];
+        for k in 0..LANES {
+            let (x, y, z) = (
+                bx[i][k] - ax[i][k],
+                by[i][k] - ay[i][k],
+                bz[i][k] - az[i][k],
+            );
+            let (other_x, other_y, other_z) = (
+                ex[i][k] - cx[i][k],
+                ey[i][k] - cy[i][k],
+                ez[i][k] - cz[i][k],
+            );
+            let length = (x * x + y * y + z * z + TINY_M2).sqrt();
+            let other_length =
+                (other_x * other_x + other_y * other_y + other_z * other_z + TINY_M2).sqrt();
+            let (longer, other_longer) = (length - rest_m, other_length - rest_m);
+            let both = 0.5 * (longer + other_longer);
+            let beyond = both + slack_m;
+            let short = if beyond < 0.0 { beyond } else { 0.0 };
+            // From where only the other is short, to where both are, to where only this one is.
+            let share = longer / if both < -TINY_M2 { both } else { -TINY_M2 };
+            let share = if share < 2.0 { share } else { 2.0 };
+            let share = if share > 0.0 { share } else { 0.0 };
+            let differ = 0.5 * (longer - other_longer);
+            let (per, other_per) = (1.0 / length, 1.0 / other_length);
+            let taut = differ * rest_m * other_per;
+            let most = SHEARED * longer;
+            let taut = if taut < most { taut } else { most };
+            let taut = if taut > 0.0 { taut } else { 0.0 };
+            let other_taut = -differ * rest_m * per;
+            let most = SHEARED * other_longer;
+            let other_taut = if other_taut < most { other_taut } else { most };
+            let other_taut = if other_taut > 0.0 { other_taut } else { 0.0 };
+            new[0][k] = per * x;
+            new[1][k] = per * y;
+            new[2][k] = per * z;
+            new[3][k] = down[i][k] * (taut + short * share);
+            new[4][k] = other_per * other_x;
+            new[5][k] = other_per * other_y;
+            new[6][k] = other_per * other_z;
+            new[7][k] = up[i][k] * (other_taut + short * (2.0 - share));
+        }
+        [dx[i], dy[i], dz[i], d[i], ux[i], uy[i], uz[i], u[i]] = new;
     }
 }
 
-/// Adds up one coordinate of what the diagonals at each particle pull.
-#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
-fn gather([down, up]: [&[f32]; 2], [pad, stride]: [usize; 2], to: &mut [f32]) {
-    let n = to.len();
-    let (d, ending) = (&down[pad..][..n], &down[pad - stride - 1..][..n]);
-    let (u, up_ending) = (&up[pad - 1..][..n], &up[pad - stride..][..n]);
+/// Writes the inverse masses of a row of particles for each of the directions that pull at them.
+///
+/// - `pulls`: what is resisted of the diagonals that begin and end at each particle, of both directions.
+#[inline(always)]
+fn split(pulls: [&[f32]; 4], weights: &[f32], to: &mut [f32]) {
+    let n = to.len() / LANES;
+    let [d, ended, u, up_ended] = pulls.map(|plane| &blocks(plane)[..n]);
+    let (weights, to) = (&blocks(weights)[..n], &mut blocks_mut(to)[..n]);
     for i in 0..n {
-        to[i] += (d[i] - ending[i]) + (u[i] - up_ending[i]);
+        let mut new = [0.0; LANES];
+        for k in 0..LANES {
+            // None of them is nothing unless both directions pull.
+            let (one, other) = (
+                d[i][k].abs() + ended[i][k].abs(),
+                u[i][k].abs() + up_ended[i][k].abs(),
+            );
+            let least = if one < other { one } else { other };
+            let directions = if least > 0.0 { 2.0 } else { 1.0 };
+            new[k] = directions * weights[i][k];
+        }
+        to[i] = new;
+    }
+}
+
+/// Eliminates the diagonals before from one row of cells.
+///
+/// - `ends`: inverse masses of both ends; `ways`, `excess`: of the diagonal before, and of this one.
+#[inline(always)]
+fn eliminate(
+    ends: [&[f32]; 2],
+    ways: [[&[f32]; 2]; 3],
+    excess: [&[f32]; 2],
+    old: [&[f32]; 2],
+    new: [&mut [f32]; 3],
+    [taut, folded]: [f32; 2],
+) {
+    let n = ends[0].len() / LANES;
+    let [wa, wb] = ends.map(|plane| &blocks(plane)[..n]);
+    let [[x0, x], [y0, y], [z0, z]] = ways.map(|way| way.map(|plane| &blocks(plane)[..n]));
+    let [before, excess] = excess.map(|plane| &blocks(plane)[..n]);
+    let [old_pivot, old_pull] = old.map(|plane| &blocks(plane)[..n]);
+    let [pivot, pull, ratio] = new.map(|plane| &mut blocks_mut(plane)[..n]);
+    for i in 0..n {
+        let mut new = [[0.0; LANES]; 3];
+        for k in 0..LANES {
+            let turn = x[i][k] * x0[i][k] + y[i][k] * y0[i][k] + z[i][k] * z0[i][k];
+            let weight = if before[i][k] == 0.0 { 0.0 } else { wa[i][k] };
+            let weight = if excess[i][k] == 0.0 { 0.0 } else { weight };
+            let coupling = -weight * turn;
+            let share = coupling * old_pivot[i][k];
+            let compliance = if excess[i][k] < 0.0 { folded } else { taut };
+            let inverse = 1.0 / (wa[i][k] + wb[i][k] + compliance - coupling * share);
+            new[0][k] = inverse;
+            new[1][k] = (excess[i][k] - coupling * old_pull[i][k]) * inverse;
+            new[2][k] = share;
+        }
+        [pivot[i], pull[i], ratio[i]] = new;
+    }
+}
+
+/// Makes of directions what each diagonal moves its first end by.
+#[inline(always)]
+fn scale(way: &mut [f32], pull: &[f32]) {
+    for (way, pull) in way.iter_mut().zip(pull) {
+        *way *= pull;
+    }
+}
+
+/// Moves a row of particles along one coordinate.
+///
+/// - `pulls`: of the diagonals that begin and end at each particle, of both directions.
+#[inline(always)]
+fn gather(pulls: [&[f32]; 4], weights: &[f32], to: &mut [f32]) {
+    let n = to.len() / LANES;
+    let [d, ended, u, up_ended] = pulls.map(|plane| &blocks(plane)[..n]);
+    let (weights, to) = (&blocks(weights)[..n], &mut blocks_mut(to)[..n]);
+    for i in 0..n {
+        let mut new = to[i];
+        for k in 0..LANES {
+            let pulled = (d[i][k] - ended[i][k]) + (u[i][k] - up_ended[i][k]);
+            new[k] += weights[i][k] * pulled;
+        }
+        to[i] = new;
     }
 }

@@ -1,8 +1,8 @@
 //! Moves a cloth of a measured material through one step: the order of all passes.
 //!
 //! In and out: what the solver keeps, positions, velocities, who is held. A step is many small substeps (Macklin and
-//! others 2019). In each, gravity, bending (`bending`) and shear (`shear`) accelerate, threads keep their length (`lines`),
-//! and contacts push apart (`faces`, the table, the sphere).
+//! others 2019). In each, gravity and bending (`bending`) accelerate, diagonals resist shear (`shear`), threads keep their
+//! length (`lines`), and contacts push apart (`faces`, the table, the sphere).
 //!
 //! A cloth that nothing holds or touches, and of which no particle has moved by more than [`CALM_M`] for
 //! [`CALM_SECS`], is at rest: what still drives it is weaker than a thousandth of gravity. Nothing else stops a
@@ -86,7 +86,7 @@ impl Textile {
             bending,
             columns: Lines::new(layout),
             rows: Lines::new(&layout.transposed()),
-            shear: Shear::new(layout, stiffness.shear),
+            shear: Shear::new(layout, stiffness.shear, params.step_secs / substeps as f32),
             haste: 1,
             faces: Faces::new(layout, material.gap_m(), material.self_friction),
             calm_at: Planes::zeros(layout.len()),
@@ -210,10 +210,9 @@ impl Textile {
             let share = (crease_every as f32 * dt / CREASE_SECS).min(1.0);
             self.bending.crease(&sides.rows.positions, share);
         }
-        let (points, acceleration) =
-            self.bending
-                .accelerate(&sides.rows.positions, velocities, LEAD * dt);
-        self.shear.accelerate(points, dt, acceleration);
+        let acceleration = self
+            .bending
+            .accelerate(&sides.rows.positions, velocities, LEAD * dt);
         let keep = 1.0 - params.damping_per_s * dt;
         let weight = &sides.rows.inverse_mass;
         let positions = &mut sides.rows.positions;
@@ -239,6 +238,7 @@ impl Textile {
         let [warp, weft] = self.stiffness.stretch.map(|compliance| compliance * per_2);
         self.faces.begin_substep();
         // Layers that land on each other at speed need more than one pass, or one is pushed through the next.
+        self.shear.solve(&mut sides.rows, dt);
         for pass in 0..MAX_PASSES {
             // Always in this order: where a crumpled cloth cannot have all lengths, taking turns would toss its
             // particles between two places for ever.

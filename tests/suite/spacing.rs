@@ -42,8 +42,7 @@ fn silk_folds_at_4_mm_and_its_bends_are_met_there() {
         assert!(coarse.contains(bend), "{coarse}");
         assert!(!fine.contains(bend), "{fine}");
     }
-    // At this spacing, lighter particles hold even less shear.
-    assert!(fine.contains("on the bias the cloth gives by"), "{fine}");
+    assert!(!fine.contains("on the bias the cloth gives"), "{fine}");
     let run = [
         "run", "silk.fab", "--policy", "expert", "--out", "run", "--json",
     ];

@@ -45,7 +45,8 @@ pub fn find(
         let place = motion.pick + way * (f64::from(mm) / length_mm);
         world.reset(cloth)?;
         let executed = world.act(&Motion { place, ..*motion }, interrupt)?;
-        let after = world.particles().unwrap_or_default();
+        let mut after = world.particles().unwrap_or_default();
+        undo_drag(&cloth.positions, &mut after);
         let moved = cloth_moved(&cloth.positions, &after, &executed);
         Ok(moved.and_then(|moved| moved.went_back()) == Some(false))
     };
@@ -93,11 +94,39 @@ pub fn find(
     }
 }
 
+/// Moves a cloth back by how far it was dragged along the table as a whole, which is no fold: by the median of its particles.
+fn undo_drag(before: &[[f32; 3]], after: &mut [[f32; 3]]) {
+    for axis in [0, 1] {
+        let pairs = before.iter().zip(after.iter());
+        let mut moved: Vec<f32> = pairs
+            .map(|(before, after)| after[axis] - before[axis])
+            .collect();
+        moved.sort_by(f32::total_cmp);
+        let Some(&median) = moved.get(moved.len() / 2) else {
+            return;
+        };
+        for point in &mut *after {
+            point[axis] -= median;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::SimulatedWorld;
     use fab_program::{Camera, Cloth, ClothStart, ImageUp, Picker};
+
+    #[test]
+    fn a_cloth_that_was_dragged_was_not_folded() {
+        let before = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.02, 0.0, 0.0]];
+        let mut after = before.map(|[x, y, z]| [x + 0.018, y - 0.003, z]);
+        after[2][0] -= 0.02;
+        undo_drag(&before, &mut after);
+        let moved = |i: usize| (after[i][0] - before[i][0]).hypot(after[i][1] - before[i][1]);
+        assert!(moved(0) < 1e-6 && moved(1) < 1e-6);
+        assert!((moved(2) - 0.02).abs() < 1e-6);
+    }
 
     #[test]
     fn a_way_without_direction_has_no_smallest_fold() {

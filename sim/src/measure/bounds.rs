@@ -39,7 +39,7 @@ pub const BOUNDS: [Bound; 14] = [
         16.0,
     ),
     plain("crease recovery", "layers farther apart", |_, _| true, 21.0),
-    share("stretch, bias", "", |_, _| true, 0.1),
+    share("stretch, bias", "", |_, _| true, 0.12),
     share("stretch", "", |_, _| true, 0.01),
     plain("friction on the table", "", |_, _| true, 0.015),
     share(
@@ -124,17 +124,15 @@ pub fn promised(warning: &MaterialWarning, reading: &str) -> Option<Promise> {
             true => Some(Promise::Shares([least_m / bias_m, 1.1])),
             false => nothing(&FOLDS),
         },
-        MaterialWarning::Threads { less } => {
-            if names(&["stretch, bias"]) {
-                return Some(Promise::Shares([0.9, 1.15]));
-            }
-            let least = 0.98 * (1.0 - less);
-            names(&["stretch"]).then_some(Promise::Shares([least, 1.01]))
+        MaterialWarning::Shear { .. } => {
+            names(&["stretch, bias"]).then_some(Promise::Shares([0.9, 1.2]))
+        }
+        MaterialWarning::SlackThreads { more } => {
+            names(&["stretch, bias"]).then_some(Promise::Shares([0.9, 1.1 + more]))
         }
         // The table expects what these say.
         MaterialWarning::Gap { .. }
         | MaterialWarning::Crease { .. }
-        | MaterialWarning::Shear { .. }
         | MaterialWarning::SoftBias { .. } => None,
     }
 }

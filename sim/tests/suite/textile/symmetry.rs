@@ -18,16 +18,16 @@ fn folded(material: &Material, symmetry: Symmetry, [from, to]: [[f32; 2]; 2]) ->
 
 /// A cloth whose warp is as its weft does not know front from back or left from right.
 ///
-/// Equal folds are not equal bits, since contacts are solved one after the other. Measured: 0.15 mm apart in the mean. It was
+/// Equal folds are not equal bits, since contacts are solved one after the other. Measured: at most 0.6 mm apart in the mean. It was
 /// 33 mm when diagonals were pulled in the order of the grid: a corner from the back opened, one from the front
-/// stayed.
+/// stayed. Folds near the carry from which friction holds them are no test: there a corner stays or opens by chance.
 #[test]
 fn folds_that_mirror_or_turn_each_other_agree() {
-    let soft = of_length(10.0);
+    let soft = of_length(12.0);
     let middle = (DIM - 1) as f32 / 2.0;
     // A corner that stays, and one that opens.
     let folds = [
-        ([[-middle, middle], [4.0, -4.0]], [1, 2, 3]),
+        ([[-middle, middle], [6.0, -6.0]], [1, 2, 3]),
         ([[-middle, middle], [-6.0, 6.0]], [2, 4, 6]),
     ];
     for (fold, codes) in folds {
