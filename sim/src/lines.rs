@@ -232,7 +232,7 @@ fn two_blocks(rows: &[f32], stride: usize) -> [&[[f32; LANES]]; 2] {
 
 /// Corrects the pulls of one row of edges by those of the next.
 #[inline(always)]
-pub(crate) fn substitute(pull: &mut [f32], next: &[f32], ratio: &[f32]) {
+fn substitute(pull: &mut [f32], next: &[f32], ratio: &[f32]) {
     for ((pull, next), ratio) in blocks_mut(pull)
         .iter_mut()
         .zip(blocks(next))

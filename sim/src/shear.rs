@@ -11,7 +11,7 @@
 //! which a weaker spring resists from [`SLACK`] on.
 
 use crate::layout::{LANES, Layout};
-use crate::lines::{blocks, blocks_mut, substitute, two_rows};
+use crate::lines::{blocks, blocks_mut, two_rows};
 use crate::material::MOST_SHEAR;
 use crate::planes::Planes;
 use crate::sides::Side;
@@ -27,6 +27,16 @@ const SHEARED: f32 = 1.5;
 // Stiffness of a cell that folds up, times the square of the longest substep.
 const FOLDED: f32 = 3.3;
 const TINY_M2: f32 = 1e-20;
+
+// Takes rows of values as so many blocks of lanes each, so that the compiler knows that all loops end with them.
+macro_rules! known_lanes {
+    (blocks, $n:expr; $($row:ident)*) => {
+        $(let $row = &blocks($row)[..$n];)*
+    };
+    (blocks_mut, $n:expr; $($row:ident)*) => {
+        $(let $row = &mut blocks_mut($row)[..$n];)*
+    };
+}
 
 /// The diagonals of one cloth.
 #[derive(Clone, Debug)]
@@ -72,6 +82,49 @@ impl Chains {
             pivot: vec![1.0; n],
             pull: vec![0.0; n],
         }
+    }
+
+    /// Returns where the diagonals of a row of cells are there, and the rows of directions and of excess.
+    fn measured(&mut self, own: usize, s: usize) -> (&[f32], [&mut [f32]; 4]) {
+        let Planes { x, y, z } = &mut self.way;
+        let to = [x, y, z, &mut self.excess];
+        (
+            &self.there[own..own + s],
+            to.map(|plane| &mut plane[own..own + s]),
+        )
+    }
+
+    /// Eliminates the diagonals before from one row of cells.
+    ///
+    /// - `ends`: inverse masses of both ends.
+    /// - `places`: those of the diagonals before, and of these.
+    #[inline(always)]
+    fn eliminate(&mut self, ends: [&[f32]; 2], [old, own]: [usize; 2], compliances: [f32; 2]) {
+        let s = ends[0].len();
+        let Planes { x, y, z } = &self.way;
+        let ways = [x, y, z].map(|way| [&way[old..old + s], &way[own..own + s]]);
+        let excess = [&self.excess[old..old + s], &self.excess[own..own + s]];
+        let (old_pivot, pivot) = two_rows(&mut self.pivot, [old, own], s);
+        let (old_pull, pull) = two_rows(&mut self.pull, [old, own], s);
+        let ratio = &mut self.ratio[own..own + s];
+        eliminate(
+            ends,
+            ways,
+            excess,
+            [old_pivot, old_pull],
+            [pivot, pull, ratio],
+            compliances,
+        );
+    }
+
+    /// Corrects the pulls of one row of cells by those of the next, and makes of directions what they move the first ends by.
+    #[inline(always)]
+    fn substitute(&mut self, own: usize, next: usize, s: usize) {
+        let (pull, after) = two_rows(&mut self.pull, [own, next], s);
+        let ratio = &self.ratio[next..next + s];
+        let Planes { x, y, z } = &mut self.way;
+        let ways = [x, y, z].map(|way| &mut way[own..own + s]);
+        substitute(pull, after, ratio, ways);
     }
 }
 
@@ -143,77 +196,44 @@ fn solve_chains(
     let (s, rows) = (shear.stride, shear.rows);
     let wide = wide(s);
     let [down, up] = &mut shear.chains;
-    for row in 0..rows - 1 {
-        let corners = [0, s + 1, 1, s].map(|ahead| {
-            let from = row * s + ahead;
-            [&x[from..from + s], &y[from..from + s], &z[from..from + s]]
-        });
-        let cells = cell(s, row)..cell(s, row) + s;
-        let [down, up] = [&mut *down, &mut *up].map(|chains| {
-            let Planes { x, y, z } = &mut chains.way;
-            let to = [x, y, z, &mut chains.excess];
-            (
-                &chains.there[cells.clone()],
-                to.map(|plane| &mut plane[cells.clone()]),
-            )
-        });
-        measure(corners, down, up, [shear.rest_m, shear.slack_m]);
-    }
+    // Row by row, so that what one pass writes is at hand for the next.
     for row in 0..rows {
-        let (own, before) = (cell(s, row), cell(s, row) - wide);
+        let own = cell(s, row);
+        if row + 1 < rows {
+            let corners = [0, s + 1, 1, s].map(|ahead| {
+                let from = row * s + ahead;
+                [&x[from..from + s], &y[from..from + s], &z[from..from + s]]
+            });
+            let rest = [shear.rest_m, shear.slack_m];
+            measure(corners, down.measured(own, s), up.measured(own, s), rest);
+        }
         let pulls = [
             &down.excess[own..][..s],
-            &down.excess[before - 1..][..s],
+            &down.excess[own - wide - 1..][..s],
             &up.excess[own - 1..][..s],
-            &up.excess[before..][..s],
+            &up.excess[own - wide..][..s],
         ];
         let slots = row * s..row * s + s;
         split(pulls, &weights[slots.clone()], &mut shear.split[slots]);
-    }
-    for (chains, [from, to], back) in [(&mut *down, [0, s + 1], wide + 1), (up, [1, s], wide - 1)] {
-        for row in 0..rows - 1 {
-            let own = cell(s, row);
-            let ends = [from, to].map(|ahead| &shear.split[row * s + ahead..][..s]);
-            let Planes { x, y, z } = &chains.way;
-            let ways = [x, y, z].map(|way| [&way[own - back..][..s], &way[own..][..s]]);
-            let excess = [
-                &chains.excess[own - back..][..s],
-                &chains.excess[own..][..s],
-            ];
-            let (old_pivot, new_pivot) = two_rows(&mut chains.pivot, [own - back, own], s);
-            let (old_pull, new_pull) = two_rows(&mut chains.pull, [own - back, own], s);
-            let old = [&*old_pivot, &*old_pull];
-            let new = [new_pivot, new_pull, &mut chains.ratio[own..own + s]];
-            eliminate(ends, ways, excess, old, new, compliances);
-        }
-        for row in (0..rows - 1).rev() {
-            let own = cell(s, row);
-            let (pull, next) = two_rows(&mut chains.pull, [own, own + back], s);
-            substitute(pull, next, &chains.ratio[own + back..][..s]);
-        }
-        let Planes { x, y, z } = &mut chains.way;
-        scale(x, &chains.pull);
-        scale(y, &chains.pull);
-        scale(z, &chains.pull);
-    }
-    let [down, up] = &shear.chains;
-    for (to, down, up) in [
-        (x, &down.way.x, &up.way.x),
-        (y, &down.way.y, &up.way.y),
-        (z, &down.way.z, &up.way.z),
-    ] {
-        for row in 0..rows {
-            let (own, before) = (cell(s, row), cell(s, row) - wide);
-            let slots = row * s..row * s + s;
-            let pulls = [
-                &down[own..][..s],
-                &down[before - 1..][..s],
-                &up[own - 1..][..s],
-                &up[before..][..s],
-            ];
-            gather(pulls, &weights[slots.clone()], &mut to[slots]);
+        if row > 0 {
+            let (above, split) = (own - wide, &shear.split[row * s - s..]);
+            let [a, right, below, across] = [0, 1, s, s + 1].map(|ahead| &split[ahead..][..s]);
+            down.eliminate([a, across], [above - wide - 1, above], compliances);
+            up.eliminate([right, below], [above - wide + 1, above], compliances);
         }
     }
+    for row in (0..rows).rev() {
+        if row + 1 < rows {
+            let (own, next) = (cell(s, row), cell(s, row) + wide);
+            down.substitute(own, next + 1, s);
+            up.substitute(own, next - 1, s);
+        }
+        // Of the particles below the cells, whose other diagonals are known.
+        if row + 1 < rows {
+            gather_row(down, up, row + 1, s, weights, [&mut *x, &mut *y, &mut *z]);
+        }
+    }
+    gather_row(down, up, 0, s, weights, [x, y, z]);
 }
 
 /// Writes the directions of a row of cells' diagonals, and what is resisted of their lengths.
@@ -227,11 +247,9 @@ fn measure(
     [rest_m, slack_m]: [f32; 2],
 ) {
     let n = d.len() / LANES;
-    let corners = corners.map(|corner| corner.map(|plane| &blocks(plane)[..n]));
     let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [ex, ey, ez]] = corners;
-    let (down, up) = (&blocks(down)[..n], &blocks(up)[..n]);
-    let [dx, dy, dz, d] = [dx, dy, dz, d].map(|plane| &mut blocks_mut(plane)[..n]);
-    let [ux, uy, uz, u] = [ux, uy, uz, u].map(|plane| &mut blocks_mut(plane)[..n]);
+    known_lanes!(blocks, n; ax ay az bx by bz cx cy cz ex ey ez down up);
+    known_lanes!(blocks_mut, n; dx dy dz d ux uy uz u);
     for i in 0..n {
         let mut new = [[0.0; LANES]; 8];
         for k in 0..LANES {
@@ -285,8 +303,9 @@ fn measure(
 #[inline(always)]
 fn split(pulls: [&[f32]; 4], weights: &[f32], to: &mut [f32]) {
     let n = to.len() / LANES;
-    let [d, ended, u, up_ended] = pulls.map(|plane| &blocks(plane)[..n]);
-    let (weights, to) = (&blocks(weights)[..n], &mut blocks_mut(to)[..n]);
+    let [d, ended, u, up_ended] = pulls;
+    known_lanes!(blocks, n; d ended u up_ended weights);
+    known_lanes!(blocks_mut, n; to);
     for i in 0..n {
         let mut new = [0.0; LANES];
         for k in 0..LANES {
@@ -316,11 +335,11 @@ fn eliminate(
     [taut, folded]: [f32; 2],
 ) {
     let n = ends[0].len() / LANES;
-    let [wa, wb] = ends.map(|plane| &blocks(plane)[..n]);
-    let [[x0, x], [y0, y], [z0, z]] = ways.map(|way| way.map(|plane| &blocks(plane)[..n]));
-    let [before, excess] = excess.map(|plane| &blocks(plane)[..n]);
-    let [old_pivot, old_pull] = old.map(|plane| &blocks(plane)[..n]);
-    let [pivot, pull, ratio] = new.map(|plane| &mut blocks_mut(plane)[..n]);
+    let ([wa, wb], [[x0, x], [y0, y], [z0, z]]) = (ends, ways);
+    let ([before, excess], [old_pivot, old_pull]) = (excess, old);
+    let [pivot, pull, ratio] = new;
+    known_lanes!(blocks, n; wa wb x0 x y0 y z0 z before excess old_pivot old_pull);
+    known_lanes!(blocks_mut, n; pivot pull ratio);
     for i in 0..n {
         let mut new = [[0.0; LANES]; 3];
         for k in 0..LANES {
@@ -339,11 +358,48 @@ fn eliminate(
     }
 }
 
-/// Makes of directions what each diagonal moves its first end by.
+/// Corrects the pulls of one row of cells by those of the next, and makes of directions what they move the first ends by.
 #[inline(always)]
-fn scale(way: &mut [f32], pull: &[f32]) {
-    for (way, pull) in way.iter_mut().zip(pull) {
-        *way *= pull;
+fn substitute(pull: &mut [f32], next: &[f32], ratio: &[f32], [x, y, z]: [&mut [f32]; 3]) {
+    let n = pull.len() / LANES;
+    known_lanes!(blocks, n; next ratio);
+    known_lanes!(blocks_mut, n; pull x y z);
+    for i in 0..n {
+        let mut new = [pull[i], x[i], y[i], z[i]];
+        for k in 0..LANES {
+            new[0][k] -= ratio[i][k] * next[i][k];
+            new[1][k] *= new[0][k];
+            new[2][k] *= new[0][k];
+            new[3][k] *= new[0][k];
+        }
+        [pull[i], x[i], y[i], z[i]] = new;
+    }
+}
+
+/// Moves a row of particles.
+#[inline(always)]
+fn gather_row(
+    down: &Chains,
+    up: &Chains,
+    row: usize,
+    s: usize,
+    weights: &[f32],
+    [x, y, z]: [&mut [f32]; 3],
+) {
+    let (own, before) = (cell(s, row), cell(s, row) - wide(s));
+    let slots = row * s..row * s + s;
+    for (to, down, up) in [
+        (x, &down.way.x, &up.way.x),
+        (y, &down.way.y, &up.way.y),
+        (z, &down.way.z, &up.way.z),
+    ] {
+        let pulls = [
+            &down[own..][..s],
+            &down[before - 1..][..s],
+            &up[own - 1..][..s],
+            &up[before..][..s],
+        ];
+        gather(pulls, &weights[slots.clone()], &mut to[slots.clone()]);
     }
 }
 
@@ -353,8 +409,9 @@ fn scale(way: &mut [f32], pull: &[f32]) {
 #[inline(always)]
 fn gather(pulls: [&[f32]; 4], weights: &[f32], to: &mut [f32]) {
     let n = to.len() / LANES;
-    let [d, ended, u, up_ended] = pulls.map(|plane| &blocks(plane)[..n]);
-    let (weights, to) = (&blocks(weights)[..n], &mut blocks_mut(to)[..n]);
+    let [d, ended, u, up_ended] = pulls;
+    known_lanes!(blocks, n; d ended u up_ended weights);
+    known_lanes!(blocks_mut, n; to);
     for i in 0..n {
         let mut new = to[i];
         for k in 0..LANES {
