@@ -23,6 +23,8 @@ const STABLE: f64 = 1.2;
 // Most of the stiffness of shear, as acceleration per length error times the square of a substep. What is stiffer gives more at
 // the sides of a sheet than the whole sheet does.
 pub(crate) const MOST_SHEAR: f32 = 8.0;
+// Warn when the cloth gives this many times more on the bias than declared.
+const MORE_BIAS: f32 = 1.05;
 // Warn when the threads alone make the bending length on the bias this many times longer than declared.
 const SOFT_BIAS: f32 = 1.05;
 // The bounds below were found by trial: `tests/suite/textile/declarable.rs` measures materials from all ranges, and 342 cantilevers
@@ -256,7 +258,7 @@ impl std::fmt::Display for MaterialWarning {
             ),
             MaterialWarning::Shear { declared, shown } => write!(
                 f,
-                "on the bias the cloth gives by `{shown:.2}` and not by `{declared}` of its length, since one of this weight is not held stiffer at this spacing: in a fold it shears more easily than the real one"
+                "on the bias the cloth gives by `{shown:.3}` and not by `{declared}` of its length, since one of this weight is not held stiffer at this spacing: in a fold it shears more easily than the real one"
             ),
             MaterialWarning::SoftBias { bias_m, least_m } => write!(
                 f,
@@ -373,14 +375,15 @@ impl Material {
             });
         }
         let shown = self.least_bias_stretch(spacing_m);
-        if shown > self.stretch.bias {
+        if shown > MORE_BIAS * self.stretch.bias {
             warnings.push(MaterialWarning::Shear {
                 declared: self.stretch.bias,
                 shown,
             });
         }
         let slackest = self.stretch.warp.max(self.stretch.weft);
-        let shared = (self.shear_n_m() / THREAD_LOAD_N_M) as f32 * slackest;
+        let shear_n_m = self.shear_n_m().min(self.most_shear_n_m(spacing_m));
+        let shared = (shear_n_m / THREAD_LOAD_N_M) as f32 * slackest;
         if shared > SHARED_BY_THREADS {
             warnings.push(MaterialWarning::SlackThreads {
                 more: GIVEN_BY_THREADS * shared,

@@ -1,14 +1,14 @@
 //! Resistance of cells to shear: springs along both diagonals, solved by whole lines.
 //!
 //! In: positions and inverse masses by rows. Out: positions moved. The diagonals of one direction that follow each other
-//! are a chain, which is solved as a whole, as threads are (`lines`): any stiffness is stable. Both directions are solved at
+//! are a chain, which is solved as a whole, as threads are (`lines`), so a stiff one needs no shorter substep, up to `MOST_SHEAR`. Both directions are solved at
 //! the same positions, and a particle that both pull at gives half of its mass to each (Tonge and others 2012), so none comes
 //! before the other. (Sweeps that pulled one diagonal after the other carried what was left over along the grid: folds from
 //! the back slid open where those from the front held.)
 //!
 //! A cell that is sheared has one longer diagonal, and one that bends along a diagonal has none: what is longer than at rest
 //! tells both apart, so only that is resisted by the declared rigidity. Both diagonals of a cell that folds up get shorter,
-//! which a weaker spring resists from [`SLACK`] on.
+//! which a weaker spring resists from [`SLACK`] on. Cells with a missing corner have neither.
 
 use crate::layout::{LANES, Layout};
 use crate::lines::{blocks, blocks_mut, two_rows};
@@ -21,7 +21,7 @@ use multiversion::multiversion;
 // Share of the spacing by which both diagonals of a cell may be too short.
 const SLACK: f32 = 0.02;
 // The longer diagonal pulls along itself, and the threads that hold against it turn with the shear, so it must pull more than the
-// angle says, up to this many times what it is too long by. One of a cell that is sheared by 0.4 has it; one of a cell that bends
+// angle says, up to this many times what it is too long by. One of a cell that is sheared by 0.45 has it; one of a cell that bends
 // is hardly longer.
 const SHEARED: f32 = 1.5;
 // Stiffness of a cell that folds up, times the square of the longest substep.
@@ -49,7 +49,7 @@ pub(crate) struct Shear {
     stiffness: [f32; 2],
     /// From a cell's first corner to the one that is right of it in the next row, and from the one right of it to the next row's.
     chains: [Chains; 2],
-    /// By slot: inverse mass by the number of directions that pull at the particle.
+    /// By slot: inverse mass times the number of directions that pull at the particle.
     split: Vec<f32>,
 }
 
@@ -136,16 +136,18 @@ impl Shear {
     pub fn new(layout: &Layout, stiffness: f32, slow_secs: f32) -> Shear {
         let (n, stride, rows) = (layout.len(), layout.stride(), layout.rows());
         let present = |slot: usize| slot < n && layout.is_present(slot);
-        let chains = [[0, stride + 1], [1, stride]].map(|[from, to]| {
-            let mut there = vec![0.0; wide(stride) * (rows + 1)];
-            for slot in layout.slots().iter().map(|&slot| slot as usize) {
-                let is_cell = slot % stride + 1 < layout.grid().dimx;
-                if is_cell && present(slot + from) && present(slot + to) {
-                    there[cell(stride, slot / stride) + slot % stride] = 1.0;
-                }
+        let mut there = vec![0.0; wide(stride) * (rows + 1)];
+        for slot in layout.slots().iter().map(|&slot| slot as usize) {
+            let is_cell = slot % stride + 1 < layout.grid().dimx;
+            if is_cell
+                && [1, stride, stride + 1]
+                    .iter()
+                    .all(|ahead| present(slot + ahead))
+            {
+                there[cell(stride, slot / stride) + slot % stride] = 1.0;
             }
-            Chains::new(there)
-        });
+        }
+        let chains = [there.clone(), there].map(Chains::new);
         let per_2 = 1.0 / (slow_secs * slow_secs);
         // The longer diagonal resists for both.
         let taut = 2.0 * stiffness.min(MOST_SHEAR * per_2);
@@ -222,16 +224,12 @@ fn solve_chains(
             up.eliminate([right, below], [above - wide + 1, above], compliances);
         }
     }
-    for row in (0..rows).rev() {
-        if row + 1 < rows {
-            let (own, next) = (cell(s, row), cell(s, row) + wide);
-            down.substitute(own, next + 1, s);
-            up.substitute(own, next - 1, s);
-        }
+    for row in (0..rows - 1).rev() {
+        let (own, next) = (cell(s, row), cell(s, row) + wide);
+        down.substitute(own, next + 1, s);
+        up.substitute(own, next - 1, s);
         // Of the particles below the cells, whose other diagonals are known.
-        if row + 1 < rows {
-            gather_row(down, up, row + 1, s, weights, [&mut *x, &mut *y, &mut *z]);
-        }
+        gather_row(down, up, row + 1, s, weights, [&mut *x, &mut *y, &mut *z]);
     }
     gather_row(down, up, 0, s, weights, [x, y, z]);
 }
@@ -266,6 +264,7 @@ fn measure(
             let length = (x * x + y * y + z * z + TINY_M2).sqrt();
             let other_length =
                 (other_x * other_x + other_y * other_y + other_z * other_z + TINY_M2).sqrt();
+            let (per, other_per) = (1.0 / length, 1.0 / other_length);
             let (longer, other_longer) = (length - rest_m, other_length - rest_m);
             let both = 0.5 * (longer + other_longer);
             let beyond = both + slack_m;
@@ -275,7 +274,6 @@ fn measure(
             let share = if share < 2.0 { share } else { 2.0 };
             let share = if share > 0.0 { share } else { 0.0 };
             let differ = 0.5 * (longer - other_longer);
-            let (per, other_per) = (1.0 / length, 1.0 / other_length);
             let taut = differ * rest_m * other_per;
             let most = SHEARED * longer;
             let taut = if taut < most { taut } else { most };
@@ -309,7 +307,7 @@ fn split(pulls: [&[f32]; 4], weights: &[f32], to: &mut [f32]) {
     for i in 0..n {
         let mut new = [0.0; LANES];
         for k in 0..LANES {
-            // None of them is nothing unless both directions pull.
+            // Both are above 0 only where both directions pull.
             let (one, other) = (
                 d[i][k].abs() + ended[i][k].abs(),
                 u[i][k].abs() + up_ended[i][k].abs(),

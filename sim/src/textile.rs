@@ -95,7 +95,7 @@ impl Textile {
         }
     }
 
-    /// Returns the number of edges, diagonals and bends.
+    /// Returns the number of edges and diagonals.
     pub fn constraint_count(&self) -> usize {
         self.columns.count() + self.rows.count() + self.shear.count()
     }
@@ -237,8 +237,9 @@ impl Textile {
         let per_2 = 1.0 / (dt * dt);
         let [warp, weft] = self.stiffness.stretch.map(|compliance| compliance * per_2);
         self.faces.begin_substep();
-        // Layers that land on each other at speed need more than one pass, or one is pushed through the next.
+        // Once, and first: threads and contacts have the last word.
         self.shear.solve(&mut sides.rows, dt);
+        // Layers that land on each other at speed need more than one pass, or one is pushed through the next.
         for pass in 0..MAX_PASSES {
             // Always in this order: where a crumpled cloth cannot have all lengths, taking turns would toss its
             // particles between two places for ever.

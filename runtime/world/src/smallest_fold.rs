@@ -3,7 +3,7 @@
 //! In: a cloth, and a fold of it that went back. Out: how far the same point must be carried in the same direction for
 //! the fold to stay. Longer ways are tried until one stays, and the boundary is then halved down to 2 mm. Close to the
 //! boundary a fold may stay by chance, so some longer ways are tried too: if one of them goes back, the search goes on
-//! beyond it.
+//! beyond it. How far the cloth is dragged as a whole, the median of its particles, does not count.
 
 use crate::metrics::cloth_moved;
 use crate::start::Start;

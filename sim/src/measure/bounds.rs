@@ -125,10 +125,10 @@ pub fn promised(warning: &MaterialWarning, reading: &str) -> Option<Promise> {
             false => nothing(&FOLDS),
         },
         MaterialWarning::Shear { .. } => {
-            names(&["stretch, bias"]).then_some(Promise::Shares([0.9, 1.2]))
+            names(&["stretch, bias"]).then_some(Promise::Shares([0.88, 1.2]))
         }
         MaterialWarning::SlackThreads { more } => {
-            names(&["stretch, bias"]).then_some(Promise::Shares([0.9, 1.1 + more]))
+            names(&["stretch, bias"]).then_some(Promise::Shares([0.88, 1.12 + more]))
         }
         // The table expects what these say.
         MaterialWarning::Gap { .. }

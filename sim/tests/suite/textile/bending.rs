@@ -199,7 +199,7 @@ fn readings(material: &Material, at: Fineness) -> Vec<(&'static str, f64, f64)> 
     vec![
         ("bending length, warp", bending(Cut::Warp), 0.05),
         ("bending length, weft", bending(Cut::Weft), 0.05),
-        ("bending length, bias", bending(Cut::Bias), 0.1),
+        ("bending length, bias", bending(Cut::Bias), 0.06),
         ("depth of a ring", depth(Loop::Ring), 0.1),
         ("depth of a heart", depth(Loop::Heart), 0.1),
         ("crease recovery, warp", opens(Cut::Warp), 15.0 / 180.0),
@@ -389,7 +389,7 @@ fn what_a_cloth_cannot_show_is_warned_of() {
     };
     assert!(
         told(&light, SPACING_M)
-            .contains("on the bias the cloth gives by `0.07` and not by `0.01` of its length"),
+            .contains("on the bias the cloth gives by `0.065` and not by `0.01` of its length"),
         "{}",
         told(&light, SPACING_M)
     );

@@ -148,8 +148,8 @@ fn a_flap_of_a_strip_stays_from_where_friction_holds_the_elastica() {
 
 /// A corner stays from 12 bending lengths on, by the elastica of a triangle with a friction of 0.6 on itself; without internal friction of bending.
 ///
-/// The fold pushes its flap on until friction holds it, so a corner that is carried a little less far stays too, where the elastica has it.
-/// Measured, of what the elastica says: carried 0.8 it opens, carried 0.9 it ends 0.97 away, carried 1.0 1.13.
+/// The fold pushes its flap on until friction holds it, so one that is carried 0.9 of that may stay, too.
+/// Measured, of what the elastica says: carried 0.8 it opens, carried 1.0 it ends 1.13 away, carried 1.12 1.27.
 #[test]
 #[ignore = "long"]
 fn a_corner_stays_from_where_friction_holds_the_elastica() {
@@ -160,7 +160,7 @@ fn a_corner_stays_from_where_friction_holds_the_elastica() {
     let c = material.bending_length_m.bias;
     let gap = f64::from(material.gap_m() / c);
     let least = c * elastica::least_corner_carry(gap, f64::from(material.self_friction)) as f32;
-    for share in [0.8, 0.9, 1.0, 1.12] {
+    for share in [0.8, 1.0, 1.12] {
         let mut cloth = square(45, &material);
         let [x, y, _] = cloth.positions()[0];
         let by = share * least / 2f32.sqrt();
@@ -170,15 +170,9 @@ fn a_corner_stays_from_where_friction_holds_the_elastica() {
         cloth.settle(200).unwrap();
         let end = cloth.positions()[0];
         let away = distance([end[0], end[1], 0.0], [x, y, 0.0]) / least;
-        let (opens, stays) = (away < 0.1, away > 0.9);
+        let (opens, stays) = (away < 0.1, (share..share + 0.2).contains(&away));
         assert!(
-            if share < 0.85 {
-                opens
-            } else if share < 1.0 {
-                opens || stays
-            } else {
-                stays
-            },
+            if share < 0.9 { opens } else { stays },
             "carried {share} of {least} m: ends {away} of it away"
         );
     }
