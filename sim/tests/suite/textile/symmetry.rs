@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::square::Symmetry;
+use fab_sim::Mask;
 
 const DIM: usize = 27;
 
@@ -43,4 +44,34 @@ fn folds_that_mirror_or_turn_each_other_agree() {
             );
         }
     }
+}
+
+/// A cloth with a hole does not know where it lies: around the world's origin, or far from it.
+#[test]
+fn a_cloth_with_a_hole_moves_alike_wherever_it_lies() {
+    let [(_, silk), ..] = materials();
+    let grid = Grid::new(16, 12, SPACING_M).unwrap();
+    let mask = Mask::from_fn(grid, |ix, iy| {
+        !(ix + iy < 3 || (6..9).contains(&ix) && (5..8).contains(&iy))
+    })
+    .unwrap();
+    let ends = [0.0, 0.3].map(|aside| {
+        let mut start = grid.flat_positions(&params(&silk));
+        for point in &mut start {
+            *point = [point[0] + aside, point[1], 0.2];
+        }
+        let mut cloth = Simulator::from_positions(&mask, &start, &params(&silk)).unwrap();
+        cloth.hold(&[15, 31]).unwrap();
+        run(&mut cloth, 15);
+        let points = cloth.positions().into_iter();
+        points
+            .map(|[x, y, z]| [x - aside, y, z])
+            .collect::<Vec<_>>()
+    });
+    let there: Vec<usize> = (0..grid.particle_count())
+        .filter(|&i| mask.has(i))
+        .collect();
+    let [here, far] = ends.map(|end| there.iter().map(|&i| end[i]).collect::<Vec<_>>());
+    let apart = farthest(&here, &far);
+    assert!(apart < 0.0005, "{apart} m");
 }
