@@ -1,14 +1,14 @@
 //! Resistance of cells to shear: springs along both diagonals, solved by whole lines.
 //!
 //! In: positions and inverse masses by rows. Out: positions moved. The diagonals of one direction that follow each other
-//! are a chain, which is solved as a whole, as threads are (`lines`), so a stiff one needs no shorter substep, up to `MOST_SHEAR`. Both directions are solved at
-//! the same positions, and a particle that both pull at gives half of its mass to each (Tonge and others 2012), so none comes
-//! before the other. (Sweeps that pulled one diagonal after the other carried what was left over along the grid: folds from
-//! the back slid open where those from the front held.)
+//! are a chain, which is solved as a whole, as threads are (`lines`), so a stiff one needs no shorter substep, up to
+//! `MOST_SHEAR`. Both directions are solved at the same positions, and a particle that both pull at gives half of its mass
+//! to each (Tonge and others 2012), so none comes before the other. (Sweeps in the order of the grid carry what is left over
+//! along it: folds from the back slide open where those from the front hold.)
 //!
 //! A cell that is sheared has one longer diagonal, and one that bends along a diagonal has none: what is longer than at rest
-//! tells both apart, so only that is resisted by the declared rigidity. Both diagonals of a cell that folds up get shorter,
-//! which a weaker spring resists from [`SLACK`] on. Cells with a missing corner have neither.
+//! tells both apart, so only that is resisted by the declared rigidity. Where the mean of both is short by [`SLACK`], the
+//! cell folds up, which a weaker spring resists. Cells with a missing corner have neither.
 
 use crate::layout::{LANES, Layout};
 use crate::lines::{blocks, blocks_mut, two_rows};
@@ -18,7 +18,7 @@ use crate::sides::Side;
 #[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
 
-// Share of the spacing by which both diagonals of a cell may be too short.
+// Share of the spacing by which the diagonals of a cell may be too short in the mean.
 const SLACK: f32 = 0.02;
 // The longer diagonal pulls along itself, and the threads that hold against it turn with the shear, so it must pull more than the
 // angle says, up to this many times what it is too long by. One of a cell that is sheared by 0.45 has it; one of a cell that bends
