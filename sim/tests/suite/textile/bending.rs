@@ -27,9 +27,8 @@ fn a_cantilever_shows_the_declared_bending_length() {
     meets(&of_length(25.0), Cut::Bias, 0.00625, 0.05);
 }
 
-/// Measured on the bias at 6.25 mm: 1.16 of 10 mm, 1.03 of 15, 0.99 of 20, 0.96 of 40; at 4 mm 1.02 of 10 mm, 1.00 of 15; on the
-/// warp 1.037 of 10, 1.02 of 40. A bias below 11 mm is more than 10 % too stiff at 6.25 mm, which [`Material::check`] warns of.
-/// `docs/decisions/0088` says what these figures are made of.
+/// Measured on the bias at 6.25 mm: 1.13 of 8 mm, 1.08 of 10, 0.99 of 15, 0.98 of 20, 0.97 of 38; at 4 mm 1.01 of 8 mm, 0.99 of 15;
+/// on the warp at 4 mm 1.03 of 10.5 mm, 1.01 of 40. `docs/decisions/0088` says what these figures are made of.
 #[test]
 #[ignore = "long"]
 fn cantilevers_show_it_in_all_directions_at_both_spacings() {
@@ -43,8 +42,8 @@ fn cantilevers_show_it_in_all_directions_at_both_spacings() {
         }
         meets(&of_length(10.0), Cut::Warp, spacing_m, 0.1);
         meets(&of_length(10.0), Cut::Weft, spacing_m, 0.1);
+        meets(&of_length(10.6), Cut::Bias, spacing_m, 0.1);
     }
-    meets(&of_length(10.6), Cut::Bias, 0.004, 0.1);
 }
 
 /// The recorded scene's cloth shows another bending length with each overhang, so no table is printed of it.
@@ -399,7 +398,7 @@ fn what_a_cloth_cannot_show_is_warned_of() {
         ..of_length(8.0)
     };
     assert!(
-        told(&soft, SPACING_M).contains("within 10 % only at a spacing of up to `4.2` mm"),
+        told(&soft, SPACING_M).contains("within 10 % only at a spacing of up to `4.7` mm"),
         "{}",
         told(&soft, SPACING_M)
     );
