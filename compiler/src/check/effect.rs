@@ -45,7 +45,7 @@ fn trial(program: &Program, context: &Context<'_, '_>) -> Option<Trial> {
 /// Returns what is wrong with a step, and what to do about it; `None` if it changes the cloth.
 fn finding(fold: &Fold, step: &StepTrial) -> Option<(String, String)> {
     let whole = |mm: f64| exact::written(mm, 0);
-    let (carried_mm, stayed_mm, smallest) = match step.effect {
+    let (carried_mm, rest, smallest) = match step.effect {
         Effect::Changed => return None,
         Effect::Missed => {
             return Some((
@@ -62,14 +62,17 @@ fn finding(fold: &Fold, step: &StepTrial) -> Option<(String, String)> {
         Effect::WentBack {
             carried_mm,
             stayed_mm,
+            slid_mm,
             smallest,
-        } => (carried_mm, stayed_mm, smallest),
+        } => {
+            let rest = match slid_mm < 1.0 {
+                true => format!("springs back to {} mm", whole(stayed_mm)),
+                false => format!("opens again; the whole of it slides {} mm", whole(slid_mm)),
+            };
+            (carried_mm, rest, smallest)
+        }
     };
-    let why = format!(
-        "the cloth is carried {} mm and springs back to {} mm",
-        whole(carried_mm),
-        whole(stayed_mm)
-    );
+    let why = format!("the cloth is carried {} mm and {rest}", whole(carried_mm));
     let help = match smallest {
         SmallestFold::NoneUpTo { mm } => format!(
             "no fold from here in this direction stays, up to {mm} mm; pick or place another point"

@@ -312,6 +312,7 @@ fn tried(
                 Effect::WentBack {
                     carried_mm: tenths(held.carried_mm),
                     stayed_mm: tenths(held.stayed_mm),
+                    slid_mm: tenths(moved.slid_mm),
                     smallest: smallest_fold::find(&cloth, &motion, world, interrupt)?,
                 }
             }

@@ -3,7 +3,7 @@
 //! In: a cloth, and a fold of it that went back. Out: how far the same point must be carried in the same direction for
 //! the fold to stay. Longer ways are tried until one stays, and the boundary is then halved down to 2 mm. Close to the
 //! boundary a fold may stay by chance, so some longer ways are tried too: if one of them goes back, the search goes on
-//! beyond it. How far the cloth is dragged as a whole, the median of its particles, does not count.
+//! beyond it.
 
 use crate::metrics::cloth_moved;
 use crate::start::Start;
@@ -45,8 +45,7 @@ pub fn find(
         let place = motion.pick + way * (f64::from(mm) / length_mm);
         world.reset(cloth)?;
         let executed = world.act(&Motion { place, ..*motion }, interrupt)?;
-        let mut after = world.particles().unwrap_or_default();
-        undo_drag(&cloth.positions, &mut after);
+        let after = world.particles().unwrap_or_default();
         let moved = cloth_moved(&cloth.positions, &after, &executed);
         Ok(moved.and_then(|moved| moved.went_back()) == Some(false))
     };
@@ -94,39 +93,11 @@ pub fn find(
     }
 }
 
-/// Moves a cloth back by how far it was dragged along the table as a whole, which is no fold: by the median of its particles.
-fn undo_drag(before: &[[f32; 3]], after: &mut [[f32; 3]]) {
-    for axis in [0, 1] {
-        let pairs = before.iter().zip(after.iter());
-        let mut moved: Vec<f32> = pairs
-            .map(|(before, after)| after[axis] - before[axis])
-            .collect();
-        moved.sort_by(f32::total_cmp);
-        let Some(&median) = moved.get(moved.len() / 2) else {
-            return;
-        };
-        for point in &mut *after {
-            point[axis] -= median;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::SimulatedWorld;
     use fab_program::{Camera, Cloth, ClothStart, ImageUp, Picker};
-
-    #[test]
-    fn a_cloth_that_was_dragged_was_not_folded() {
-        let before = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.02, 0.0, 0.0]];
-        let mut after = before.map(|[x, y, z]| [x + 0.018, y - 0.003, z]);
-        after[2][0] -= 0.02;
-        undo_drag(&before, &mut after);
-        let moved = |i: usize| (after[i][0] - before[i][0]).hypot(after[i][1] - before[i][1]);
-        assert!(moved(0) < 1e-6 && moved(1) < 1e-6);
-        assert!((moved(2) - 0.02).abs() < 1e-6);
-    }
 
     #[test]
     fn a_way_without_direction_has_no_smallest_fold() {

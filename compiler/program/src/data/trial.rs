@@ -42,12 +42,14 @@ pub struct StepTrial {
 pub enum Effect {
     /// It lies otherwise than before.
     Changed,
-    /// It went back to where it was.
+    /// It opened again, and lies as before, or slid as a whole.
     WentBack {
         /// How far the picked point was carried, millimetres.
         carried_mm: f64,
         /// How far it then lay from where it was, millimetres.
         stayed_mm: f64,
+        /// How far the whole cloth slid, millimetres.
+        slid_mm: f64,
         /// The smallest fold from the same pick in the same direction that stays.
         smallest: SmallestFold,
     },

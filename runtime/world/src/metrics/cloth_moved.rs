@@ -13,6 +13,10 @@ pub struct ClothMoved {
     pub held: Option<HeldMoved>,
     /// How far the particle that moved most lies from its place before the action.
     pub farthest_mm: f64,
+    /// How far the whole cloth slid: half of its particles moved at least as far along x, and half along y.
+    pub slid_mm: f64,
+    /// How far the particle that moved most lies from where it would lie if the whole cloth had only slid.
+    pub folded_mm: f64,
 }
 
 /// How far an action moved the particle that was held.
@@ -32,13 +36,13 @@ impl HeldMoved {
 }
 
 impl ClothMoved {
-    /// Returns whether a carried cloth lies as before: no particle stayed even half as far away as the held one was
-    /// carried, or even a millimetre away.
+    /// Returns whether a carried cloth lies as before, wherever it slid to: no particle was folded even half as far as the held one was
+    /// carried, or even a millimetre.
     ///
     /// `None` if nothing was held.
     pub fn went_back(&self) -> Option<bool> {
         let held = self.held?;
-        Some(self.farthest_mm < (held.carried_mm / 2.0).max(1.0))
+        Some(self.folded_mm < (held.carried_mm / 2.0).max(1.0))
     }
 }
 
@@ -55,29 +59,44 @@ pub fn cloth_moved(
     if before.len() != after.len() {
         return None;
     }
-    let pairs = before.iter().zip(after);
-    let farthest_mm = pairs
-        .map(|(before, after)| along_table_mm(before.map(f64::from), after.map(f64::from)))
-        .reduce(f64::max)?;
+    let ways = || {
+        let pairs = before.iter().zip(after);
+        pairs.map(|(before, after)| {
+            [0, 1].map(|axis| f64::from(after[axis]) - f64::from(before[axis]))
+        })
+    };
+    let mut slid = [0.0; 2];
+    for axis in [0, 1] {
+        let mut along: Vec<f64> = ways().map(|way| way[axis]).collect();
+        along.sort_by(f64::total_cmp);
+        slid[axis] = *along.get(along.len() / 2)?;
+    }
+    let farthest_mm = |from: [f64; 2]| {
+        let ways = ways().map(|way| mm([way[0] - from[0], way[1] - from[1]]));
+        ways.fold(0.0, f64::max)
+    };
     let held = || {
         let Grasp::Particle(particle) = executed.grasp else {
             return None;
         };
         let from = before.get(particle as usize)?.map(f64::from);
         let rests = after.get(particle as usize)?.map(f64::from);
+        let away_mm = |to: [f64; 3]| mm([to[0] - from[0], to[1] - from[1]]);
         Some(HeldMoved {
-            carried_mm: along_table_mm(from, executed.released_at?.into()),
-            stayed_mm: along_table_mm(from, rests),
+            carried_mm: away_mm(executed.released_at?.into()),
+            stayed_mm: away_mm(rests),
         })
     };
     Some(ClothMoved {
         held: held(),
-        farthest_mm,
+        farthest_mm: farthest_mm([0.0; 2]),
+        slid_mm: mm(slid),
+        folded_mm: farthest_mm(slid),
     })
 }
 
-fn along_table_mm(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1]) * 1000.0
+fn mm(way_m: [f64; 2]) -> f64 {
+    way_m[0].hypot(way_m[1]) * 1000.0
 }
 
 #[cfg(test)]
@@ -120,6 +139,25 @@ mod tests {
         }
         assert!(held.sprang_back());
         assert_eq!(moved.went_back(), Some(true));
+    }
+
+    #[test]
+    fn a_cloth_that_was_dragged_was_not_folded() {
+        let before = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.02, 0.0, 0.0]];
+        let mut after = before.map(|[x, y, z]| [x + 0.03, y - 0.04, z]);
+        let released = WorldPoint::new(0.06, 0.0, 0.2);
+        let measured = |after: &[[f32; 3]]| {
+            let done = executed(Grasp::Particle(0), Some(released));
+            cloth_moved(&before, after, &done).expect("equal counts")
+        };
+        let dragged = measured(&after);
+        assert_eq!(dragged.went_back(), Some(true));
+        assert!((dragged.slid_mm - 50.0).abs() < 1e-3 && dragged.folded_mm < 1e-3);
+        after[0][0] += 0.035;
+        let folded = measured(&after);
+        assert_eq!(folded.went_back(), Some(false));
+        assert!((folded.slid_mm - 50.0).abs() < 1e-3);
+        assert!((folded.folded_mm - 35.0).abs() < 1e-3);
     }
 
     #[test]

@@ -138,7 +138,7 @@ fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
 
 /// Says how far an action moved the cloth, and how much of that stayed.
 fn cloth(moved: &ClothMoved) -> String {
-    match &moved.held {
+    let held = match &moved.held {
         Some(held) if held.sprang_back() => format!(
             ", cloth moved {:.0} mm, sprang back to {:.0}",
             held.carried_mm, held.stayed_mm
@@ -148,7 +148,11 @@ fn cloth(moved: &ClothMoved) -> String {
             held.carried_mm, held.stayed_mm
         ),
         None => format!(", cloth moved at most {:.0} mm", moved.farthest_mm),
+    };
+    if moved.slid_mm < 1.0 {
+        return held;
     }
+    format!("{held}, slid {:.0} mm", moved.slid_mm)
 }
 
 /// Reports the cost of calls so far, if there were any.
