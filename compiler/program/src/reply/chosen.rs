@@ -15,7 +15,7 @@ use crate::data::actions::{ActionField, Choices, Value};
 use std::ops::Range;
 
 /// Verbs with which the author tells what it has chosen.
-const CHOOSING: &[&str] = words!("pick picked choose chose select selected");
+const POINT_CHOSEN: &[&str] = words!("pick picked choose chose select selected");
 
 /// What may stand between such a verb and a point.
 const BETWEEN: &[&str] = words!("the a corner tip flap one point end at of its is");
@@ -243,7 +243,7 @@ impl<'a> Answer<'a> {
                 cursor.skip(&["therefore", "thus", "clearly", "the", "my"], &[]);
                 return cursor.eat_word("best") && cursor.eat_any(CORNERS) && follows_point(at);
             }
-            (word.is_any(CHOOSING) && follows(&["i", "we"])
+            (word.is_any(POINT_CHOSEN) && follows(&["i", "we"])
                 || word.is_any(CORNERS) && follows(&["best"]))
                 && leads_to_point(at + 1)
         })

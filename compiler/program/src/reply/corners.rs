@@ -59,7 +59,7 @@ const COMPARING: &[&str] =
     words!("closest close next nearest near opposite similar belongs equal parallel");
 
 /// Verbs after `I` for what is picked, unless it is chosen `as` something.
-const CHOOSING: &[&str] = words!("choose chose select selected");
+const CORNER_CHOSEN: &[&str] = words!("choose chose select selected");
 
 /// Words for where the motion ends, before which `I chose` speaks of the place.
 const ENDING: &[&str] = words!(
@@ -136,7 +136,7 @@ pub(super) fn of_sentence(
             true => sentence.start.saturating_sub(MAX_BACK)..at,
             false => sentence.start..at,
         };
-        let chooses = tokens[at].is_any(CHOOSING)
+        let chooses = tokens[at].is_any(CORNER_CHOSEN)
             && at > sentence.start
             && tokens[at - 1].is_any(&["i", "we"])
             && !tokens[said].iter().any(|it| it.is_any(ENDING));

@@ -61,7 +61,7 @@ const SHORT_OF: &[&str] = words!(
 );
 
 /// Words in -s behind a size that do not make it a general one: `the shortest pull suffices`.
-const CHOOSING: &[&str] = words!("is suffices does works fits this thus as");
+const ABOUT_THIS_SIZE: &[&str] = words!("is suffices does works fits this thus as");
 
 /// Other verbs that do: `the longest pull can crumple the cloth`.
 const SUPPOSING: &[&str] = words!("can will must should");
@@ -151,7 +151,8 @@ impl Scale {
             .get(n_between + 2)
             .is_some_and(|it| it.kind == Kind::Number);
         let is_general = next.is_some_and(|it| {
-            let is_verb = it.kind == Kind::Word && it.text.ends_with('s') && !it.is_any(CHOOSING);
+            let is_verb =
+                it.kind == Kind::Word && it.text.ends_with('s') && !it.is_any(ABOUT_THIS_SIZE);
             is_verb || it.is_any(SUPPOSING) || it.is("is") && is_number
         });
         let is_noun = |it: &Token<'_>| {

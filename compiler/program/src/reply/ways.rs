@@ -8,7 +8,7 @@ use super::wordlist::{is_any, words};
 const WAYS: &[&str] = words!("option candidate possibility idea alternative");
 
 /// Words in such a line that may choose what it says.
-const CHOOSING: &[&str] = words!(
+const WAY_CHOSEN: &[&str] = words!(
     "best better choose chosen chose choosing select selected selecting prefer preferred recommended recommend winner
     wins winning go going use taken final answer yes ✅ ✓ ✔ ⭐"
 );
@@ -38,5 +38,5 @@ pub(super) fn is_way(line: &str) -> bool {
 /// Returns whether a line may choose what it says.
 pub(super) fn chooses(line: &str) -> bool {
     line.split(|letter: char| !letter.is_alphanumeric() && !"✅✓✔⭐".contains(letter))
-        .any(|word| is_any(word, CHOOSING))
+        .any(|word| is_any(word, WAY_CHOSEN))
 }
