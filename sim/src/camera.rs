@@ -259,10 +259,10 @@ impl TopDownCamera {
     ) {
         let camera = self.drawing();
         let size = camera.size_px as usize;
-        let mut raster = Raster::new(window.clone(), 1.0 / camera.height_m);
+        let mut raster = Raster::new(1.0 / camera.height_m);
         for [u, v] in (0..3).flat_map(|v| [0, 1, 2].map(|u| [u, v])) {
             let offset = [OFFSETS[u], OFFSETS[v]];
-            raster.clear(offset);
+            raster.clear(window, offset);
             raster.draw(triangles);
             for ([column, row], colour, inverse_depth) in raster.drawn() {
                 let pixel = self.up.pixel(column, row, size);
@@ -328,7 +328,9 @@ impl TopDownCamera {
             Shade::both(look, [brightness; 2])
         };
         let vertex_of = |index: usize, point| Some(self.see(point)?.vertex(shade_of(index)));
-        scene::cloth(mask, positions, &|_| true, &vertex_of)
+        let mut triangles = Vec::new();
+        scene::add_cloth(&mut triangles, mask, positions, &|_| true, &vertex_of);
+        triangles
     }
 
     /// Projects a point; `None` where it cannot be drawn.

@@ -39,7 +39,7 @@ pub(crate) struct Vertex {
 }
 
 /// The part of an image that something is drawn in: columns and rows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Window {
     pub columns: Range<usize>,
     pub rows: Range<usize>,
@@ -91,6 +91,7 @@ impl Window {
 }
 
 /// One sample of every pixel of a window.
+#[derive(Clone, Debug)]
 pub(crate) struct Raster {
     window: Window,
     background: f32,
@@ -100,23 +101,27 @@ pub(crate) struct Raster {
 }
 
 impl Raster {
-    /// Makes a window of an image before a plane at the inverse depth `background`.
-    pub fn new(window: Window, background: f32) -> Raster {
-        let n_pixels = window.columns.len() * window.rows.len();
+    /// Makes an empty window before a plane at the inverse depth `background`.
+    pub fn new(background: f32) -> Raster {
         Raster {
-            window,
+            window: Window::default(),
             background,
-            offset: [0.5, 0.5],
-            inverse_depth: vec![background; n_pixels],
-            colours: vec![None; n_pixels],
+            offset: [0.0; 2],
+            inverse_depth: Vec::new(),
+            colours: Vec::new(),
         }
     }
 
-    /// Forgets all triangles, and puts the sample at `offset` from each pixel's top left, in pixels.
-    pub fn clear(&mut self, offset: [f32; 2]) {
+    /// Forgets all triangles, takes a window of an image, and puts the sample at `offset` from each pixel's top left, in
+    /// pixels.
+    pub fn clear(&mut self, window: &Window, offset: [f32; 2]) {
+        let n_pixels = window.columns.len() * window.rows.len();
+        self.window.clone_from(window);
         self.offset = offset;
-        self.inverse_depth.fill(self.background);
-        self.colours.fill(None);
+        self.inverse_depth.clear();
+        self.inverse_depth.resize(n_pixels, self.background);
+        self.colours.clear();
+        self.colours.resize(n_pixels, None);
     }
 
     /// Returns the pixels that show a triangle: column and row, colour, inverse depth in 1/m.

@@ -36,24 +36,25 @@ pub type State<'a> = (&'a [[f32; 3]], Option<&'a Marker>);
 /// Projects a point of the world frame, metres; `None` where it cannot be drawn.
 pub(crate) type Project<'a> = dyn Fn([f32; 3]) -> Option<Seen> + 'a;
 
-/// Lists the cloth's triangles; of a cell that cannot be drawn whole, neither.
+/// Adds the cloth's triangles to a list; of a cell that cannot be drawn whole, neither.
 ///
 /// - `positions`: `[dimy * dimx]` points in grid order, world frame, metres.
 /// - `is_shown`: whether to draw a triangle, by the indices of its corners.
 /// - `vertex_of`: projects and shades a particle, by its index and its point; `None` if it cannot be drawn.
-pub(crate) fn cloth(
+pub(crate) fn add_cloth(
+    triangles: &mut Vec<[Vertex; 3]>,
     mask: &Mask,
     positions: &[[f32; 3]],
     is_shown: &dyn Fn([usize; 3]) -> bool,
     vertex_of: &dyn Fn(usize, [f32; 3]) -> Option<Vertex>,
-) -> Vec<[Vertex; 3]> {
+) {
     let vertex = |index: usize| match mask.has(index) {
         true => vertex_of(index, positions[index]),
         false => None,
     };
     let count = positions.len().min(mask.grid().particle_count());
     let vertices: Vec<Option<Vertex>> = (0..count).map(vertex).collect();
-    let mut triangles = Vec::with_capacity(2 * vertices.len());
+    triangles.reserve(2 * vertices.len());
     for cell in mesh::cells(mask) {
         let triangle = |corners: [usize; 3]| {
             // The mesh is anticlockwise as seen from above, the raster takes clockwise for the top.
@@ -68,7 +69,6 @@ pub(crate) fn cloth(
             );
         }
     }
-    triangles
 }
 
 /// Lists points of a picture, column and row: what differs between two states lies within the rectangle around them.

@@ -47,6 +47,27 @@ pub struct SlantedView {
     sums: Vec<[u16; 3]>,
     /// The picture of the bare table.
     bare: Vec<u8>,
+    room: Room,
+}
+
+/// Room to draw in, kept from picture to picture: to ask for it anew costs a tenth of a picture.
+#[derive(Clone, Debug)]
+struct Room {
+    triangles: Vec<[Vertex; 3]>,
+    raster: Raster,
+    /// The sums of a window's colours over the samples.
+    sums: Vec<[u16; 3]>,
+}
+
+impl Default for Room {
+    fn default() -> Room {
+        Room {
+            triangles: Vec::new(),
+            // Only what stands above the table is drawn, so that anything is nearer than nothing.
+            raster: Raster::new(0.0),
+            sums: Vec::new(),
+        }
+    }
 }
 
 /// A colour picture, row by row from the top left.
@@ -185,6 +206,7 @@ impl SlantedView {
             bare: sums.iter().flat_map(|sum| mean(*sum)).collect(),
             table,
             sums,
+            room: Room::default(),
         }
     }
 
@@ -203,9 +225,10 @@ impl SlantedView {
             height,
             rgb: self.bare.clone(),
         };
-        let triangles = self.triangles(&cloth.into(), positions, marker);
-        let window = Window::around(&triangles, self.size());
-        self.draw(&triangles, &window, &mut picture.rgb);
+        let mut room = Room::default();
+        self.list(&mut room.triangles, &cloth.into(), positions, marker);
+        let window = Window::around(&room.triangles, self.size());
+        self.draw(&mut room, &window, &mut picture.rgb);
         picture
     }
 
@@ -216,7 +239,7 @@ impl SlantedView {
     /// - `rgb`: the colours of a picture of this view.
     /// - `before`, `now`: positions as for `render`, equally many, and the picker's marker.
     pub fn redraw(
-        &self,
+        &mut self,
         rgb: &mut [u8],
         cloth: impl Into<Mask>,
         before: State<'_>,
@@ -227,17 +250,22 @@ impl SlantedView {
         let shadow = |point| project(shadow_of(point));
         let points = scene::changed(mask, before, now, &[&project, &shadow]);
         let window = Window::around_points(points.into_iter(), self.size());
-        let mut triangles = self.triangles(mask, now.0, now.1);
-        triangles.retain(|triangle| window.meets(triangle));
-        self.draw(&triangles, &window, rgb);
+        let mut room = std::mem::take(&mut self.room);
+        self.list(&mut room.triangles, mask, now.0, now.1);
+        room.triangles.retain(|triangle| window.meets(triangle));
+        self.draw(&mut room, &window, rgb);
+        self.room = room;
     }
 
-    /// Draws triangles and the table behind them, and nothing beside a window.
-    fn draw(&self, triangles: &[[Vertex; 3]], window: &Window, rgb: &mut [u8]) {
+    /// Draws the listed triangles and the table behind them, and nothing beside a window.
+    fn draw(&self, room: &mut Room, window: &Window, rgb: &mut [u8]) {
+        let Room {
+            triangles,
+            raster,
+            sums,
+        } = room;
         let width = self.size()[0];
-        // Only what stands above the table is drawn, so that anything is nearer than nothing.
-        let mut raster = Raster::new(window.clone(), 0.0);
-        let mut sums = Vec::with_capacity(window.rows.len() * window.columns.len());
+        sums.clear();
         for row in window.rows.clone() {
             let [first, end] = [window.columns.start, window.columns.end];
             sums.extend_from_slice(&self.sums[row * width + first..row * width + end]);
@@ -246,7 +274,7 @@ impl SlantedView {
             (row - window.rows.start) * window.columns.len() + column - window.columns.start
         };
         for (offset, table) in SAMPLES.iter().zip(&self.table) {
-            raster.clear(*offset);
+            raster.clear(window, *offset);
             raster.draw(triangles);
             for ([column, row], colour, _) in raster.drawn() {
                 // The table's own part of this sample gives way.
@@ -278,15 +306,16 @@ impl SlantedView {
     }
 
     /// Lists what stands above the table.
-    fn triangles(
+    fn list(
         &self,
+        triangles: &mut Vec<[Vertex; 3]>,
         mask: &Mask,
         positions: &[[f32; 3]],
         marker: Option<&Marker>,
-    ) -> Vec<[Vertex; 3]> {
-        let mut triangles = self.cloth(mask, positions);
+    ) {
+        triangles.clear();
+        self.add_cloth(triangles, mask, positions);
         triangles.extend(marker.into_iter().flat_map(|marker| self.marker(marker)));
-        triangles
     }
 
     /// Tells whether anything of a marker, or of its shadow, is in the picture.
@@ -294,23 +323,17 @@ impl SlantedView {
         !Window::around(&self.marker(marker), self.size()).is_empty()
     }
 
-    /// Lists the cloth's triangles in the light, and black ones for its shadow.
-    fn cloth(&self, mask: &Mask, positions: &[[f32; 3]]) -> Vec<[Vertex; 3]> {
+    /// Adds the cloth's triangles in the light, and black ones for its shadow.
+    fn add_cloth(&self, triangles: &mut Vec<[Vertex; 3]>, mask: &Mask, positions: &[[f32; 3]]) {
         let project = self.camera.projector();
         let lit =
             |index: usize, point| Some(project(point)?.vertex(self.shade(mask, positions, index)));
         let dark = |_: usize, point| Some(project(shadow_of(point))?.vertex(BLACK));
         // Cloth that lies on the table hides its shadow, except at its rim.
         let casts = |index: usize| positions[index][2] >= LYING_M || is_near_rim(mask, index, 2);
-        let mut triangles = scene::cloth(mask, positions, &|_| true, &lit);
-        let shadows = scene::cloth(
-            mask,
-            positions,
-            &|corners| corners.into_iter().any(casts),
-            &dark,
-        );
-        triangles.extend(shadows);
-        triangles
+        let darkens = |corners: [usize; 3]| corners.into_iter().any(casts);
+        scene::add_cloth(triangles, mask, positions, &|_| true, &lit);
+        scene::add_cloth(triangles, mask, positions, &darkens, &dark);
     }
 
     /// Likewise of a marker.

@@ -352,7 +352,7 @@ fn the_slanted_view_shows_cloth_shadow_and_marker() {
 fn a_redrawn_picture_is_the_one_that_is_drawn_anew() {
     let grid = Grid::new(21, 21, 0.00625).unwrap();
     let look = Look::default();
-    let view = SlantedView::new(slanted(), &look);
+    let mut view = SlantedView::new(slanted(), &look);
     let camera = folding_camera(224).with_up(ImageUp::X);
     let mut cloth = Simulator::flat(grid, &Params::default());
     let mut before = (cloth.positions(), None);

@@ -224,10 +224,11 @@ impl Recording {
     }
 
     fn begin(&mut self, cloth: &Simulator, look: &Look) -> Result<(), AnimationError> {
-        let scene = Scene::new(&self.plan, look).map_err(|error| AnimationError::Unwritable {
-            path: self.plan.path.clone(),
-            why: error.to_string(),
-        })?;
+        let mut scene =
+            Scene::new(&self.plan, look).map_err(|error| AnimationError::Unwritable {
+                path: self.plan.path.clone(),
+                why: error.to_string(),
+            })?;
         let shown = scene.state(cloth);
         let picture = scene.picture(cloth, &shown, None);
         let size = [picture.width(), picture.height()];
@@ -320,7 +321,7 @@ impl Scene {
 
     /// Draws what a state shows; only what differs from the last picture, if there is one.
     fn picture(
-        &self,
+        &mut self,
         cloth: &Simulator,
         state: &State,
         last: Option<(&RgbImage, &State)>,
