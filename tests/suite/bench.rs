@@ -429,6 +429,25 @@ fn a_folder_of_other_rollouts_is_left_alone() {
     );
 }
 
+/// It is not taken for a cap that was reached.
+#[cfg(unix)]
+#[test]
+fn a_record_that_vanishes_while_it_is_written_is_named() {
+    let folder = project(SUITE);
+    let takes_it = "exec:sh -c 'read step; rm -r out/tiny/plain'";
+    let arguments = [
+        "bench", "tiny", "--out", "out", "--limit", "1", "--jobs", "1", "--policy", takes_it,
+    ];
+    let said = finish(fabc(folder.path()).args(arguments));
+    assert_eq!(said.code, 2, "{}", said.stdout);
+    for part in [
+        "` has lost the record of the rollout",
+        "the same `--out` continues",
+    ] {
+        assert!(said.stderr.contains(part), "{}", said.stderr);
+    }
+}
+
 #[cfg(unix)]
 #[test]
 #[ignore = "long"]

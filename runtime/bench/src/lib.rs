@@ -177,6 +177,15 @@ pub enum BenchError {
         /// What differs.
         why: String,
     },
+    /// The record of a rollout was gone when it ended.
+    #[error(
+        "`{}` has lost the record of the rollout that has just ended there: something removed or changed it meanwhile. \
+         Finished rollouts are kept, and the same `--out` continues from there", folder.display()
+    )]
+    Lost {
+        /// The run folder.
+        folder: PathBuf,
+    },
     /// The provider refuses every call, so all further rollouts would fail the same way.
     #[error(
         "the provider refuses to answer ({fault}); the journal in `{}` has its message. Finished rollouts are kept, \

@@ -408,6 +408,8 @@ fn run(
             folder: folder.to_owned(),
             why,
         }),
-        FolderContents::Unfinished => Ok(Err(StopReason::Interrupted)),
+        FolderContents::Unfinished => Err(BenchError::Lost {
+            folder: folder.to_owned(),
+        }),
     }
 }
