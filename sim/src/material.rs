@@ -31,8 +31,7 @@ const SOFT_BIAS: f32 = 1.05;
 // on the bias, whose table is not kept, had warps of 15 to 65 mm, wefts from a quarter of that on, and biases of 0.7 to 1.6 of what
 // the threads allow.
 //
-// Largest spacing, as a share of the shortest bending length, at which cantilevers stay within 10 %: 10 mm at 6.25 mm. On the bias
-// 8.5 mm would do.
+// Largest spacing, as a share of the shortest bending length, at which cantilevers stay within 10 %: 10 mm at 6.25 mm.
 const COARSE_SHARE: f32 = 0.625;
 // Largest spacing, as a share of the shorter bending length, at which loops and folds stay within 10 %.
 const SHARP_SHARE: f32 = 0.5;

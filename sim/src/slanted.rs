@@ -47,21 +47,28 @@ pub struct SlantedView {
     sums: Vec<[u16; 3]>,
     /// The picture of the bare table.
     bare: Vec<u8>,
-    room: Room,
+    buffers: Buffers,
 }
 
-/// Room to draw in, kept from picture to picture: to ask for it anew costs a tenth of a picture.
-#[derive(Clone, Debug)]
-struct Room {
+/// What a picture is drawn in, kept for the next one (record 0081).
+#[derive(Debug)]
+struct Buffers {
     triangles: Vec<[Vertex; 3]>,
     raster: Raster,
     /// The sums of a window's colours over the samples.
     sums: Vec<[u16; 3]>,
 }
 
-impl Default for Room {
-    fn default() -> Room {
-        Room {
+impl Clone for Buffers {
+    /// Returns empty ones: nothing in them is needed again.
+    fn clone(&self) -> Buffers {
+        Buffers::default()
+    }
+}
+
+impl Default for Buffers {
+    fn default() -> Buffers {
+        Buffers {
             triangles: Vec::new(),
             // Only what stands above the table is drawn, so that anything is nearer than nothing.
             raster: Raster::new(0.0),
@@ -206,7 +213,7 @@ impl SlantedView {
             bare: sums.iter().flat_map(|sum| mean(*sum)).collect(),
             table,
             sums,
-            room: Room::default(),
+            buffers: Buffers::default(),
         }
     }
 
@@ -225,16 +232,16 @@ impl SlantedView {
             height,
             rgb: self.bare.clone(),
         };
-        let mut room = Room::default();
-        self.list(&mut room.triangles, &cloth.into(), positions, marker);
-        let window = Window::around(&room.triangles, self.size());
-        self.draw(&mut room, &window, &mut picture.rgb);
+        let mut buffers = Buffers::default();
+        self.list(&mut buffers.triangles, &cloth.into(), positions, marker);
+        let window = Window::around(&buffers.triangles, self.size());
+        self.draw(&mut buffers, &window, &mut picture.rgb);
         picture
     }
 
     /// Turns the colours of one state of a cloth into those of another one, as [`SlantedView::render`] draws them.
     ///
-    /// Costs the less the less of the picture has changed.
+    /// Costs the less the less of the picture has changed. `&mut self`, since its buffers are kept for the next picture.
     ///
     /// - `rgb`: the colours of a picture of this view.
     /// - `before`, `now`: positions as for `render`, equally many, and the picker's marker.
@@ -250,20 +257,20 @@ impl SlantedView {
         let shadow = |point| project(shadow_of(point));
         let points = scene::changed(mask, before, now, &[&project, &shadow]);
         let window = Window::around_points(points.into_iter(), self.size());
-        let mut room = std::mem::take(&mut self.room);
-        self.list(&mut room.triangles, mask, now.0, now.1);
-        room.triangles.retain(|triangle| window.meets(triangle));
-        self.draw(&mut room, &window, rgb);
-        self.room = room;
+        let mut buffers = std::mem::take(&mut self.buffers);
+        self.list(&mut buffers.triangles, mask, now.0, now.1);
+        buffers.triangles.retain(|triangle| window.meets(triangle));
+        self.draw(&mut buffers, &window, rgb);
+        self.buffers = buffers;
     }
 
     /// Draws the listed triangles and the table behind them, and nothing beside a window.
-    fn draw(&self, room: &mut Room, window: &Window, rgb: &mut [u8]) {
-        let Room {
+    fn draw(&self, buffers: &mut Buffers, window: &Window, rgb: &mut [u8]) {
+        let Buffers {
             triangles,
             raster,
             sums,
-        } = room;
+        } = buffers;
         let width = self.size()[0];
         sums.clear();
         for row in window.rows.clone() {

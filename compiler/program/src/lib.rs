@@ -117,7 +117,9 @@ pub use data::stage::{
 };
 pub use data::subgoals::{SubgoalImage, Subgoals};
 pub use data::test::{Expect, Given, Test};
-pub use data::trial::{Effect, PINS_FILE, SmallestFold, StepTrial, Trial, pins_folder};
+pub use data::trial::{
+    Effect, LEAST_SLIDE_MM, PINS_FILE, SmallestFold, StepTrial, Trial, pins_folder,
+};
 pub use data::uses::{Depends, Uses};
 pub use data::values::{Comparison, Condition};
 pub use data::verify::{Check, Exhausted, OVERLAP, ResultCheck, Verify};

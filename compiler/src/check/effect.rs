@@ -7,7 +7,9 @@ use super::context::Context;
 use crate::diag::{Code, Diagnostic};
 use crate::merge::Merged;
 use fab_grammar::ast::{FoldBlock, Move};
-use fab_program::{Effect, Fold, Program, SmallestFold, StepTrial, Subgoals, Trial, exact};
+use fab_program::{
+    Effect, Fold, LEAST_SLIDE_MM, Program, SmallestFold, StepTrial, Subgoals, Trial, exact,
+};
 
 /// Warns of each step of the task's demonstration that changes nothing, if that was found out.
 pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
@@ -23,7 +25,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
         let Some((why, help)) = finding(fold, step) else {
             continue;
         };
-        let message = format!("this step changes nothing: {why}");
+        let message = format!("this step folds nothing: {why}");
         let diagnostic = Diagnostic::new(Code::StepChangesNothing, part.span(), message);
         context.remark(diagnostic.help(help));
     }
@@ -65,7 +67,7 @@ fn finding(fold: &Fold, step: &StepTrial) -> Option<(String, String)> {
             slid_mm,
             smallest,
         } => {
-            let rest = match slid_mm < 1.0 {
+            let rest = match slid_mm < LEAST_SLIDE_MM {
                 true => format!("springs back to {} mm", whole(stayed_mm)),
                 false => format!("opens again; the whole of it slides {} mm", whole(slid_mm)),
             };

@@ -303,7 +303,7 @@ fn tried(
         let DoneStep { motion, moved, .. } = step;
         let effect = match moved.held {
             None => Effect::Missed,
-            Some(held) if moved.went_back() == Some(true) => {
+            Some(held) if held.went_back => {
                 let cloth = Start {
                     name: "the cloth before the step".to_owned(),
                     positions: step.before,

@@ -47,7 +47,9 @@ pub fn find(
         let executed = world.act(&Motion { place, ..*motion }, interrupt)?;
         let after = world.particles().unwrap_or_default();
         let moved = cloth_moved(&cloth.positions, &after, &executed);
-        Ok(moved.and_then(|moved| moved.went_back()) == Some(false))
+        Ok(moved
+            .and_then(|moved| moved.held)
+            .is_some_and(|held| !held.went_back))
     };
     let [right_m, front_m] =
         [cloth.grid.dimx, cloth.grid.dimy].map(|count| f64::from(count - 1) * cloth.grid.spacing_m);

@@ -391,6 +391,16 @@ fn a_redrawn_picture_is_the_one_that_is_drawn_anew() {
         let drawn = camera.render(grid, is.0, &look);
         assert!(above == drawn.rgb, "above, {moved}");
     }
+    // Where nothing has changed nothing is drawn, whatever was drawn before; and a copy draws the same.
+    let folded = (&before.0[..], None);
+    let flat = grid.flat_positions(&Params::default());
+    let drawn = view.render(grid, folded.0, None).rgb;
+    aside.clone_from(&drawn);
+    view.redraw(&mut aside, grid, folded, folded);
+    assert!(aside == drawn);
+    let mut copy = view.clone();
+    copy.redraw(&mut aside, grid, folded, (&flat, None));
+    assert!(aside == view.render(grid, &flat, None).rgb);
 }
 
 #[test]

@@ -27,6 +27,9 @@ pub struct Trial {
     pub steps: Vec<StepTrial>,
 }
 
+/// A cloth that slid by less as a whole did not slide, for what is said to people; millimetres.
+pub const LEAST_SLIDE_MM: f64 = 1.0;
+
 /// The result of one step; distances are along the table.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepTrial {
@@ -48,7 +51,8 @@ pub enum Effect {
         carried_mm: f64,
         /// How far it then lay from where it was, millimetres.
         stayed_mm: f64,
-        /// How far the whole cloth slid, millimetres.
+        /// How far the whole cloth slid, millimetres; 0 where it was not measured.
+        #[serde(default)]
         slid_mm: f64,
         /// The smallest fold from the same pick in the same direction that stays.
         smallest: SmallestFold,

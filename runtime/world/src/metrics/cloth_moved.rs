@@ -13,7 +13,8 @@ pub struct ClothMoved {
     pub held: Option<HeldMoved>,
     /// How far the particle that moved most lies from its place before the action.
     pub farthest_mm: f64,
-    /// How far the whole cloth slid: half of its particles moved at least as far along x, and half along y.
+    /// How far the whole cloth slid: the length of the way whose x and y are the medians over all particles. A cloth of which
+    /// more than half was folded over, or that was turned, slid otherwise.
     pub slid_mm: f64,
     /// How far the particle that moved most lies from where it would lie if the whole cloth had only slid.
     pub folded_mm: f64,
@@ -26,73 +27,80 @@ pub struct HeldMoved {
     pub carried_mm: f64,
     /// From its place before the action to its place after it, when the cloth rests.
     pub stayed_mm: f64,
-}
-
-impl HeldMoved {
-    /// Returns whether the particle went back more than half of its way.
-    pub fn sprang_back(&self) -> bool {
-        self.stayed_mm < self.carried_mm / 2.0
-    }
-}
-
-impl ClothMoved {
-    /// Returns whether a carried cloth lies as before, wherever it slid to: no particle was folded even half as far as the held one was
-    /// carried, or even a millimetre.
-    ///
-    /// `None` if nothing was held.
-    pub fn went_back(&self) -> Option<bool> {
-        let held = self.held?;
-        Some(self.folded_mm < (held.carried_mm / 2.0).max(1.0))
-    }
+    /// Whether it went back more than half of its way, beside how far the whole cloth slid.
+    pub sprang_back: bool,
+    /// Whether no particle was folded even half as far as it was carried, beside how far the whole cloth slid, or
+    /// even a millimetre: the cloth lies as before, wherever it slid to.
+    pub went_back: bool,
 }
 
 /// Measures an action.
 ///
 /// - `before`, `after`: `[n_particles]` positions, grid order, world frame, metres.
 ///
-/// `None` if the counts differ, or there is no particle.
+/// `None` if the counts differ, there is no particle, or a coordinate is not finite.
 pub fn cloth_moved(
     before: &[[f32; 3]],
     after: &[[f32; 3]],
     executed: &Executed,
 ) -> Option<ClothMoved> {
-    if before.len() != after.len() {
+    let are_finite = before
+        .iter()
+        .chain(after)
+        .flatten()
+        .all(|it| it.is_finite());
+    if before.len() != after.len() || !are_finite {
         return None;
     }
     let ways = || {
         let pairs = before.iter().zip(after);
-        pairs.map(|(before, after)| {
-            [0, 1].map(|axis| f64::from(after[axis]) - f64::from(before[axis]))
-        })
+        pairs.map(|(before, after)| way(before.map(f64::from), after.map(f64::from)))
     };
-    let mut slid = [0.0; 2];
-    for axis in [0, 1] {
-        let mut along: Vec<f64> = ways().map(|way| way[axis]).collect();
-        along.sort_by(f64::total_cmp);
-        slid[axis] = *along.get(along.len() / 2)?;
-    }
-    let farthest_mm = |from: [f64; 2]| {
-        let ways = ways().map(|way| mm([way[0] - from[0], way[1] - from[1]]));
-        ways.fold(0.0, f64::max)
-    };
+    let slid = [
+        median(ways().map(|way| way[0]))?,
+        median(ways().map(|way| way[1]))?,
+    ];
+    let farthest_mm = |from: [f64; 2]| ways().map(|way| mm(less(way, from))).fold(0.0, f64::max);
+    let folded_mm = farthest_mm(slid);
     let held = || {
         let Grasp::Particle(particle) = executed.grasp else {
             return None;
         };
         let from = before.get(particle as usize)?.map(f64::from);
-        let rests = after.get(particle as usize)?.map(f64::from);
-        let away_mm = |to: [f64; 3]| mm([to[0] - from[0], to[1] - from[1]]);
+        let carried = way(from, executed.released_at?.into());
+        let stayed = way(from, after.get(particle as usize)?.map(f64::from));
+        let half_mm = mm(less(carried, slid)) / 2.0;
         Some(HeldMoved {
-            carried_mm: away_mm(executed.released_at?.into()),
-            stayed_mm: away_mm(rests),
+            carried_mm: mm(carried),
+            stayed_mm: mm(stayed),
+            sprang_back: mm(less(stayed, slid)) < half_mm,
+            went_back: folded_mm < half_mm.max(1.0),
         })
     };
     Some(ClothMoved {
         held: held(),
         farthest_mm: farthest_mm([0.0; 2]),
         slid_mm: mm(slid),
-        folded_mm: farthest_mm(slid),
+        folded_mm,
     })
+}
+
+/// Returns the mean of the two middle values, or the middle one; `None` of nothing.
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    let lower = middle.saturating_sub(usize::from(values.len().is_multiple_of(2)));
+    Some((values.get(lower)? + values.get(middle)?) / 2.0)
+}
+
+/// Returns the way along the table.
+fn way(from: [f64; 3], to: [f64; 3]) -> [f64; 2] {
+    less([to[0], to[1]], [from[0], from[1]])
+}
+
+fn less(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
 }
 
 fn mm(way_m: [f64; 2]) -> f64 {
@@ -120,44 +128,77 @@ mod tests {
 
     #[test]
     fn distances_are_along_the_table_and_count_from_the_place_before() {
-        let before = [[0.0, 0.0, 0.005], [1.0, 0.0, 0.005]];
-        let after = [[0.003, 0.004, 0.005], [1.012, 0.0, 0.305]];
+        let before = [[0.0, 0.0, 0.005], [1.0, 0.0, 0.005], [2.0, 0.0, 0.005]];
+        let after = [
+            [0.003, 0.004, 0.005],
+            [1.012, 0.0, 0.305],
+            [2.0, 0.0, 0.005],
+        ];
         let released = WorldPoint::new(0.03, 0.04, 0.2);
-        let moved = cloth_moved(
-            &before,
-            &after,
-            &executed(Grasp::Particle(0), Some(released)),
-        );
-        let moved = moved.expect("equal counts");
+        let done = executed(Grasp::Particle(0), Some(released));
+        let moved = cloth_moved(&before, &after, &done).expect("equal counts");
         let held = moved.held.expect("a particle was held");
         for (found, expected) in [
             (held.carried_mm, 50.0),
             (held.stayed_mm, 5.0),
             (moved.farthest_mm, 12.0),
+            (moved.slid_mm, 3.0),
         ] {
             assert!((found - expected).abs() < 1e-3, "{found} is not {expected}");
         }
-        assert!(held.sprang_back());
-        assert_eq!(moved.went_back(), Some(true));
+        assert!(held.sprang_back && held.went_back);
+    }
+
+    /// The particle in the middle is carried by 100 mm, and the cloth slides by 60 mm.
+    #[test]
+    fn what_slid_was_not_folded() {
+        let before = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.02, 0.0, 0.0]];
+        let released = WorldPoint::new(0.11, 0.0, 0.2);
+        for sign in [1.0, -1.0] {
+            for (folded_mm, went_back) in [(0.0, true), (15.0, true), (25.0, false)] {
+                let mut after = before.map(|[x, y, z]| [x + 0.06, y, z]);
+                after[1][0] += 0.001 * folded_mm;
+                let mirrored = |it: [f32; 3]| [sign * it[0], it[1], it[2]];
+                let mut done = executed(Grasp::Particle(1), Some(released));
+                done.released_at = Some(WorldPoint::new(f64::from(sign) * 0.11, 0.0, 0.2));
+                let moved = cloth_moved(&before.map(mirrored), &after.map(mirrored), &done);
+                let moved = moved.expect("equal counts");
+                let held = moved.held.expect("a particle was held");
+                assert!((moved.slid_mm - 60.0).abs() < 1e-3, "{moved:?}");
+                assert!(
+                    (moved.folded_mm - f64::from(folded_mm)).abs() < 1e-3,
+                    "{moved:?}"
+                );
+                assert_eq!(
+                    [held.went_back, held.sprang_back],
+                    [went_back; 2],
+                    "{moved:?}"
+                );
+            }
+        }
     }
 
     #[test]
-    fn a_cloth_that_was_dragged_was_not_folded() {
-        let before = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.02, 0.0, 0.0]];
-        let mut after = before.map(|[x, y, z]| [x + 0.03, y - 0.04, z]);
-        let released = WorldPoint::new(0.06, 0.0, 0.2);
-        let measured = |after: &[[f32; 3]]| {
-            let done = executed(Grasp::Particle(0), Some(released));
-            cloth_moved(&before, after, &done).expect("equal counts")
-        };
-        let dragged = measured(&after);
-        assert_eq!(dragged.went_back(), Some(true));
-        assert!((dragged.slid_mm - 50.0).abs() < 1e-3 && dragged.folded_mm < 1e-3);
-        after[0][0] += 0.035;
-        let folded = measured(&after);
-        assert_eq!(folded.went_back(), Some(false));
-        assert!((folded.slid_mm - 50.0).abs() < 1e-3);
-        assert!((folded.folded_mm - 35.0).abs() < 1e-3);
+    fn what_cannot_be_measured_is_none() {
+        let done = executed(Grasp::Held, None);
+        let point = [[0.0; 3]];
+        assert_eq!(cloth_moved(&[], &[], &done), None);
+        assert_eq!(cloth_moved(&point, &[], &done), None);
+        assert_eq!(cloth_moved(&point, &[[0.0, f32::NAN, 0.0]], &done), None);
+    }
+
+    #[test]
+    fn half_a_cloth_that_is_folded_over_slides_to_neither_side() {
+        let before: Vec<[f32; 3]> = (0..4).map(|i| [0.1 * i as f32, 0.0, 0.0]).collect();
+        let done = executed(Grasp::Held, None);
+        let slid = [[0, 1], [2, 3]].map(|folded| {
+            let mut after = before.clone();
+            folded.map(|i| after[i][0] = 0.3 - before[i][0]);
+            cloth_moved(&before, &after, &done)
+                .expect("equal counts")
+                .slid_mm
+        });
+        assert!((slid[0] - slid[1]).abs() < 1e-3, "{slid:?}");
     }
 
     #[test]
@@ -165,7 +206,7 @@ mod tests {
         let (before, after) = ([[0.0; 3]], [[0.01, 0.0, 0.0]]);
         let moved = cloth_moved(&before, &after, &executed(Grasp::Held, None));
         let moved = moved.expect("equal counts");
-        assert_eq!((moved.held, moved.went_back()), (None, None));
+        assert_eq!(moved.held, None);
         assert!((moved.farthest_mm - 10.0).abs() < 1e-3);
     }
 }

@@ -10,7 +10,7 @@ use fab_agent::sheet::SHEET_FILE;
 use fab_base::wording::{counted, shown};
 use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
-use fab_program::{Goal, Metric};
+use fab_program::{Goal, LEAST_SLIDE_MM, Metric};
 use fab_world::Grasp;
 use fab_world::metrics::ClothMoved;
 use std::path::Path;
@@ -139,7 +139,7 @@ fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
 /// Says how far an action moved the cloth, and how much of that stayed.
 fn cloth(moved: &ClothMoved) -> String {
     let held = match &moved.held {
-        Some(held) if held.sprang_back() => format!(
+        Some(held) if held.sprang_back => format!(
             ", cloth moved {:.0} mm, sprang back to {:.0}",
             held.carried_mm, held.stayed_mm
         ),
@@ -149,7 +149,7 @@ fn cloth(moved: &ClothMoved) -> String {
         ),
         None => format!(", cloth moved at most {:.0} mm", moved.farthest_mm),
     };
-    if moved.slid_mm < 1.0 {
+    if moved.slid_mm < LEAST_SLIDE_MM {
         return held;
     }
     format!("{held}, slid {:.0} mm", moved.slid_mm)
