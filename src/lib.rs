@@ -1,8 +1,8 @@
 //! The `fabc` command: parse, run one verb, report.
 //!
 //! [`run`] does inside this process what the program does in a process of its own. Everything a command accesses beyond
-//! its arguments is in its [`Io`]: only this package knows the command line, prints, reads the environment, and chooses
-//! exit codes. Data goes to stdout, talk to stderr.
+//! its arguments is in its [`Io`]: only this package knows the command line, prints, reads the environment (but for the
+//! variables of proxies and of ROS, which the network code reads), and chooses exit codes. Data goes to stdout, talk to stderr.
 //!
 //! ```
 //! let io = fabc::Io::new(env!("CARGO_MANIFEST_DIR"));

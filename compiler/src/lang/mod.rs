@@ -1,7 +1,7 @@
 //! The tables of the language: one row for each word. Checks, messages, the reference and editors read them.
 //!
-//! Rows that make parts of the program are beside those parts in `fab-program`: units, extractors, measures. Words
-//! that may begin a line are in the grammar.
+//! Rows that make parts of the program are beside those parts in `fab-program`: units, extractors, measures, manners.
+//! Words that may begin a line are in the grammar, except the properties of a material.
 
 pub(crate) mod actions;
 pub(crate) mod annotate;

@@ -1,4 +1,4 @@
-//! The one check that every motion passes, and the type that alone can be sent to an arm.
+//! The one check that every motion passes, and the type of a motion that passed it.
 //!
 //! In: the settings' limits, the table's surface, the arm's shapes, and motions: planned ones, those that are about to
 //! be sent, corrections, and trajectories point by point. Out: [`Checked`], or why a motion is not allowed. The tool
@@ -36,7 +36,8 @@ const ASIDE_RAD: f64 = 0.05;
 /// Halvings in the search for the point of a capsule that is nearest to a box: a metre to 0.01 mm.
 const HALVINGS: usize = 30;
 
-/// Something that passed the checks of a [`Guard`]. Nothing else can be sent to an arm, and only a guard makes one.
+/// Something that passed the checks of a [`Guard`]. Routes and goals of an arm are made of nothing else, and only a guard
+/// makes one.
 #[derive(Debug, PartialEq)]
 pub struct Checked<T>(T);
 

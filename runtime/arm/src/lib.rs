@@ -1,4 +1,5 @@
-//! The arm: kinematics, camera calibration, motion limits, and the drivers of real and simulated arms.
+//! An arm over a table as a world: settings and descriptions, kinematics, calibration, plans, the guard of motions, drivers,
+//! cameras, and the same arm simulated.
 //!
 //! ```text
 //! Motion → plan → Guard → Checked route → Limited → Arm (a driver) → Guard → Checked goal → Port (messages) → an arm

@@ -1,5 +1,5 @@
-//! The runtime's foundation: journals, files, particle positions, a cache, hashes, threads, programs that answer lines,
-//! foreign text made visible, enumerations with names.
+//! The runtime's foundation: journals, files, particle positions, a cache, hashes, seeded chance, threads, a queue that cannot
+//! block, interrupts, programs that answer lines, names of enumerations, foreign text made visible.
 //!
 //! Nothing here knows about tasks, models, cloths or arms.
 //!

@@ -1,4 +1,5 @@
-//! Models that answer prompts, behind one trait.
+//! Models that answer prompts, behind one trait; how a model gets points and pictures, calls with caps and ledger,
+//! recordings.
 //!
 //! In: a self-contained [`Request`]: a model gets nothing else, neither the task's name nor the simulator's state. Out:
 //! a [`Reply`]. Reading the answer is the job of `fab_program::reply`, judging it of `fab_program::verify`, asking
@@ -17,7 +18,7 @@ pub use lowering::Lowering;
 
 /// Answers one request at a time.
 ///
-/// Every implementation passes the conformance suite in `tests/suite/model_conformance.rs`.
+/// Stand-ins and the models of providers pass the conformance suite in `tests/suite/model_conformance.rs`.
 pub trait Model: Send + Sync {
     /// Returns the name that reports and journals print, e.g. `geometric`.
     fn name(&self) -> &str;

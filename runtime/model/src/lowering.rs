@@ -1,7 +1,7 @@
 //! How one model gets points of a picture: its coordinates, and the size of its pictures.
 //!
 //! In: the model's properties, as data. Out: the [`Pointing`] of prompts, schema and reader for a camera's picture, and
-//! pictures in the size that is sent. `fab_program::pointing` converts coordinates; `vision` draws numbers.
+//! pictures in the size that is sent. `fab_program::pointing` converts coordinates; `fab_vision` draws numbers.
 
 use super::{Model, ModelRole};
 use crate::Models;

@@ -1,4 +1,4 @@
-//! Provider models: wire formats, known facts, cost estimates, and a server that imitates a provider.
+//! Provider models: wire formats, known facts, probes, cost estimates, and a server that imitates a provider.
 //!
 //! In: a [`fab_model::Request`], and the catalogue's facts about the model. Out: a reply, or a named fault. Each call
 //! is noted before it is sent. Only `remote` sends over the network, and only `serve` listens.

@@ -1,6 +1,7 @@
 //! Pictures in, points out; and points drawn back into pictures.
 //!
-//! In: depth images and RGB pictures. Out: [`fab_picture::Mask`]s, corners, boxes, outlines, centres, drawings.
+//! In: depth images and RGB pictures. Out: [`fab_picture::Mask`]s, corners, boxes, rectangles, outlines, places
+//! found again in another picture, printed tags, drawings.
 //! Everything is a pure function of its input. Only this crate names OpenCV, because the paper's recorded results come
 //! from OpenCV's detectors and drawing routines. Which detector a task uses, and what its points are called, is decided
 //! elsewhere.

@@ -1,4 +1,5 @@
-//! Worlds that execute actions, behind one trait.
+//! Worlds that execute actions, behind one trait; starts, twins and expert results made with them, and measures of what
+//! became of the cloth.
 //!
 //! In: a [`Start`] and [`Motion`]s in metres. Out: [`Observation`]s and what really happened. A world knows nothing
 //! about prompts, models or checks.

@@ -1,4 +1,4 @@
-//! The bundled cloth simulator as a [`World`]; this module alone names the simulator's crate.
+//! The bundled cloth simulator as a [`World`]; in this package, this module alone names the simulator's crate.
 
 pub mod film;
 pub mod trials;
