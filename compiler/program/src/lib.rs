@@ -94,7 +94,7 @@ pub use data::actions::{ActionField, Choices, Direction, LengthChoice, Proposal,
 pub use data::annotate::{Layer, Mark, Spot};
 pub use data::camera::{Camera, ImageUp, PixelPoint};
 pub use data::cloth::{
-    Cloth, ClothStart, RECORDED_HEIGHT_M, RECORDED_SPACING_M, STATED_SPACING_MM,
+    Cloth, ClothStart, PARTICLES_A_SIDE, RECORDED_HEIGHT_M, RECORDED_SPACING_M, STATED_SPACING_MM,
 };
 pub use data::demos::Demos;
 pub use data::files::{FileRef, SourceStamp};

@@ -4,17 +4,29 @@ use fab_program::data::keypoints::IMAGE;
 use fab_program::units::base;
 use fab_program::vocabulary::{Arg, ArgValue, Args, Call, CallOf, Default, Kind, Range, Word};
 use fab_program::{
-    Camera, Cloth, ClothPoint, ClothStart, ImageUp, MANNERS, Manner, Picker, RECORDED_SPACING_M,
-    STATED_SPACING_MM,
+    Camera, Cloth, ClothPoint, ClothStart, ImageUp, MANNERS, Manner, PARTICLES_A_SIDE, Picker,
+    RECORDED_SPACING_M, STATED_SPACING_MM,
 };
 
 // ---- cloths --------------------------------------------------------------------------------------
 
 /// Particles on a side; their number grows with the square.
-pub(crate) const PARTICLES: Range = Range::plain("a count of particles", 2.0, 200.0);
+pub(crate) const PARTICLES: Range = Range::plain(
+    "a count of particles",
+    PARTICLES_A_SIDE[0] as f64,
+    PARTICLES_A_SIDE[1] as f64,
+);
 
 /// The length of a side, for the fewest to the most particles.
-const SIDE: Kind = Kind::Quantity(Range::new("a side", (6.25, "mm"), (1243.75, "mm")));
+const SIDE: Kind = Kind::Quantity(Range::new(
+    "a side",
+    (side_mm(PARTICLES_A_SIDE[0]), "mm"),
+    (side_mm(PARTICLES_A_SIDE[1]), "mm"),
+));
+
+const fn side_mm(particles: u32) -> f64 {
+    (particles - 1) as f64 * 1000.0 * RECORDED_SPACING_M
+}
 
 const SPACING: Arg = Arg::named(
     "spacing",

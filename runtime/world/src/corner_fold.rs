@@ -9,16 +9,13 @@ use crate::smallest_fold;
 use crate::start::Start;
 use crate::{Motion, SimulatedWorld, World, WorldError, WorldPoint};
 use fab_base::interrupt::Interrupt;
-use fab_program::{Camera, Cloth, ClothStart, ImageUp, Picker, SmallestFold};
+use fab_program::{Camera, Cloth, ClothStart, ImageUp, PARTICLES_A_SIDE, Picker, SmallestFold};
 
 /// How far the corner is carried, millimetres.
 pub const CARRIED_MM: u32 = 40;
 
 /// The side of the cloth between its outermost particles, metres.
 const SIDE_M: f64 = 0.3375;
-
-/// Most particles along a side that a simulated cloth may have.
-const MOST_PARTICLES: f64 = 200.0;
 
 /// The back left corner of a square cloth.
 pub struct CornerFold {
@@ -31,7 +28,8 @@ impl CornerFold {
     /// Lays the cloth: 340 mm a side, or as much of it as a grid holds.
     pub fn new(parameters: Params, spacing_m: f64) -> Result<CornerFold, WorldError> {
         let particles = (SIDE_M / spacing_m).round() + 1.0;
-        let particles = particles.clamp(2.0, MOST_PARTICLES) as u32;
+        let [fewest, most] = PARTICLES_A_SIDE;
+        let particles = (particles as u32).clamp(fewest, most);
         let cloth = Start::flat(&Cloth {
             dimx: particles,
             dimy: particles,

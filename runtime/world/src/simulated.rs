@@ -345,6 +345,12 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn the_language_allows_the_grids_that_the_simulator_has() {
+        let most = [fab_sim::MIN_DIM, fab_sim::MAX_DIM];
+        assert_eq!(fab_program::PARTICLES_A_SIDE.map(|it| it as usize), most);
+    }
+
+    #[test]
     fn a_material_changes_the_parameters_and_the_picture_and_none_changes_nothing() {
         let world = || SimulatedWorld::new(&conformance::camera(), Picker::default()).unwrap();
         let plain = world().with_material(None);

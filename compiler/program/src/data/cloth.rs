@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 /// Distance between the recorded cloth's particles, metres (protocol, section 1), and of every cloth that states none.
 pub const RECORDED_SPACING_M: f64 = 0.00625;
 
+/// The fewest and the most particles along a side of a cloth.
+pub const PARTICLES_A_SIDE: [u32; 2] = [2, 200];
+
 /// The spacings that a cloth of a material may state, millimetres.
 ///
 /// At 2 mm, bending lengths above about 15 mm are too stiff for a step, and most woven cloths have such; at 12 mm, no loop

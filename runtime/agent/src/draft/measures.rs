@@ -1,15 +1,12 @@
 //! Infers the camera and the cloth's size; pictures show only the ratio between them.
 
 use super::DraftError;
-use fab_program::{Camera, Cloth, ClothStart, ImageUp, RECORDED_SPACING_M};
+use fab_program::{Camera, Cloth, ClothStart, ImageUp, PARTICLES_A_SIDE, RECORDED_SPACING_M};
 use fab_world::start::RESTING_HEIGHT_M;
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// The most particles along a side.
-const MOST_PARTICLES: u32 = 200;
-
 /// The longest side of a cloth, metres.
-pub const LARGEST_M: f64 = (MOST_PARTICLES - 1) as f64 * RECORDED_SPACING_M;
+pub const LARGEST_M: f64 = (PARTICLES_A_SIDE[1] - 1) as f64 * RECORDED_SPACING_M;
 
 /// How much larger an outline in whole pixels is than the cloth, pixels: partly covered pixels count.
 const RIM_PX: f64 = 0.7;
@@ -81,7 +78,8 @@ pub fn of(
     }
     let [dimx, dimy] = sides_px.map(|side| {
         let particles = (side / longer_px * longer_m / RECORDED_SPACING_M).round() + 1.0;
-        particles.clamp(2.0, f64::from(MOST_PARTICLES)) as u32
+        let [fewest, most] = PARTICLES_A_SIDE;
+        (particles as u32).clamp(fewest, most)
     });
     let camera = Camera {
         height_m,

@@ -193,7 +193,9 @@ mod tests {
         let done = executed(Grasp::Held, None);
         let slid = [[0, 1], [2, 3]].map(|folded| {
             let mut after = before.clone();
-            folded.map(|i| after[i][0] = 0.3 - before[i][0]);
+            for i in folded {
+                after[i][0] = 0.3 - before[i][0];
+            }
             cloth_moved(&before, &after, &done)
                 .expect("equal counts")
                 .slid_mm
