@@ -1,4 +1,4 @@
-//! Warns of demonstrated steps that change nothing.
+//! Warns of demonstrated steps that fold nothing.
 //!
 //! The compiler has no simulator: `fabc subgoals` executes a demonstration, and the loader gives what it found
 //! ([`Trial`]). A result of another cloth, picker or list of folds is not used.
@@ -11,7 +11,7 @@ use fab_program::{
     Effect, Fold, LEAST_SLIDE_MM, Program, SmallestFold, StepTrial, Subgoals, Trial, exact,
 };
 
-/// Warns of each step of the task's demonstration that changes nothing, if that was found out.
+/// Warns of each step of the task's demonstration that folds nothing, if that was found out.
 pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     let (Some(Subgoals::Demonstrate { folds }), Some(part)) = (&program.subgoals, merged.subgoals)
     else {
@@ -26,7 +26,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
             continue;
         };
         let message = format!("this step folds nothing: {why}");
-        let diagnostic = Diagnostic::new(Code::StepChangesNothing, part.span(), message);
+        let diagnostic = Diagnostic::new(Code::StepFoldsNothing, part.span(), message);
         context.remark(diagnostic.help(help));
     }
 }

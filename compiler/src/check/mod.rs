@@ -2,7 +2,8 @@
 //!
 //! In: the views of every file. Out: the programs of the entry file's runnable tasks, and diagnostics. Every task
 //! of every file is checked, including bases. Only [`check`] makes a [`Program`], so every program is free of errors.
-//! There is one file per section, one per concept that sections share, and one per kind of warning. Each returns its part of the program, or the proof that an error was reported.
+//! There is one file per section, one per concept that sections share, and some that only warn. Those of
+//! sections return their part of the program, or the proof that an error was reported.
 
 mod actions;
 mod annotate;

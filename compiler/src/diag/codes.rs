@@ -353,7 +353,7 @@ codes! {
     "a task does not state its number of steps"
     "A task without subgoals has no steps to count, so it must state a `horizon`."
 
-    "F0510" StepChangesNothing Warning
+    "F0510" StepFoldsNothing Warning
     "a demonstrated step folds nothing"
     "Cloth that is folded over too little opens again when it is let go. `fabc subgoals` executes the demonstration in the simulator. If a step leaves the cloth as it was, or only slides it, it searches the smallest fold from the same point in the same direction that stays, and keeps the result beside the pictures. `fabc check` reads it there while cloth, picker and folds are the same; it simulates nothing itself."
 

@@ -162,7 +162,7 @@ impl SubgoalSet {
 
     /// Draws the demonstration again, even if pictures are pinned; the author's own pictures are loaded.
     ///
-    /// For a step that changes nothing, the smallest fold that stays is searched.
+    /// For a step that folds nothing, the smallest fold that stays is searched.
     ///
     /// - `watch`: shown each step before its execution.
     pub fn draw(

@@ -36,7 +36,7 @@ const ASIDE_RAD: f64 = 0.05;
 /// Halvings in the search for the point of a capsule that is nearest to a box: a metre to 0.01 mm.
 const HALVINGS: usize = 30;
 
-/// Something that passed the checks of a [`Guard`]. Routes and goals of an arm are made of nothing else, and only a guard
+/// Something that passed the checks of a [`Guard`]. Motions of the tool are made of nothing else, and only this module
 /// makes one.
 #[derive(Debug, PartialEq)]
 pub struct Checked<T>(T);

@@ -30,12 +30,11 @@ use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 use fab_picture::{Mask, depth_mask};
-use fab_program::{self as program, ClothStart, PixelPoint, RECORDED_SPACING_M, TwinRanges};
+use fab_program::{
+    self as program, ClothStart, PARTICLES_A_SIDE, PixelPoint, RECORDED_SPACING_M, TwinRanges,
+};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
-
-/// The fewest and the most particles along a side.
-const PARTICLES: [f64; 2] = [2.0, 200.0];
 
 /// How much nearer than the bare table a pixel must be to show a twin, metres: well above the rounding of depths and
 /// below half the thinnest cloth.
@@ -177,7 +176,8 @@ impl Twin {
         let spacing_m = spacing_m(kind.ranges, kind.cloth);
         let count = |side_m: f64| {
             let cells = (side_m / spacing_m).round() + 1.0;
-            cells.clamp(PARTICLES[0], PARTICLES[1])
+            let [fewest, most] = PARTICLES_A_SIDE.map(f64::from);
+            cells.clamp(fewest, most)
         };
         let counts = seen.sides_m.map(count);
         let cells = |axis: usize| seen.sides_m[axis] / (counts[axis] - 1.0);

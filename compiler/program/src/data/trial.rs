@@ -43,7 +43,7 @@ pub struct StepTrial {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Effect {
-    /// It lies otherwise than before.
+    /// Some of it was folded over.
     Changed,
     /// It opened again, and lies as before, or slid as a whole.
     WentBack {

@@ -18,7 +18,9 @@ use fab_program::render::{self, Origin, Place, PromptText, RenderError, Values};
 use fab_program::reply;
 use fab_program::scene::SceneView;
 use fab_program::space;
-use fab_program::{self as program, Cloth, ClothStart, PixelPoint, Program, Value};
+use fab_program::{
+    self as program, Cloth, ClothStart, PARTICLES_A_SIDE, PixelPoint, Program, Value,
+};
 use fab_world::metrics;
 use fab_world::start::Start;
 use serde::{Deserialize, Serialize};
@@ -245,7 +247,8 @@ impl Demonstrations {
 /// Lays the cloth as in a demonstration.
 fn start_of(program: &Program, demo: &Demo) -> Result<Start, String> {
     let [dimx, dimy] = demo.dims;
-    let range = 2..=200;
+    let [fewest, most] = PARTICLES_A_SIDE;
+    let range = fewest..=most;
     if !(range.contains(&dimx) && range.contains(&dimy) && demo.turned_deg.is_finite()) {
         return Err(format!(
             "a cloth of {dimx} by {dimy} particles, turned by {} degrees, cannot be laid",

@@ -65,7 +65,7 @@ fn a_record_that_cannot_be_read_says_why() {
         (format!("{header}\n{{}}\n{step}\n"), "line 2 is damaged"),
         (
             header.replace("\"schema\":3", "\"schema\":9") + "\n",
-            "its lines have version 9, and this program reads version 2",
+            "its lines have version 9, and this program reads version 3",
         ),
     ] {
         std::fs::write(&file, text).unwrap();

@@ -138,7 +138,11 @@ fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
 
 /// Says how far an action moved the cloth, and how much of that stayed.
 fn cloth(moved: &ClothMoved) -> String {
+    let slides = moved.slid_mm >= LEAST_SLIDE_MM;
     let held = match &moved.held {
+        Some(held) if held.sprang_back && slides => {
+            format!(", cloth moved {:.0} mm, opened again", held.carried_mm)
+        }
         Some(held) if held.sprang_back => format!(
             ", cloth moved {:.0} mm, sprang back to {:.0}",
             held.carried_mm, held.stayed_mm
@@ -149,10 +153,10 @@ fn cloth(moved: &ClothMoved) -> String {
         ),
         None => format!(", cloth moved at most {:.0} mm", moved.farthest_mm),
     };
-    if moved.slid_mm < LEAST_SLIDE_MM {
-        return held;
+    match slides {
+        true => format!("{held}, slid {:.0} mm", moved.slid_mm),
+        false => held,
     }
-    format!("{held}, slid {:.0} mm", moved.slid_mm)
 }
 
 /// Reports the cost of calls so far, if there were any.

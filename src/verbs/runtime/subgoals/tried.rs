@@ -34,7 +34,7 @@ pub fn compile(file: &str, program: &Program, trial: &Trial) -> Result<Compiled,
     };
     let mut compiled = fab_compiler::compile(file, &loader)
         .map_err(|error| Failure::environment(error.message))?;
-    let is_of_steps = |code| code == diag::Code::StepChangesNothing;
+    let is_of_steps = |code| code == diag::Code::StepFoldsNothing;
     compiled.diagnostics.retain(|it| is_of_steps(it.code));
     compiled.left_out = 0;
     Ok(compiled)
