@@ -2,7 +2,8 @@
 //!
 //! In: files, camera readings, world points. Out: pictures, [`Mask`]s and coordinates. World points are metres,
 //! right-handed, z up; pixels are `[column, row]` from the top left corner. What can be found
-//! in a picture without OpenCV is here too: regions, convex outlines, the arrow of a subgoal picture. `fab-vision` finds the rest.
+//! in a picture without OpenCV is here too: regions, convex outlines, the arrow of a subgoal picture. `fab-vision` finds
+//! the rest.
 //!
 //! ```
 //! use fab_picture::camera::Camera;

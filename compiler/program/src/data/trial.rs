@@ -27,7 +27,7 @@ pub struct Trial {
     pub steps: Vec<StepTrial>,
 }
 
-/// A cloth that slid by less as a whole did not slide, for what is said to people; millimetres.
+/// The least slide of a whole cloth that messages mention, millimetres.
 pub const LEAST_SLIDE_MM: f64 = 1.0;
 
 /// The result of one step; distances are along the table.
@@ -45,7 +45,7 @@ pub struct StepTrial {
 pub enum Effect {
     /// Some of it was folded over.
     Changed,
-    /// It opened again, and lies as before, or slid as a whole.
+    /// It opened again: it lies as before, or only slid.
     WentBack {
         /// How far the picked point was carried, millimetres.
         carried_mm: f64,

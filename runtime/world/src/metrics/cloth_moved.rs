@@ -13,8 +13,8 @@ pub struct ClothMoved {
     pub held: Option<HeldMoved>,
     /// How far the particle that moved most lies from its place before the action.
     pub farthest_mm: f64,
-    /// How far the whole cloth slid: the length of the way whose x and y are the medians over all particles. A cloth of which
-    /// more than half was folded over, or that was turned, slid otherwise.
+    /// How far the whole cloth slid: the length of the way whose x and y are the medians over all particles. It is
+    /// no slide where more than half of the cloth was folded over, or where the cloth turned.
     pub slid_mm: f64,
     /// How far the particle that moved most lies from where it would lie if the whole cloth had only slid.
     pub folded_mm: f64,
@@ -27,7 +27,7 @@ pub struct HeldMoved {
     pub carried_mm: f64,
     /// From its place before the action to its place after it, when the cloth rests.
     pub stayed_mm: f64,
-    /// Whether it went back more than half of its way, beside how far the whole cloth slid.
+    /// Whether it went back more than half of its way, once the slide of the whole cloth is taken off.
     pub sprang_back: bool,
     /// Whether the cloth lies as before, wherever it slid to: once the slide is taken off, no particle lies farther from its old
     /// place than half of what the held one was carried (or a tenth of it with the slide, or 1 mm, if that is more).
