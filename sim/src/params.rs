@@ -8,8 +8,11 @@ use crate::material::{Material, MaterialError};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest, Sha256};
 
-/// Names the solver's arithmetic. Raise it whenever a change of code changes results.
+/// Names the arithmetic that moves the recorded scene's cloth. Raise it whenever a change of code changes its results.
 pub const ALGORITHM_VERSION: u32 = 2;
+
+/// Names the arithmetic that moves cloths of a material. Raise it whenever a change of code changes their results.
+pub const TEXTILE_VERSION: u32 = 1;
 
 /// Farthest a particle may start, and the picker may be sent, from the table's centre along an axis, metres.
 pub const REACH_M: f32 = 2.0;
@@ -268,10 +271,14 @@ impl Params {
         Ok(())
     }
 
-    /// Returns 16 hex digits that change with any parameter and with the solver's arithmetic.
+    /// Returns 16 hex digits that change with any parameter and with the arithmetic that moves such a cloth.
     pub fn hash(&self) -> String {
         let json = serde_json::to_string(self).expect("a struct of numbers always has a JSON text");
-        let digest = Sha256::digest(format!("{ALGORITHM_VERSION} {json}"));
+        let version = match self.material {
+            None => ALGORITHM_VERSION.to_string(),
+            Some(_) => format!("{ALGORITHM_VERSION}.{TEXTILE_VERSION}"),
+        };
+        let digest = Sha256::digest(format!("{version} {json}"));
         crate::digest::hex(&digest[..8])
     }
 }

@@ -1,7 +1,8 @@
 //! Equal bits: pinned digests of a few runs, with any number of threads, build and instruction set.
 //!
-//! `digests.json` has the digests. If results are meant to change, raise `ALGORITHM_VERSION` and write new digests:
-//! `FABC_WRITE_DIGESTS=1 cargo test -p fab-sim --test digests pinned`.
+//! `digests.json` has the digests, all of the recorded scene's cloth. If its results are meant to change, raise `ALGORITHM_VERSION` and
+//! write new digests: `FABC_WRITE_DIGESTS=1 cargo test -p fab-sim --test digests pinned`. Results of cloths of a material have
+//! `TEXTILE_VERSION`, and a pinned digest in `suite/textile/folding.rs`.
 #![allow(clippy::unwrap_used)]
 
 use fab_sim::{Grid, Mask, Params, RestShortcut, Simulator, Snapshot, diagonal_fold};

@@ -126,7 +126,6 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
                 let differs = differs(material, program.cloth.spacing_m);
                 task["material"] = json!({ "name": material.name, "sources": material.sources, "simulated": differs });
             }
-            task["twins"] = json!(twin_too_stiff(program));
             tasks.push(task);
         }
         if !arguments.json && compiled.programs.is_empty() && !compiled.has_errors() {
@@ -172,8 +171,7 @@ fn notes(program: &Program, beside: &Path) -> String {
             .chain(sources)
             .chain(differs)
     });
-    let twin = twin_too_stiff(program).map(|why| format!("\n  its twins: {why}"));
-    notes.chain(unjudged).chain(material).chain(twin).collect()
+    notes.chain(unjudged).chain(material).collect()
 }
 
 /// Returns a note if the steps of the demonstration have not been judged.
@@ -191,22 +189,6 @@ fn unjudged(program: &Program, beside: &Path) -> Option<&'static str> {
     is_another.then_some(
         "its pictures are of another cloth, picker or demonstration: `fabc subgoals` draws them anew, and tells whether each step changes the cloth",
     )
-}
-
-/// Returns why the smallest twin of a rehearsal cannot be laid, if it cannot.
-#[cfg(feature = "runtime")]
-fn twin_too_stiff(program: &Program) -> Option<String> {
-    let twin = &program.rehearsal.as_ref()?.twin;
-    let material = fab_world::material(twin.material.as_ref()?);
-    let smallest_m = fab_world::twin::least_spacing_m(twin, &program.cloth) as f32;
-    let error = material.check(smallest_m).err()?;
-    Some(format!("the smallest cannot be laid: {error}"))
-}
-
-/// Returns nothing: without a simulator nothing is rehearsed.
-#[cfg(not(feature = "runtime"))]
-fn twin_too_stiff(_: &Program) -> Option<String> {
-    None
 }
 
 /// Returns in what the simulated cloth of a material differs from it; `None` if it cannot be laid, which F0512 reports.

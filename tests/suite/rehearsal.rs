@@ -1,53 +1,105 @@
 //! Answers are tried on twins before the world moves; twins know what the camera shows, and nothing else.
 
 use super::support::{self, Careless, Scripted, Trial, words_of};
+use fab_agent::arm_sight::SIGHT;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::Prompted;
 use fab_agent::record::{Record, RehearsedStep};
 use fab_agent::rollout::{Ended, Event};
+use fab_arm::log::ARM_FILE;
+use fab_arm::supervisor::{NoWatchdog, Unattended};
+use fab_arm::world;
+use fab_arm::world::{ArmWorld, Parts};
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::Calls;
 use fab_model::{Model, ModelError, ModelKind, ModelRole, Models, Part, Reply, Request};
-use fab_program::{Distrusted, Program, Rehearsal, RehearsalMeasure, TwinRanges};
-use fab_world::{Look, SimulatedWorld, World, WorldError, Wrapper};
+use fab_picture::observation::Observation;
+use fab_program::{Cloth, Distrusted, Program, Rehearsal, RehearsalMeasure, TwinRanges};
+use fab_world::start::Start;
+use fab_world::{Executed, Look, Motion, SimulatedWorld, World, WorldError, Wrapper};
+use std::fs;
+use std::path::Path;
 
 /// The stand-in, except that the named candidates place on the center.
 fn careless(wrong: &'static [u32]) -> Careless<impl Fn(&Request) -> bool + Send + Sync> {
     Careless::where_wrong(|request| wrong.contains(&request.candidate))
 }
 
-/// A simulated world that may lie about its particles, and may claim to be real.
-struct Disguised {
-    world: SimulatedWorld,
-    shift_m: f32,
-    is_simulated: bool,
-}
+/// A simulated world that claims to be real.
+struct Real(SimulatedWorld);
 
-impl Wrapper for Disguised {
+impl Wrapper for Real {
     fn inner(&self) -> &dyn World {
-        &self.world
+        &self.0
     }
 
     fn inner_mut(&mut self) -> &mut dyn World {
-        &mut self.world
+        &mut self.0
     }
 
     fn is_simulated(&self) -> bool {
-        self.is_simulated
+        false
+    }
+}
+
+/// A simulated world with another cloth than its start states. Its particles are always those of the start.
+struct Disguised {
+    world: SimulatedWorld,
+    shown: Start,
+    stated: Option<Start>,
+}
+
+impl World for Disguised {
+    fn name(&self) -> &str {
+        self.world.name()
+    }
+
+    fn parameters(&self) -> String {
+        self.world.parameters()
+    }
+
+    fn code(&self) -> String {
+        self.world.code()
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
+    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
+        self.stated = Some(start.clone());
+        self.world.reset(&self.shown)
+    }
+
+    fn observe(&mut self) -> Result<Observation, WorldError> {
+        self.world.observe()
+    }
+
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        self.world.act(motion, interrupt)
+    }
+
+    fn crumple(
+        &self,
+        start: &Start,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<Start, WorldError> {
+        self.world.crumple(start, seed, interrupt)
     }
 
     fn particles(&self) -> Option<Vec<[f32; 3]>> {
-        let particles = self.world.particles()?;
-        let shifted = particles
-            .into_iter()
-            .map(|[x, y, z]| [y + self.shift_m, x, z]);
-        Some(shifted.collect())
+        self.stated.as_ref().map(|start| start.positions.clone())
     }
 }
 
 /// The small task, which rehearses its only step.
 fn rehearsing() -> Program {
-    let mut program = support::small_task();
+    with_rehearsal(support::small_task())
+}
+
+/// The same task, which tries the answers of its last stage on a twin.
+fn with_rehearsal(mut program: Program) -> Program {
     let plan = program.stages.last_mut().unwrap();
     plan.temperature = Some(0.7);
     plan.candidates = Some(3);
@@ -74,30 +126,43 @@ struct Played {
     notes: Vec<String>,
     /// What the events said that answers were tried.
     tried: Vec<RehearsedStep>,
+    /// The journal of an arm's motions; empty if nothing was sent to it, or there is none.
+    motions: String,
 }
 
-/// Plays the first step in a world.
+/// Plays the first step in a changed simulated world.
 fn play(
     program: &Program,
     model: &dyn Model,
     change: impl Fn(SimulatedWorld) -> Box<dyn World> + Sync,
     prepare: impl Fn(&mut Trial<'_>),
 ) -> Played {
-    let folder = tempfile::tempdir().unwrap();
-    let mut trial = Trial::new(program, folder.path(), Look::default());
-    trial.horizon = Some(1);
-    prepare(&mut trial);
-    let make_world = || -> Result<Box<dyn World>, WorldError> {
+    let make = |_: &Path| -> Result<Box<dyn World>, WorldError> {
         Ok(change(SimulatedWorld::new(
             &program.camera,
             program.picker,
         )?))
     };
+    play_in(program, model, make, prepare)
+}
+
+/// Plays the first step in a world that is made for a run folder.
+fn play_in(
+    program: &Program,
+    model: &dyn Model,
+    make: impl Fn(&Path) -> Result<Box<dyn World>, WorldError> + Sync,
+    prepare: impl Fn(&mut Trial<'_>),
+) -> Played {
+    let folder = tempfile::tempdir().unwrap();
+    let mut trial = Trial::new(program, folder.path(), Look::default());
+    trial.horizon = Some(1);
+    prepare(&mut trial);
     let models = Models {
         vision: model,
         text: model,
     };
     let run = folder.path().join("run");
+    let make_world = || make(&run);
     let policy = Prompted { models };
     let (mut notes, mut tried) = (Vec::new(), Vec::new());
     let report = trial.decided_in(&make_world, &policy, &run, &mut |event| match event {
@@ -116,6 +181,7 @@ fn play(
         record,
         notes,
         tried,
+        motions: fs::read_to_string(run.join(ARM_FILE)).unwrap_or_default(),
     }
 }
 
@@ -374,23 +440,38 @@ fn a_cloth_that_does_not_lie_flat_at_first_has_no_twin_however_well_its_outline_
 
 #[test]
 #[ignore = "long"]
-fn a_world_whose_particles_lie_elsewhere_than_its_camera_shows_is_judged_by_its_camera() {
+fn a_cloth_that_is_shown_elsewhere_than_start_and_particles_state_is_rehearsed_as_it_is_shown() {
     let program = rehearsing();
-    let line = |shift_m: f32| {
-        let disguised = |world| -> Box<dyn World> {
-            Box::new(Disguised {
-                world,
-                shift_m,
-                is_simulated: true,
-            })
-        };
-        let model = careless(&[0]);
-        let played = play(&program, &model, disguised, |_| {});
-        (played.line.unwrap(), played.record.steps[0].cloth)
+    // Larger than the declared cloth, and beside the start. A twin that lay where the start states would overlap by less
+    // than 0.3 with what is shown, and one of the declared size in the right place by less than 0.7.
+    let larger = Cloth {
+        dimx: 34,
+        dimy: 34,
+        ..program.cloth.clone()
     };
-    let [honest, lying] = [0.0, 0.07].map(line);
-    assert_eq!(honest.0, lying.0);
-    assert_eq!(honest.0.chosen, Some(2));
+    let shown = Start::flat(&larger).moved(0.0, [0.07, -0.06]);
+    let disguised = |world| -> Box<dyn World> {
+        Box::new(Disguised {
+            world,
+            shown: shown.clone(),
+            stated: None,
+        })
+    };
+    let lying = play(&program, &careless(&[0]), disguised, |_| {});
+    let honest = play(&program, &careless(&[0]), plain, |trial| {
+        trial.start = shown.clone();
+    });
+    // By its particles, the cloth of the lying world never moved.
+    let moved_mm = |played: &Played| played.record.steps[0].cloth.unwrap().farthest_mm;
+    assert_eq!(moved_mm(&lying), 0.0);
+    assert!(moved_mm(&honest) > 100.0, "{}", moved_mm(&honest));
+    let line = lying.line.unwrap();
+    assert!(
+        line.overlap.unwrap() > 0.9 && line.aside.is_none(),
+        "{line:?}"
+    );
+    assert_eq!(line.chosen, Some(2), "{line:?}");
+    assert_eq!(Some(line), honest.line);
 }
 
 #[test]
@@ -419,13 +500,7 @@ fn where_twin_and_camera_disagree_one_question_is_asked_and_something_real_does_
     assert_eq!(model.asked.into_inner().unwrap().len(), 2);
     assert!(aside.record.steps[0].executed.is_some());
 
-    let real = |world| -> Box<dyn World> {
-        Box::new(Disguised {
-            world,
-            shift_m: 0.0,
-            is_simulated: false,
-        })
-    };
+    let real = |world| -> Box<dyn World> { Box::new(Real(world)) };
     let model = careless(&[]);
     let refused = play(&program, &model, real, folded);
     assert_eq!(refused.report.outcome, Outcome::RehearsalRefused);
@@ -439,6 +514,66 @@ fn where_twin_and_camera_disagree_one_question_is_asked_and_something_real_does_
     program.rehearsal.as_mut().unwrap().distrusted = Distrusted::Refuses;
     let simulated = play(&program, &careless(&[]), plain, folded);
     assert_eq!(simulated.report.outcome, Outcome::RehearsalRefused);
+}
+
+/// A real table's task on a cloth of few particles, which rehearses on a twin of this size.
+fn rehearsing_on_a_table(size: f64) -> Program {
+    let mut program = support::task("real/double_triangle");
+    program.verify.result = None;
+    (program.cloth.dimx, program.cloth.dimy) = (13, 13);
+    program.cloth.spacing_m = 0.025;
+    program.experts.clear();
+    program.goal = None;
+    let mut program = with_rehearsal(program);
+    let rehearsal = program.rehearsal.as_mut().unwrap();
+    (rehearsal.twin.size, rehearsal.trust_above) = ([size; 2], 0.8);
+    program
+}
+
+/// Plays the first step with the simulated arm.
+fn play_with_arm(program: &Program, model: &dyn Model) -> Played {
+    let make = |run: &Path| -> Result<Box<dyn World>, WorldError> {
+        let robot = support::root().join("tasks/real/simulated.toml");
+        let (settings, settings_hash, calibration) = world::load(&robot).unwrap();
+        Ok(Box::new(ArmWorld::simulated(Parts {
+            settings,
+            settings_hash,
+            calibration,
+            sight: SIGHT,
+            material: None,
+            image_px: program.camera.image_px,
+            supervisor: Box::new(Unattended),
+            watchdog: Box::new(NoWatchdog),
+            folder: Some(run.to_owned()),
+        })?))
+    };
+    play_in(program, model, make, |_| {})
+}
+
+#[test]
+#[ignore = "long"]
+fn an_arm_does_not_move_where_twin_and_camera_disagree_and_moves_where_they_agree() {
+    // The task only stands aside, but an arm counts as real.
+    let program = rehearsing_on_a_table(1.3);
+    let model = careless(&[]);
+    let refused = play_with_arm(&program, &model);
+    assert_eq!(refused.report.outcome, Outcome::RehearsalRefused);
+    let why = refused.report.stopped.as_deref().unwrap();
+    assert!(why.contains("the task trusts more than 0.8"), "{why}");
+    assert!(refused.record.steps[0].executed.is_none());
+    assert_eq!(refused.motions, "", "it moved");
+    assert_eq!(model.asked.lock().unwrap().len(), 0);
+
+    let trusted = play_with_arm(&rehearsing_on_a_table(1.0), &careless(&[0]));
+    assert_eq!(trusted.report.outcome, Outcome::HorizonReached);
+    let line = trusted.line.unwrap();
+    assert!(
+        line.overlap.unwrap() > 0.8 && line.aside.is_none(),
+        "{line:?}"
+    );
+    assert_eq!(line.chosen, Some(2), "{line:?}");
+    assert!(trusted.record.steps[0].executed.is_some());
+    assert!(trusted.motions.contains("begin"), "{}", trusted.motions);
 }
 
 #[test]

@@ -176,6 +176,13 @@ const RESERVED: [(Name, &str, &str); 10] = [
     (Name::Word("rustdds"), "", "runtime/arm-ros2/"),
 ];
 
+/// Where the code of twins lies.
+const TWINS: [&str; 2] = ["runtime/agent/src/twins", "runtime/world/src/twin"];
+
+/// What it may name in its tests alone. A twin may know of the judged cloth only what a camera shows, and whoever has a
+/// world can ask it where the particles lie.
+const KEPT_FROM_TWINS: [Name; 2] = [Name::Word("dyn World"), Name::Word("particles")];
+
 /// Folders of one machine, split so that this file does not contain the names.
 const MACHINE_FOLDERS: [&str; 4] = [
     concat!("/wo", "rk/"),
@@ -217,6 +224,11 @@ fn reserved_names_stay_in_their_place() {
 }
 
 #[test]
+fn twins_are_given_no_world_and_no_particles() {
+    report(&twin_faults(&tree()));
+}
+
+#[test]
 fn rust_files_start_with_their_purpose() {
     report(&form_faults(&tree()));
 }
@@ -246,6 +258,7 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
         include_faults,
         reason_faults,
         name_faults,
+        twin_faults,
         form_faults,
         ignore_faults,
         place_faults,
@@ -253,7 +266,7 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
     ];
     let tilde_home = concat!("see ~/wo", "rk/a and https://host/ho", "me/a\n");
     let machine_path = concat!("one\ncd '/wo", "rk/a'\n");
-    let samples: [(&str, &str, Option<usize>); 37] = [
+    let samples: [(&str, &str, Option<usize>); 40] = [
         (
             "compiler/Cargo.toml",
             "[dependencies]\nfab-grammar = { workspace = true }\n",
@@ -408,6 +421,21 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
             Some(2),
         ),
         ("src/main.rs", "//! A.\nuse clap::Parser;\n", None),
+        (
+            "runtime/agent/src/twins.rs",
+            "//! A.\nfn of(world: &dyn World) {}\n",
+            Some(2),
+        ),
+        (
+            "runtime/world/src/twin.rs",
+            "//! A.\nlet all = world.particles();\n",
+            Some(2),
+        ),
+        (
+            "runtime/world/src/twin.rs",
+            "//! A `dyn World` has particles.\n#[cfg(test)]\nmod tests {\n    world.particles();\n}\n",
+            None,
+        ),
         ("src/main.rs", "// A.\n", Some(1)),
         (
             "tests/a.rs",
@@ -618,6 +646,26 @@ fn name_faults(files: &[TextFile]) -> Vec<String> {
             for (line, content) in numbered(&code).filter(|(_, content)| names(content, name)) {
                 let rule = format!("only {place} may name `{word}`: {}", content.trim());
                 faults.push(fault(file, line, &rule));
+            }
+        }
+    }
+    faults
+}
+
+/// Twins get a camera's pictures, and nothing that could be asked for more.
+fn twin_faults(files: &[TextFile]) -> Vec<String> {
+    let mut faults = Vec::new();
+    let is_twins = |file: &&TextFile| TWINS.iter().any(|place| file.path.starts_with(place));
+    for file in files.iter().filter(is_twins) {
+        let code = code_only(&file.text);
+        let code = code.split("#[cfg(test)]\nmod tests").next();
+        for (line, content) in numbered(code.unwrap_or_default()) {
+            for name in KEPT_FROM_TWINS {
+                if names(content, name) {
+                    let (Name::Word(word) | Name::Crate(word)) = name;
+                    let rule = format!("twins may not name `{word}`: {}", content.trim());
+                    faults.push(fault(file, line, &rule));
+                }
             }
         }
     }

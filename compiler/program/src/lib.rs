@@ -95,6 +95,7 @@ pub use data::annotate::{Layer, Mark, Spot};
 pub use data::camera::{Camera, ImageUp, PixelPoint};
 pub use data::cloth::{
     Cloth, ClothStart, PARTICLES_A_SIDE, RECORDED_HEIGHT_M, RECORDED_SPACING_M, STATED_SPACING_MM,
+    particles_along,
 };
 pub use data::demos::Demos;
 pub use data::files::{FileRef, SourceStamp};

@@ -59,11 +59,23 @@ pub fn verdict(
     proposal: &Proposal,
     strictness: Strictness,
 ) -> Result<Verdict, RenderError> {
-    let facts = facts.judging(proposal);
-    let notation = || facts.notation(program);
-    if let Some(refused) = unoffered(program, facts.scene, proposal, &notation)? {
-        return Ok(refused);
+    let notation = || facts.judging(proposal).notation(program);
+    match unoffered(program, facts.scene, proposal, &notation)? {
+        Some(refused) => Ok(refused),
+        None => checks(program, facts, proposal, strictness),
     }
+}
+
+/// Judges an action by the declared checks alone, whether or not its values are offered.
+///
+/// Fails like [`verdict`].
+pub fn checks(
+    program: &Program,
+    facts: Facts<'_>,
+    proposal: &Proposal,
+    strictness: Strictness,
+) -> Result<Verdict, RenderError> {
+    let facts = facts.judging(proposal);
     let relaxed = |check: &&Check| {
         strictness == Strictness::Relaxed && program.verify.relaxed.contains(&check.name)
     };

@@ -150,8 +150,23 @@ fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges,
             }
             own_material(name, context);
         }
+        too_stiff(&twin, line, context);
     }
     Ok(twin)
+}
+
+/// Warns of twins of which the smallest cannot be laid in the simulator.
+fn too_stiff(twin: &TwinRanges, line: Call<'_>, context: &mut Context<'_, '_>) {
+    if let (Some(material), Ok(Some(cloth))) = (&twin.material, &context.cloth)
+        && let Some(why) = context
+            .loaded
+            .refuses_cloth(material, twin.least_spacing_m(cloth))
+    {
+        let message = format!("the smallest twin cannot be laid in the simulator: {why}");
+        let diagnostic = Diagnostic::new(Code::TwinTooStiff, line.span(), message);
+        let help = "let `size` begin higher, or state a larger `spacing` of the cloth, which the twins share";
+        context.remark(diagnostic.help(help));
+    }
 }
 
 /// Warns of a cloth that starts crumpled. Where it lies at the start of a file is seen when it runs.

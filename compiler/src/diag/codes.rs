@@ -453,6 +453,10 @@ codes! {
     "a fold is chosen by coverage"
     "A fold makes a cloth cover less, so in a task with subgoals `choose most coverage` takes the answer that folds least, or that misses the cloth. `choose most overlap` compares with the next subgoal."
 
+    "F0623" TwinTooStiff Warning
+    "a twin is too stiff for the simulator"
+    "A twin has as many particles as the seen cloth at the spacing of the task's cloth, so the particles of a smaller twin lie closer together, and a stiff material needs more parts of a step then than there are. No step of a rollout that draws such a twin is rehearsed, and nothing real moves. Let the range of `size` begin higher, or state a larger `spacing` of the cloth."
+
     "F0701" MissingField Error
     "an action lacks a field"
     "An action has a `pick` and a `place`, or a `pick`, a `direction` and a `distance`. The message says which of them is missing."

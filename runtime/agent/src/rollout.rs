@@ -291,9 +291,10 @@ pub fn run(
     let mut keeper = RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref())?;
     let mut sheet = Sheet::new();
     let mut memory = Memory::new(job.start.digest(), who.sees_particles);
-    if who.kind == Kind::Prompted {
+    // A policy that asks no model has nothing to rehearse; but where something real could move, its twins must be trusted too.
+    if who.kind == Kind::Prompted || !world.is_simulated() {
         let draws = format!("{} {}", job.start_number.unwrap_or(0), job.repetition);
-        memory.twins = Twins::of(job.program, job.subgoals, &draws, world.as_ref());
+        memory.twins = Twins::of(job.program, job.subgoals, &draws, world.is_simulated());
     }
     let mut covered = Covered::at_start(job, world.as_mut())?;
     let mut end = Outcome::HorizonReached;

@@ -1,8 +1,9 @@
 //! The twins of one rollout: laid once from a camera's picture, carried along, and folded before the world moves.
 //!
-//! In: what the task declares, pictures of the cloth, executed motions, and actions to try. Out: measures of the
-//! results, and whether the twins can still be trusted. Twins get nothing else of the world: in particular no particles,
-//! no start and no true material. A cloth that does not lie flat in the first picture has no twins.
+//! In: what the task declares, whether the world is simulated, pictures of the cloth, executed motions, and actions to
+//! try. Out: measures of the results, and whether the twins can still be trusted. Twins get no world that could be asked
+//! for more: in particular no particles, no start and no true material. A cloth that does not lie flat in the first
+//! picture has no twins.
 
 use crate::record::{RehearsedAnswer, RehearsedStep};
 use crate::result::{Alignment, overlap, silhouette};
@@ -13,7 +14,7 @@ use fab_picture::observation::Observation;
 use fab_program::{Camera, Cloth, Distrusted, Picker, Program, Rehearsal, RehearsalMeasure};
 use fab_vision::{Rectangle, VisionError};
 use fab_world::twin::{Drawn, Kind, Sighting, Twin, TwinView};
-use fab_world::{Motion, World, WorldError};
+use fab_world::{Motion, WorldError};
 use image::RgbImage;
 use std::time::{Duration, Instant};
 
@@ -119,6 +120,10 @@ enum Aside {
     NotFollowed(WorldError),
     #[error("there are no twins since step {since}: {why}")]
     Without { since: u32, why: String },
+    #[error(
+        "step {step} has no subgoal picture that shows the cloth, so no result can be measured"
+    )]
+    NoSubgoal { step: u32 },
     #[error("twins and camera overlap by {overlap:.3}, and the task trusts more than {trusted}")]
     Disagree { overlap: f64, trusted: f64 },
 }
@@ -127,12 +132,12 @@ impl Twins {
     /// Prepares the twins of a rollout; `None` if the task does not rehearse.
     ///
     /// - `draws`: distinguishes the draws of rollouts; equal ones give equal twins.
-    /// - `world`: only asked whether it is simulated.
+    /// - `is_simulated`: whether nothing real can move; [`fab_world::World::is_simulated`] of the rollout's world.
     pub fn of(
         program: &Program,
         subgoals: &SubgoalSet,
         draws: &str,
-        world: &dyn World,
+        is_simulated: bool,
     ) -> Option<Twins> {
         Some(Twins {
             rehearsal: program.rehearsal.clone()?,
@@ -140,7 +145,7 @@ impl Twins {
             picker: program.picker,
             cloth: program.cloth.clone(),
             seed: format!("twin {draws}"),
-            is_simulated: world.is_simulated(),
+            is_simulated,
             subgoals: subgoals.pictures.iter().map(silhouette).collect(),
             step: 1,
             table: Table::Bare,
@@ -205,6 +210,9 @@ impl Twins {
             }
         };
         let cloth = cloth.ok_or(Aside::NoCloth)?;
+        if self.rehearsal.choose == Some(RehearsalMeasure::Overlap) && !self.has_subgoal() {
+            return Err(Aside::NoSubgoal { step: self.step });
+        }
         let mut overlaps = Vec::new();
         for it in self.laid_mut() {
             let view = it.twin.view().map_err(Aside::NotSeen)?;
@@ -216,6 +224,13 @@ impl Twins {
             true => Ok(()),
             false => Err(Aside::Disagree { overlap, trusted }),
         }
+    }
+
+    /// Returns whether the result of the step can be compared with a subgoal picture.
+    fn has_subgoal(&self) -> bool {
+        let goal = self.subgoals.get(self.step as usize);
+        goal.is_some_and(|goal| goal.area_px() > 0)
+            && self.laid().iter().all(|it| it.alignment.is_some())
     }
 
     fn laid(&self) -> &[Laid] {
@@ -362,16 +377,15 @@ impl Twins {
         })
     }
 
-    /// Measures the result on a twin; `None` if the task declares no measure.
+    /// Measures the result on a twin; `None` if the task declares no measure, or nothing is there to compare with.
     fn measure(&self, laid: &Laid, view: &TwinView) -> Option<f64> {
         Some(match self.rehearsal.choose? {
             RehearsalMeasure::Coverage => {
                 view.silhouette.area_px() as f64 / laid.flat_px.max(1) as f64
             }
             RehearsalMeasure::Overlap => {
-                let goal = self.subgoals.get(self.step as usize);
-                let ends = goal.zip(laid.alignment.as_ref());
-                ends.map_or(0.0, |(goal, it)| overlap(&view.silhouette, goal, it))
+                let goal = self.subgoals.get(self.step as usize)?;
+                overlap(&view.silhouette, goal, laid.alignment.as_ref()?)
             }
         })
     }

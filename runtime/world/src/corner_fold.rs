@@ -9,7 +9,7 @@ use crate::smallest_fold;
 use crate::start::Start;
 use crate::{Motion, SimulatedWorld, World, WorldError, WorldPoint};
 use fab_base::interrupt::Interrupt;
-use fab_program::{Camera, Cloth, ClothStart, ImageUp, PARTICLES_A_SIDE, Picker, SmallestFold};
+use fab_program::{Camera, Cloth, ClothStart, ImageUp, Picker, SmallestFold, particles_along};
 
 /// How far the corner is carried, millimetres.
 pub const CARRIED_MM: u32 = 40;
@@ -27,9 +27,7 @@ pub struct CornerFold {
 impl CornerFold {
     /// Lays the cloth: 340 mm a side, or as much of it as a grid holds.
     pub fn new(parameters: Params, spacing_m: f64) -> Result<CornerFold, WorldError> {
-        let particles = (SIDE_M / spacing_m).round() + 1.0;
-        let [fewest, most] = PARTICLES_A_SIDE;
-        let particles = (particles as u32).clamp(fewest, most);
+        let particles = particles_along(SIDE_M, spacing_m);
         let cloth = Start::flat(&Cloth {
             dimx: particles,
             dimy: particles,

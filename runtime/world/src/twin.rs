@@ -30,9 +30,7 @@ use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 use fab_picture::{Mask, depth_mask};
-use fab_program::{
-    self as program, ClothStart, PARTICLES_A_SIDE, PixelPoint, RECORDED_SPACING_M, TwinRanges,
-};
+use fab_program::{self as program, ClothStart, PixelPoint, TwinRanges, particles_along};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
@@ -141,20 +139,6 @@ pub struct Twin {
     table_m: f64,
 }
 
-/// Returns the distance between the particles of twins of a task's cloth, metres: that of the cloth, so both bend alike. Twins of
-/// the recorded cloth have its own.
-fn spacing_m(ranges: &TwinRanges, cloth: &program::Cloth) -> f64 {
-    match ranges.material {
-        Some(_) => cloth.spacing_m,
-        None => RECORDED_SPACING_M,
-    }
-}
-
-/// Returns about the least distance between a twin's particles, metres: that of the smallest one.
-pub fn least_spacing_m(ranges: &TwinRanges, cloth: &program::Cloth) -> f64 {
-    ranges.size[0] * spacing_m(ranges, cloth)
-}
-
 /// A twin as its camera sees it.
 pub struct TwinView {
     /// The picture.
@@ -173,18 +157,16 @@ impl Twin {
             .with_material(kind.ranges.material.as_ref())
             .with_look(look(kind.cloth.material.as_ref()))
             .varied(&AxisValues(friction), kind.camera);
-        let spacing_m = spacing_m(kind.ranges, kind.cloth);
-        let count = |side_m: f64| {
-            let cells = (side_m / spacing_m).round() + 1.0;
-            let [fewest, most] = PARTICLES_A_SIDE.map(f64::from);
-            cells.clamp(fewest, most)
-        };
-        let counts = seen.sides_m.map(count);
-        let cells = |axis: usize| seen.sides_m[axis] / (counts[axis] - 1.0);
+        let spacing_m = kind.ranges.spacing_m(kind.cloth);
+        let [dimx, dimy] = seen
+            .sides_m
+            .map(|side_m| particles_along(side_m, spacing_m));
+        let cells = [dimx, dimy].map(|count| f64::from(count - 1));
+        let cell_m = |axis: usize| seen.sides_m[axis] / cells[axis];
         let cloth = program::Cloth {
-            dimx: counts[0] as u32,
-            dimy: counts[1] as u32,
-            spacing_m: drawn.size * (cells(0) * cells(1)).sqrt(),
+            dimx,
+            dimy,
+            spacing_m: drawn.size * (cell_m(0) * cell_m(1)).sqrt(),
             start: ClothStart::Flat,
             material: kind.ranges.material.clone(),
         };
@@ -250,6 +232,7 @@ mod tests {
     use crate::WorldPoint;
     use crate::conformance;
     use crate::simulated::tests::towel;
+    use fab_program::RECORDED_SPACING_M;
     use fab_program::{Cloth, Picker};
 
     /// The recorded cloth, of 25 by 17 particles.

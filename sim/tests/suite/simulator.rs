@@ -228,8 +228,8 @@ fn a_copy_goes_on_exactly_as_the_original() {
 #[test]
 fn the_parameter_hash_changes_with_any_parameter() {
     let params = Params::default();
-    assert_eq!(params.hash().len(), 16);
-    assert_eq!(params.hash(), Params::default().hash());
+    // The recorded scene's cloth keeps its bits.
+    assert_eq!(params.hash(), "8bd2005a2873ca64");
     let other = Params {
         self_friction: 0.5,
         ..Params::default()

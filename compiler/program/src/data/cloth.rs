@@ -10,6 +10,14 @@ pub const RECORDED_SPACING_M: f64 = 0.00625;
 /// The fewest and the most particles along a side of a cloth.
 pub const PARTICLES_A_SIDE: [u32; 2] = [2, 200];
 
+/// Returns how many particles a side of a cloth has that is this long, to the nearest one and within [`PARTICLES_A_SIDE`].
+///
+/// - `side_m`, `spacing_m`: metres, finite; the spacing is more than 0.
+pub fn particles_along(side_m: f64, spacing_m: f64) -> u32 {
+    let [fewest, most] = PARTICLES_A_SIDE.map(f64::from);
+    ((side_m / spacing_m).round() + 1.0).clamp(fewest, most) as u32
+}
+
 /// The spacings that a cloth of a material may state, millimetres.
 ///
 /// At 2 mm, bending lengths above about 15 mm are too stiff for a step, and most woven cloths have such; at 12 mm, no loop

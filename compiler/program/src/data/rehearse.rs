@@ -3,6 +3,7 @@
 //! A twin is a simulated cloth that is laid as the camera's picture shows the real one. What the picture does not show,
 //! its material and friction, and how far its size can be trusted, is drawn from ranges that the task states.
 
+use crate::data::cloth::{Cloth, RECORDED_SPACING_M};
 use crate::data::material::Material;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
@@ -37,6 +38,22 @@ pub struct TwinRanges {
     pub friction: [f64; 2],
     /// How many are drawn; the measures of all count, as their mean.
     pub draws: u32,
+}
+
+impl TwinRanges {
+    /// Returns the distance between the particles of twins of a task's cloth, metres: that of the cloth, so that both bend
+    /// alike. Twins of the recorded cloth have its own.
+    pub fn spacing_m(&self, cloth: &Cloth) -> f64 {
+        match self.material {
+            Some(_) => cloth.spacing_m,
+            None => RECORDED_SPACING_M,
+        }
+    }
+
+    /// Returns about the least distance between a twin's particles, metres: that of the smallest one.
+    pub fn least_spacing_m(&self, cloth: &Cloth) -> f64 {
+        self.size[0] * self.spacing_m(cloth)
+    }
 }
 
 /// What happens where twins and camera disagree.

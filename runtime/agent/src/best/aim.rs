@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 
 /// The aim of one search.
 #[derive(Debug)]
-pub(super) struct Aim {
-    pub measure: Measure,
+pub struct Aim {
+    pub(super) measure: Measure,
     start: Start,
     coverage_at_start: Option<f64>,
     sequences: Vec<Sequence>,
@@ -58,7 +58,7 @@ impl Aim {
 
     /// Returns how far a state is from the nearest state of an expert after `folds` folds, metres; its loss where no
     /// expert leads.
-    pub fn behind(&self, positions: &[[f32; 3]], folds: u32) -> Option<f64> {
+    pub(super) fn behind(&self, positions: &[[f32; 3]], folds: u32) -> Option<f64> {
         let distances = self.states.iter().filter_map(|states| {
             let state = states.get(folds as usize).or(states.last())?;
             metrics::mean_particle_distance_m(positions, state)
@@ -71,7 +71,7 @@ impl Aim {
 
     /// Returns where the experts would pick and place in a state as the fold after `folds` folds, each with how far the
     /// state is from theirs, metres.
-    pub fn wanted(&self, positions: &[[f32; 3]], folds: u32) -> Vec<(f64, [WorldPoint; 2])> {
+    pub(super) fn wanted(&self, positions: &[[f32; 3]], folds: u32) -> Vec<(f64, [WorldPoint; 2])> {
         let all = self.sequences.iter().zip(&self.states);
         let all = all.filter_map(|(sequence, states)| {
             let fold = sequence.folds.get(folds as usize)?;
@@ -86,7 +86,7 @@ impl Aim {
     /// Returns how far a motion is from what the nearest expert would do, metres; 0 where no expert says.
     ///
     /// - `wanted`: as [`Aim::wanted`] returns it.
-    pub fn off(wanted: &[(f64, [WorldPoint; 2])], motion: &Motion) -> f64 {
+    pub(super) fn off(wanted: &[(f64, [WorldPoint; 2])], motion: &Motion) -> f64 {
         let apart = |a: WorldPoint, b: WorldPoint| (a.x - b.x).hypot(a.y - b.y);
         let all = wanted.iter().map(|(off, [pick, place])| {
             off + apart(*pick, motion.pick) + apart(*place, motion.place)
@@ -95,7 +95,7 @@ impl Aim {
     }
 
     /// Returns whether a state ends a rollout, because its goal is judged after each step and met.
-    pub fn ends(&self, search: &Search<'_>, value: f64) -> bool {
+    pub(super) fn ends(&self, search: &Search<'_>, value: f64) -> bool {
         let goal = search.program.goal.as_ref();
         goal.is_some_and(|goal| goal.metric.is_judged_each_step() && goal.is_met(value))
     }

@@ -59,6 +59,7 @@ fn in_step(
         last: tree.nodes[before].last.as_ref(),
         wanted: Vec::new(),
         draw: String::new(),
+        interrupt: search.interrupt,
     };
     let mut candidates = Vec::new();
     for proposal in proposals {
@@ -185,7 +186,8 @@ fn lengths(offered: &[LengthChoice], length: f64) -> Vec<LengthChoice> {
         .filter_map(|neighbour| {
             let (a, b) = (chosen?, at(neighbour)?);
             Some(LengthChoice {
-                value: (a.value + b.value) / 2.0,
+                // As it is written: 0.15, and not 0.15000000000000002.
+                value: ((a.value + b.value) / 2.0 * 1e9).round() / 1e9,
                 m: (a.m + b.m) / 2.0,
             })
         });

@@ -36,6 +36,7 @@ use fab_world::{Grasp, Motion, SimulatedWorld, WorldError};
 use journal::TrialJournal;
 use serde::Serialize;
 
+pub use aim::Aim;
 pub use tree::Tree;
 
 /// Makes a fresh simulated world, equal to every other one that it makes.

@@ -8,13 +8,14 @@ use super::{BestError, Choice, key_of};
 use crate::action::Action;
 use crate::scene::Scene;
 use fab_base::chance::Chance;
+use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::{Notation, Pointing};
 use fab_program::scene::SceneView;
 use fab_program::verify::{self, Strictness, Verdict};
 use fab_program::{ActionField, Choices, Exhausted, Program, Proposal, Value, reply, space};
-use fab_world::WorldPoint;
+use fab_world::{WorldError, WorldPoint};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most combinations of a step's choices that are listed; of more, as many are drawn.
@@ -34,6 +35,8 @@ pub(super) struct Situation<'a> {
     pub wanted: Vec<(f64, [WorldPoint; 2])>,
     /// Makes what is drawn in this state independent of other states.
     pub draw: String,
+    /// A request to stop early.
+    pub interrupt: &'a Interrupt,
 }
 
 /// What can be done in a state.
@@ -47,7 +50,7 @@ pub(super) struct Offers {
     pub unreadable: u64,
 }
 
-/// Lists what can be done in a state.
+/// Lists what can be done in a state. An interrupt is a failure.
 pub(super) fn offers(at: &Situation<'_>) -> Result<Offers, BestError> {
     let mut chance = Chance::of(&at.draw);
     let mut offers = Offers::default();
@@ -55,6 +58,9 @@ pub(super) fn offers(at: &Situation<'_>) -> Result<Offers, BestError> {
     let mut seen = BTreeSet::new();
     let mut ranked = Vec::new();
     for proposal in proposals {
+        if at.interrupt.is_raised() {
+            return Err(WorldError::Interrupted.into());
+        }
         let Some(without) = accepted(at, &proposal, &mut offers)? else {
             continue;
         };
@@ -96,38 +102,60 @@ pub(super) fn accepted(
     proposal: &Proposal,
     offers: &mut Offers,
 ) -> Result<Option<Vec<String>>, BestError> {
-    let program = at.program;
+    let Some(refusing) = refusing(at, proposal, verify::verdict)? else {
+        offers.refused += 1;
+        return Ok(None);
+    };
     let texts = BTreeMap::new();
-    let facts = Facts {
-        scene: at.scene,
-        texts: &texts,
-        step: at.step,
-        last: at.last,
-        proposal: None,
-        pointing: Pointing::of_camera(&program.camera),
-    };
-    let notation = facts.notation(program);
-    let refusing = match verify::verdict(program, facts, proposal, Strictness::Full)? {
-        Verdict::Accept => Vec::new(),
-        Verdict::Reject { .. } if program.verify.relaxed.is_empty() => {
-            offers.refused += 1;
-            return Ok(None);
-        }
-        Verdict::Reject { .. } => {
-            match verify::verdict(program, facts, proposal, Strictness::Relaxed)? {
-                Verdict::Accept => program.verify.relaxed.clone(),
-                Verdict::Reject { .. } => {
-                    offers.refused += 1;
-                    return Ok(None);
-                }
-            }
-        }
-    };
-    if !is_readable(program, &notation, proposal) {
+    if !is_readable(at.program, &at.facts(&texts).notation(at.program), proposal) {
         offers.unreadable += 1;
         return Ok(None);
     }
     Ok(Some(refusing))
+}
+
+/// Judges an action at some strictness.
+type Judge = fn(
+    &Program,
+    Facts<'_>,
+    &Proposal,
+    Strictness,
+) -> Result<Verdict, fab_program::render::RenderError>;
+
+/// Returns the checks that must be dropped to accept an action; `None` if it is refused for good.
+pub(super) fn refusing(
+    at: &Situation<'_>,
+    proposal: &Proposal,
+    judge: Judge,
+) -> Result<Option<Vec<String>>, BestError> {
+    let (program, texts) = (at.program, BTreeMap::new());
+    let relaxed = &program.verify.relaxed;
+    for (strictness, without) in [
+        (Strictness::Full, Vec::new()),
+        (Strictness::Relaxed, relaxed.clone()),
+    ] {
+        let verdict = judge(program, at.facts(&texts), proposal, strictness)?;
+        if verdict == Verdict::Accept {
+            return Ok(Some(without));
+        }
+        if relaxed.is_empty() {
+            break;
+        }
+    }
+    Ok(None)
+}
+
+impl<'a> Situation<'a> {
+    fn facts(&self, texts: &'a BTreeMap<String, String>) -> Facts<'a> {
+        Facts {
+            scene: self.scene,
+            texts,
+            step: self.step,
+            last: self.last,
+            proposal: None,
+            pointing: Pointing::of_camera(&self.program.camera),
+        }
+    }
 }
 
 /// Returns whether an answer that states an action in the asked format is read as that action.

@@ -11,6 +11,7 @@ use crate::result::StepResult;
 use crate::rollout::Tries;
 use crate::scene::{Scene, SceneError};
 use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
@@ -170,7 +171,7 @@ impl Tree {
         if search.program.verify.exhausted != Exhausted::Skips {
             return None;
         }
-        let best = self.best_of(&mut (0..self.nodes.len()))?;
+        let best = self.best_of(&mut (0..self.nodes.len()).filter(|&node| self.has_acted(node)))?;
         let path = self.path(best).into_iter();
         let taken = path.filter_map(|node| self.nodes[node].choice.clone());
         let skipped = std::iter::repeat_n(Choice::Skip, search.steps() as usize);
@@ -190,10 +191,18 @@ impl Tree {
             }
             width = (width * 2).min(search.limits.beam);
         }
-        match self.best_and_then_skipped(search) {
-            Some(choices) => self.follow(search, &choices),
-            None => Ok(()),
-        }
+        let Some(choices) = self.best_and_then_skipped(search) else {
+            return Ok(());
+        };
+        // It makes no trial, so an interrupt need not prevent it: the best state that was found is the result.
+        let was_interrupted = std::mem::take(&mut self.interrupted);
+        let search = Search {
+            interrupt: &Interrupt::default(),
+            ..*search
+        };
+        let followed = self.follow(&search, &choices);
+        self.interrupted |= was_interrupted;
+        followed
     }
 
     /// Goes through all depths once.
@@ -204,13 +213,13 @@ impl Tree {
         let first = self.nodes[0].tries.number;
         for depth in first..actions {
             let left = most.saturating_sub(self.trials);
-            let beam = self.beam(depth, width);
+            // What is left is shared with the depths that follow, and each state gets a trial before one gets two.
+            let share = left.div_ceil(actions - depth);
+            let beam = self.beam(depth, width.min(share));
             if left == 0 || beam.is_empty() {
                 return Ok(());
             }
             self.look(search, &beam)?;
-            // What is left is shared with the depths that follow.
-            let share = left.div_ceil(actions - depth);
             let due = self.due(&beam, share as usize);
             self.make(search, &due)?;
             self.forget(depth + 1, search.limits.beam);
@@ -291,6 +300,7 @@ impl Tree {
             last: at.last.as_ref(),
             wanted: self.aim.wanted(&state.positions, step - 1),
             draw: format!("offered actions {} {}", search.limits.seed, at.key),
+            interrupt: search.interrupt,
         };
         Ok((offers::offers(&situation)?, state))
     }
@@ -360,7 +370,11 @@ impl Tree {
 
     /// Makes the trials that are due, and adds the states that they lead to.
     fn make(&mut self, search: &Search<'_>, due: &[Due]) -> Result<(), BestError> {
-        let mut begun: Vec<usize> = due.iter().map(|due| due.node).collect();
+        let moves = |due: &&Due| {
+            let offers = self.nodes[due.node].offers.as_ref();
+            offers.is_some_and(|offers| offers.choices[due.choice] != Choice::Skip)
+        };
+        let mut begun: Vec<usize> = due.iter().filter(moves).map(|due| due.node).collect();
         begun.sort_unstable();
         begun.dedup();
         let worlds = begun
@@ -597,7 +611,15 @@ impl Tree {
 
     /// Returns the best state that ends a rollout.
     pub(super) fn best_end(&self) -> Option<usize> {
-        self.best_of(&mut (0..self.nodes.len()).filter(|&node| self.nodes[node].ended))
+        // A rollout whose steps were all skipped has no score.
+        let is_end =
+            |node: &usize| self.nodes[*node].ended && (*node == 0 || self.has_acted(*node));
+        self.best_of(&mut (0..self.nodes.len()).filter(is_end))
+    }
+
+    /// Returns whether an action led to a state.
+    fn has_acted(&self, node: usize) -> bool {
+        self.nodes[node].last.is_some()
     }
 
     /// Returns the best of some states; of equals, the one that was found first.
@@ -655,7 +677,6 @@ mod tests {
     use super::*;
     use crate::best::Limits;
     use crate::subgoals::SubgoalSet;
-    use fab_base::interrupt::Interrupt;
     use fab_compiler::{LoadError, Loader};
     use fab_world::start::Start;
 

@@ -3,10 +3,11 @@
 //! In: a finished search. Out: a pick or place on a named point of the cloth that no field offers there, with the end
 //! that it leads to when the task's own actions follow. The points are the corners, middles and quarters of the flat
 //! cloth, and the table's middle; they are tried in tasks that are scored against experts and name a pick and a place.
-//! In tasks that name directions and lengths, values between the offered ones are tried.
+//! In tasks that name directions and lengths, values between the offered ones are tried. The task's checks hold for all of it.
 
 use super::aim::Aim;
 use super::between::between;
+use super::offers::{self, Situation};
 use super::tree::{Node, Tree};
 use super::{BestError, Choice, Found, Limits, Search, key_of, unless_stopped};
 use crate::action::candidate;
@@ -15,7 +16,7 @@ use fab_base::cache::Cache;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
 use fab_program::scene::SceneView;
-use fab_program::{Choices, ClothPoint, Fold, Metric, PixelPoint, Proposal, Value, space};
+use fab_program::{Choices, ClothPoint, Fold, Metric, PixelPoint, Proposal, Value, space, verify};
 use fab_world::simulated::trials::{Trial, TrialEnd, try_motions};
 use fab_world::{Motion, SimulatedWorld, WorldPoint, expert};
 use serde::Serialize;
@@ -125,6 +126,7 @@ struct Named {
 /// An action to be tried.
 struct Candidate {
     motion: Motion,
+    proposal: Proposal,
     ends_px: [PixelPoint; 2],
     field: &'static str,
     named: Named,
@@ -232,8 +234,25 @@ impl StepAt<'_> {
         let (mut world, state) = tree.world_at(search, self.node)?;
         let (scene, observation) = tree.scene_at(search, self.node, &mut world)?;
         let wanted = tree.aim.wanted(&state.positions, step - 1);
-        let mut candidates = self.candidates(&wanted, &state.positions, &scene, &observation);
-        candidates.truncate(MOST_A_STEP);
+        let at = Situation {
+            program: search.program,
+            scene: &scene,
+            observation: &observation,
+            step,
+            last: tree.nodes[self.node].last.as_ref(),
+            wanted: Vec::new(),
+            draw: String::new(),
+            interrupt: search.interrupt,
+        };
+        let mut candidates = Vec::new();
+        for candidate in self.candidates(&wanted, &state.positions, &scene, &observation) {
+            if candidates.len() == MOST_A_STEP {
+                break;
+            }
+            if offers::refusing(&at, &candidate.proposal, verify::checks)?.is_some() {
+                candidates.push(candidate);
+            }
+        }
         let (Some(first), Some(Choice::Act { action, .. })) =
             (candidates.first(), &self.offered.choice)
         else {
@@ -332,14 +351,6 @@ impl StepAt<'_> {
             return Ok(None);
         };
         let [pick, place] = candidate.ends_px;
-        let points = [("pick", pick), ("place", place)]
-            .map(|(name, pixel)| (name.to_owned(), Value::Point(pixel)));
-        let offered = self.offered.last.iter();
-        let offered = offered.flat_map(|last| last.proposal.fields.iter().cloned());
-        let others = offered.filter(|(name, _)| name != "pick" && name != "place");
-        let proposal = Proposal {
-            fields: points.into_iter().chain(others).collect(),
-        };
         let motion = key_of(&candidate.motion);
         let root = Node {
             parent: None,
@@ -347,7 +358,7 @@ impl StepAt<'_> {
             grasp: Some(after.executed.grasp),
             key: Cache::key([before.key.as_str(), "not offered", &motion])[..32].to_owned(),
             last: Some(ExecutedAction {
-                proposal,
+                proposal: candidate.proposal.clone(),
                 pick,
                 place,
             }),
@@ -413,6 +424,11 @@ impl StepAt<'_> {
             Some(Choice::Act { action, .. }) => action.motion.manner,
             _ => program.manner,
         };
+        let last = self.offered.last.iter();
+        let mut others: Vec<(String, Value)> = last
+            .flat_map(|last| last.proposal.fields.iter().cloned())
+            .collect();
+        others.retain(|(name, _)| name != "pick" && name != "place");
         let is_offered = |name: &str, at: PixelPoint, offered: &[(PixelPoint, WorldPoint)]| {
             let nearest_px = match program.field(name).map(|field| &field.choices) {
                 Some(Choices::Region { mask }) => scene.distance_px(mask, at),
@@ -428,8 +444,13 @@ impl StepAt<'_> {
                        named: Named,
                        pick: (PixelPoint, WorldPoint),
                        place: (PixelPoint, WorldPoint)| {
+            let points = [("pick", pick.0), ("place", place.0)]
+                .map(|(name, pixel)| (name.to_owned(), Value::Point(pixel)));
             all.push(Candidate {
                 motion: Motion::new(pick.1, place.1).with_manner(manner),
+                proposal: Proposal {
+                    fields: points.into_iter().chain(others.iter().cloned()).collect(),
+                },
                 ends_px: [pick.0, place.0],
                 field,
                 named,

@@ -1,7 +1,9 @@
 //! Infers the camera and the cloth's size; pictures show only the ratio between them.
 
 use super::DraftError;
-use fab_program::{Camera, Cloth, ClothStart, ImageUp, PARTICLES_A_SIDE, RECORDED_SPACING_M};
+use fab_program::{
+    Camera, Cloth, ClothStart, ImageUp, PARTICLES_A_SIDE, RECORDED_SPACING_M, particles_along,
+};
 use fab_world::start::RESTING_HEIGHT_M;
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -76,11 +78,8 @@ pub fn of(
     if longer_m > LARGEST_M {
         return Err(DraftError::TooLarge { longer_m });
     }
-    let [dimx, dimy] = sides_px.map(|side| {
-        let particles = (side / longer_px * longer_m / RECORDED_SPACING_M).round() + 1.0;
-        let [fewest, most] = PARTICLES_A_SIDE;
-        (particles as u32).clamp(fewest, most)
-    });
+    let [dimx, dimy] =
+        sides_px.map(|side_px| particles_along(side_px / longer_px * longer_m, RECORDED_SPACING_M));
     let camera = Camera {
         height_m,
         fov_rad,

@@ -33,8 +33,7 @@ fn no_layer_passes_through_another_in_a_fold() {
 /// Layers that meet at speed, sharply bent at the point that is held, are the hardest case. The recorded scene's cloth ends
 /// with 9 and 43 crossings in the heaps of seeds 3 and 4.
 ///
-/// One heap says little: what crosses is chance. Measured in all eight: silk 125, cotton 61, towel and denim none. With diagonals that
-/// may both be as short as they like, silk had 491 and cotton 243.
+/// One heap says little: what crosses is chance. Measured in all eight: silk 125, cotton 61, towel and denim none.
 #[test]
 #[ignore = "long"]
 fn hardly_a_thread_passes_through_another_in_crumples() {
@@ -47,7 +46,12 @@ fn hardly_a_thread_passes_through_another_in_crumples() {
         };
         let counts: Vec<usize> = (1..=8).map(crossed).collect();
         println!("{name}: crossings {counts:?}");
-        assert!(counts.iter().sum::<usize>() <= 160, "{name}: {counts:?}");
+        let most = match name {
+            "silk" => 160,
+            "cotton" => 120,
+            _ => 10,
+        };
+        assert!(counts.iter().sum::<usize>() <= most, "{name}: {counts:?}");
     }
 }
 
@@ -178,11 +182,18 @@ fn a_corner_stays_from_where_friction_holds_the_elastica() {
     }
 }
 
-/// What becomes of a corner of a 55 x 55 cloth that is carried 40 mm along the diagonal: `docs/decisions/0083` has the table.
+/// A corner of a 55 x 55 cloth that is carried 40 to 120 mm along the diagonal opens again, and then lies as far away as the whole cloth
+/// was dragged: `docs/materials.md` has the figures. Carried 160 mm, it stays where the smallest fold of that page is less.
 #[test]
 #[ignore = "long"]
-fn a_carried_corner_is_reported() {
+fn a_corner_opens_below_the_smallest_fold_and_stays_above_it() {
     for (name, material) in materials() {
+        let (dragged_mm, smallest_m) = match name {
+            "silk" => (18.0, 0.136),
+            "cotton" => (10.3, 0.15),
+            "towel" => (4.8, 0.188),
+            _ => (10.9, 0.32),
+        };
         for carried in [0.04f32, 0.08, 0.12, 0.16] {
             let mut cloth = square(55, &material);
             let flat = cloth.positions();
@@ -204,6 +215,16 @@ fn a_carried_corner_is_reported() {
                 1e3 * dragged
             );
             assert_eq!(crossings(cloth.grid(), &points), 0, "{name} {carried}");
+            assert!((1e3 * dragged - dragged_mm).abs() < 1.5, "{name} {carried}");
+            let folded = stays - dragged;
+            assert!(
+                if carried > smallest_m {
+                    folded > 0.8 * carried
+                } else {
+                    folded < 0.002
+                },
+                "{name}, carried {carried} m: {folded} m"
+            );
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Cloths of measured materials, against what textile laboratories measure and what mechanics says.
 //!
 //! The specimens and readings are those of [`fab_sim::measure`], which `fabc sim measure` prints. Elastica are integrated
-//! apart from the simulator, in `elastica`. Figures in the docs of tests are what the tests measured when they were written.
+//! apart from the simulator, in `elastica`. Figures in the docs of tests are readings of the solver; what a test holds are its bounds.
 
 mod bending;
 mod crossings;

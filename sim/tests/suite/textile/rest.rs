@@ -96,9 +96,29 @@ fn a_released_strip_is_never_still_above_its_hanging_shape() {
     }
 }
 
-/// A fold that is let go rests within 3 s, and then each step leaves it as it is, bit for bit.
-///
-/// Of 30 folds of silk, of 24 to 36 particles a side, one trembles on at the end of its crease, and none of cotton.
+/// Folds a corner, and returns the cloth with how many steps it moved after the release; `None` if it moves for more than 3 s.
+fn folded(side: usize, material: &Material, carried: f32) -> (Simulator, Option<u32>) {
+    let mut cloth = square(side, material);
+    let corner = cloth.positions()[0];
+    let to = [carried * -corner[0], carried * -corner[1]];
+    let (mut was_held, mut since) = (false, 0);
+    let mut watch = |cloth: &Simulator| {
+        let is_held = !cloth.held().is_empty();
+        was_held |= is_held;
+        since += u32::from(was_held && !is_held);
+    };
+    let manner = fab_sim::Manner::default();
+    cloth
+        .pick_and_place_in(&manner, [corner[0], corner[1]], to, &|| false, &mut watch)
+        .unwrap();
+    // The picker is on its way home after the release.
+    assert!((100..250).contains(&since), "{since}");
+    let more = cloth.settle(300 - since).unwrap();
+    let rested = (more < 300 - since).then_some(since + more);
+    (cloth, rested)
+}
+
+/// A fold that is let go rests within 3 s of the release, and then each step leaves it as it is, bit for bit.
 #[test]
 fn a_released_fold_comes_to_rest() {
     let all = materials();
@@ -106,14 +126,8 @@ fn a_released_fold_comes_to_rest() {
         .iter()
         .flat_map(|material| [0.4, 0.5, 0.6].map(|carried| (material, carried)));
     for ((name, material), carried) in folds {
-        let mut cloth = square(30, material);
-        let corner = cloth.positions()[0];
-        let to = [carried * -corner[0], carried * -corner[1]];
-        cloth
-            .pick_and_place([corner[0], corner[1]], to, &|| false)
-            .unwrap();
-        let steps = cloth.settle(300).unwrap();
-        assert!(steps < 300, "{name}, {carried}: still moves after 3 s");
+        let (mut cloth, rested) = folded(30, material, carried);
+        assert!(rested.is_some(), "{name}, {carried}: still moves after 3 s");
         let digest = cloth.digest();
         cloth.set_rest_shortcut(fab_sim::RestShortcut::Compute);
         run(&mut cloth, 3);
@@ -122,5 +136,25 @@ fn a_released_fold_comes_to_rest() {
         cloth.hold(&[0]).unwrap();
         cloth.step_held([0.0, 0.0, 0.005]).unwrap();
         assert_ne!(cloth.digest(), digest, "{name}");
+    }
+}
+
+/// Of 30 folds of each material, of 24 to 36 particles a side. Measured: 4 of silk move on; three of them rest within 0.8 s more,
+/// and one trembles on at the end of its crease.
+#[test]
+#[ignore = "long"]
+fn hardly_a_fold_moves_on_after_three_seconds() {
+    for (name, material) in materials() {
+        let mut restless = Vec::new();
+        for side in [24, 27, 30, 33, 36] {
+            for carried in [0.35, 0.4, 0.45, 0.5, 0.55, 0.6] {
+                if folded(side, &material, carried).1.is_none() {
+                    restless.push((side, carried));
+                }
+            }
+        }
+        println!("{name}: still move after 3 s {restless:?}");
+        let most = if name == "silk" { 4 } else { 0 };
+        assert!(restless.len() <= most, "{name}: {restless:?}");
     }
 }

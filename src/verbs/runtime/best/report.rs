@@ -215,6 +215,10 @@ impl Report<'_> {
                 });
             }
             notes.extend(row.note.clone());
+            notes.extend(row.early.first().map(|why| match row.early.len() {
+                1 if row.rollouts == 1 => format!("ended early: {why}"),
+                count => format!("{count} ended early: {why}"),
+            }));
             notes.extend(row.none.clone());
             lines.push(
                 format!("  {name:<18}  {value}  {}", notes.join("; "))
@@ -234,7 +238,7 @@ impl Report<'_> {
             let best = at.found.measure.loss(at.found.value()?);
             let policies = at.rows.iter().skip(1);
             let mut better = policies.filter(|row| {
-                let losses = row.values.iter().map(|value| at.found.measure.loss(*value));
+                let losses = row.at_end.iter().map(|value| at.found.measure.loss(*value));
                 losses.fold(f64::INFINITY, f64::min) < best
             });
             better.next().map(|row| row.name)
@@ -273,6 +277,7 @@ impl Report<'_> {
                 value: summary,
                 reached: (!reached.is_empty())
                     .then(|| [reached.iter().filter(|it| **it).count(), reached.len()]),
+                early: of_all(index).flat_map(|row| row.early.clone()).collect(),
                 none: of_all(index).find_map(|row| row.none.clone()),
                 rollouts: count,
             }
@@ -302,6 +307,7 @@ impl Report<'_> {
                 "ci95": row.value.and_then(|it| it.ci95),
                 "rollouts": row.rollouts,
                 "reached": row.reached.map(|[reached, _]| reached),
+                "ended_early": row.early,
                 "none": row.none,
             })
         };
@@ -367,6 +373,8 @@ struct Summarised {
     /// How many reach the goal, and of how many.
     reached: Option<[usize; 2]>,
     note: Option<String>,
+    /// Why rollouts ended early; they are measured where they ended.
+    early: Vec<String>,
     none: Option<String>,
 }
 

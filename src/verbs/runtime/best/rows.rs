@@ -4,7 +4,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use fab_agent::best::{Choice, Found, Measure, Search};
+use fab_agent::best::{Aim, Choice, Found, Measure, Search, unless_stopped};
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
@@ -30,10 +30,14 @@ pub struct Row {
     pub name: &'static str,
     /// Whether it may look at the true state of the cloth, which no camera shows.
     pub oracle: bool,
-    /// The measure at the end of each rollout; empty if there is none.
+    /// The measure at the end of each rollout, however it ended; empty if there is none.
     pub values: Vec<f64>,
+    /// Those of rollouts that went on to the task's end.
+    pub at_end: Vec<f64>,
     /// Whether each rollout reached the goal; empty without one.
     pub reached: Vec<bool>,
+    /// Why a rollout ended early.
+    pub early: Vec<String>,
     /// Why there is no value.
     pub none: Option<String>,
 }
@@ -44,25 +48,48 @@ impl Row {
             name,
             oracle,
             values: Vec::new(),
+            at_end: Vec::new(),
             reached: Vec::new(),
+            early: Vec::new(),
             none: None,
         }
     }
 
     /// Adds a rollout; `None` was interrupted.
-    fn add(&mut self, rollout: Option<&Rollout>, metric: Metric) {
-        let Some(Rollout { report, .. }) = rollout else {
+    ///
+    /// - `where_it_ended`: measures the last state of a rollout that ended early, and so has no score.
+    fn add(
+        &mut self,
+        rollout: Option<&Rollout>,
+        metric: Metric,
+        has_goal: bool,
+        where_it_ended: impl FnOnce(&Rollout) -> Result<Option<f64>, Failure>,
+    ) -> Result<(), Failure> {
+        let Some(rollout) = rollout else {
             self.none = Some("interrupted".to_owned());
-            return;
+            return Ok(());
         };
+        let report = &rollout.report;
         match value(report, metric) {
-            Some(value) => self.values.push(value),
+            Some(value) => {
+                self.values.push(value);
+                self.at_end.push(value);
+                self.reached.extend(report.goal_reached);
+            }
             None => {
                 let why = report.stopped.as_deref();
-                self.none = Some(why.unwrap_or(report.outcome.name()).to_owned());
+                let why = why.unwrap_or(report.outcome.name()).to_owned();
+                match where_it_ended(rollout)? {
+                    Some(value) => {
+                        self.values.push(value);
+                        self.reached.extend(has_goal.then_some(false));
+                        self.early.push(why);
+                    }
+                    None => self.none = Some(why),
+                }
             }
         }
-        self.reached.extend(report.goal_reached);
+        Ok(())
     }
 }
 
@@ -130,9 +157,12 @@ impl Playing<'_> {
             },
         );
         self.io.progress("");
+        let has_goal = self.search.program.goal.is_some();
         let mut decided = Vec::new();
         for (play, rollout) in plays.iter().zip(played?) {
-            rows[play.row].add(rollout.as_ref(), measure.metric);
+            rows[play.row].add(rollout.as_ref(), measure.metric, has_goal, |it| {
+                self.last_of(it)
+            })?;
             let steps = rollout.iter().flat_map(|rollout| &rollout.steps);
             let choices: Vec<Choice> = steps.map_while(|step| Choice::of(&step.line)).collect();
             let end = rollout.and_then(|rollout| value(&rollout.report, measure.metric));
@@ -142,6 +172,14 @@ impl Playing<'_> {
         // However few the trials are, the best policy is followed to its end.
         decided.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         Ok((rows, decided.into_iter().map(|(_, it)| it).collect()))
+    }
+
+    /// Measures the last state of a rollout; `None` after an interrupt, or if it cannot be measured.
+    fn last_of(&self, rollout: &Rollout) -> Result<Option<f64>, Failure> {
+        let aim = unless_stopped(Aim::of(self.search)).map_err(Failure::environment)?;
+        let last = rollout.last.as_ref();
+        let last = last.unwrap_or(&self.search.start.positions);
+        Ok(aim.and_then(|aim| aim.value(last)))
     }
 
     /// Executes the best actions in a rollout of their own, and returns the row.
@@ -163,7 +201,7 @@ impl Playing<'_> {
             make_policy: &following,
             repetition: 0,
         })?;
-        row.add(rollout.as_ref(), found.measure.metric);
+        row.add(rollout.as_ref(), found.measure.metric, false, |_| Ok(None))?;
         if rollout.is_none() {
             // The search measured the same state.
             row.values.extend(found.value());

@@ -140,9 +140,10 @@ fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
 fn cloth(moved: &ClothMoved) -> String {
     let slides = moved.slid_mm >= LEAST_SLIDE_MM;
     let held = match &moved.held {
-        Some(held) if held.sprang_back && slides => {
-            format!(", cloth moved {:.0} mm, opened again", held.carried_mm)
-        }
+        Some(held) if held.sprang_back && slides => format!(
+            ", cloth moved {:.0} mm, opened again, rests {:.0} mm away",
+            held.carried_mm, held.stayed_mm
+        ),
         Some(held) if held.sprang_back => format!(
             ", cloth moved {:.0} mm, sprang back to {:.0}",
             held.carried_mm, held.stayed_mm

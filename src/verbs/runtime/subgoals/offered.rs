@@ -139,11 +139,24 @@ pub fn cure(
             && [right, front].iter().any(|at| [0.0, 1.0].contains(at))
     );
     let is_free = |name: &str| program.keypoints.iter().all(|known| known.name != name);
+    let nothing_finds_it = || {
+        let masks = program.keypoints.iter().filter(|keypoint| {
+            let is_mask = keypoint.extractor.shape() == fab_program::KeypointShape::Mask;
+            is_mask && scene.distance_px(&keypoint.name, at) == Some(0.0)
+        });
+        match masks.map(|keypoint| &keypoint.name).next() {
+            Some(mask) => format!(
+                "; no keypoint of the task finds it: `{}: any of {mask}` offers each point of the mask",
+                field.name
+            ),
+            None => "; offer a keypoint that finds it".to_owned(),
+        }
+    };
     let middles = |it: &&Keypoint| matches!(it.extractor, Extractor::EdgeMiddles { .. });
     if let (true, Some(sides)) = (is_middle, program.keypoints.iter().find(middles)) {
         let name = &sides.name;
         return match sides.moment == Moment::Start {
-            true => "; offer a keypoint that finds it".to_owned(),
+            true => nothing_finds_it(),
             false => format!(
                 "; `{name}` follows the outline as it is now, and `at: start` keeps the sides' middles of the unfolded cloth"
             ),
@@ -155,7 +168,7 @@ pub fn cure(
              sides = edge_middles(rim)\n    }}\nand {}, and say `{{{{ sides }}}}` in a prompt",
             offer("sides")
         ),
-        false => "; offer a keypoint that finds it".to_owned(),
+        false => nothing_finds_it(),
     }
 }
 
