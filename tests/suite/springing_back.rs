@@ -130,6 +130,68 @@ fn a_run_says_how_far_the_cloth_moved_and_how_much_of_that_stayed() {
     }
 }
 
+/// A cloth of a material is dragged a little by each fold, so it rests elsewhere even where it opened.
+#[test]
+fn a_run_says_where_a_fold_of_cotton_that_opened_rests() {
+    let folder = folder_with("0.2");
+    let task = task("0.2").replace("grid(55, 55)", "square(170mm, material: cotton)");
+    let task = format!("use \"materials.fab\"\n{task}");
+    let materials = root().join("tasks/lib/materials.fab");
+    fs::copy(materials, folder.path().join("materials.fab")).unwrap();
+    let task = task.replace(
+        "    keypoints {\n",
+        "    keypoints {\n        cloth = mask(depth < 649.6mm)\n",
+    );
+    fs::write(folder.path().join("pocket.fab"), task).unwrap();
+    let words = ["run", "pocket.fab", "--policy", "expert", "--json"];
+    let ended = said(folder.path(), &words);
+    let cloth = &json(&ended)["progress"][0]["cloth"];
+    assert_eq!(cloth["held"]["sprang_back"], true, "{cloth}");
+    let [carried_mm, stayed_mm] =
+        ["carried_mm", "stayed_mm"].map(|it| cloth["held"][it].as_f64().unwrap());
+    let slid_mm = cloth["slid_mm"].as_f64().unwrap();
+    assert!((1.0..20.0).contains(&slid_mm), "{cloth}");
+    assert!((stayed_mm - slid_mm).abs() < 3.0, "{cloth}");
+    let sentence = format!(
+        "cloth moved {carried_mm:.0} mm, opened again, rests {stayed_mm:.0} mm away, slid {slid_mm:.0} mm"
+    );
+    assert!(ended.stderr.contains(&sentence), "{}", ended.stderr);
+}
+
+/// Their pictures are not pinned, so they are drawn here.
+#[test]
+#[ignore = "long"]
+fn no_step_of_a_shipped_fold_of_a_textile_springs_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = root().join("tasks");
+    for part in ["", "lib", "textiles"] {
+        fs::create_dir_all(folder.path().join(part)).unwrap();
+        for entry in fs::read_dir(shipped.join(part)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|it| it == "fab") {
+                let name = path.file_name().unwrap();
+                fs::copy(&path, folder.path().join(part).join(name)).unwrap();
+            }
+        }
+    }
+    let mut n_steps = 0;
+    for entry in fs::read_dir(folder.path().join("textiles")).unwrap() {
+        let path = entry.unwrap().path();
+        let drawn = said(
+            folder.path(),
+            &["subgoals", path.to_str().unwrap(), "--json"],
+        );
+        assert!(warned(&json(&drawn)).is_empty(), "{drawn:?}");
+        let pins = fs::read_to_string(path.with_extension("subgoals").join("pins.json"));
+        let pins: Value = serde_json::from_str(&pins.unwrap()).unwrap();
+        for step in pins["tried"]["steps"].as_array().unwrap() {
+            assert_eq!(step["effect"], "changed", "{pins}");
+            n_steps += 1;
+        }
+    }
+    assert!(n_steps > 25, "{n_steps}");
+}
+
 #[test]
 fn no_step_of_a_shipped_task_springs_back() {
     let mut n_steps = 0;

@@ -68,6 +68,33 @@ fn compared(run: View, shown: View, after: &[Point], goal: &[Point]) -> f64 {
     overlap(&run.paint(after), &shown.paint(goal), &alignment)
 }
 
+/// Half of the cloth is blue and half yellow, and where they meet is a line as grey as the table in shadow.
+#[test]
+fn a_grey_line_between_two_faces_does_not_cut_a_cloth() {
+    let picture = |line: std::ops::Range<u32>| {
+        image::RgbImage::from_fn(64, 64, |column, row| {
+            image::Rgb(match (column, row) {
+                (16..48, row) if line.contains(&row) => [176, 181, 180],
+                (16..48, 16..32) => [226, 193, 79],
+                (16..48, 32..48) => [127, 168, 217],
+                _ => [216, 213, 213],
+            })
+        })
+    };
+    for (line, area_px) in [
+        (0..0, 32 * 32),
+        (31..32, 32 * 32),
+        (31..33, 32 * 32),
+        (30..34, 14 * 32),
+    ] {
+        assert_eq!(
+            silhouette(&picture(line.clone())).area_px(),
+            area_px,
+            "{line:?}"
+        );
+    }
+}
+
 #[test]
 fn any_symmetric_execution_is_right() {
     for quarter in [0.0_f64, 90.0, 180.0, 270.0] {
