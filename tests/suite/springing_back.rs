@@ -150,7 +150,7 @@ fn a_run_says_where_a_fold_of_cotton_that_opened_rests() {
     let [carried_mm, stayed_mm] =
         ["carried_mm", "stayed_mm"].map(|it| cloth["held"][it].as_f64().unwrap());
     let slid_mm = cloth["slid_mm"].as_f64().unwrap();
-    assert!((1.0..20.0).contains(&slid_mm), "{cloth}");
+    assert!((5.0..30.0).contains(&slid_mm), "{cloth}");
     assert!((stayed_mm - slid_mm).abs() < 3.0, "{cloth}");
     let sentence = format!(
         "cloth moved {carried_mm:.0} mm, opened again, rests {stayed_mm:.0} mm away, slid {slid_mm:.0} mm"
