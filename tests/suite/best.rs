@@ -416,6 +416,27 @@ fn a_point_that_is_not_offered_is_named_with_the_line_that_offers_it() {
         "{found:#}"
     );
 
+    // A pick between corner and middle is found by no keypoint.
+    let quarter = LACKING.replace("middle(back)", "point(0.75, 0.25)");
+    let (_, found) = run(folder.path(), &quarter, "--trials 40");
+    let cure = found["starts"][0]["unoffered"]["cure"].as_str();
+    assert!(
+        cure.is_some_and(|it| it.contains("`place: any of cloth`")),
+        "{found:#}"
+    );
+
+    // What a check refuses is not advised.
+    let refused = quarter.replace(
+        "    subgoals ",
+        "    verify { check near { distance(pick, place) > 36px } else \"Too near.\" attempts 2 }\n    subgoals ",
+    );
+    let (_, found) = run(folder.path(), &refused, "--trials 40");
+    let what = found["starts"][0]["unoffered"]["what"].as_str();
+    assert!(
+        !what.is_some_and(|it| it.contains("point(0.75, 0.25)")),
+        "{found:#}"
+    );
+
     // Half of the trials, and not one more.
     let (_, found) = run(folder.path(), LACKING, "--trials 12");
     let tried = found["starts"][0]["unoffered_trials"].as_u64().unwrap();
@@ -704,5 +725,20 @@ fn what_cannot_be_searched_is_told() {
         said.stdout.contains("so no result is better than another"),
         "{}",
         said.stdout
+    );
+}
+
+#[test]
+fn a_rollout_without_a_score_is_measured_where_it_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, found) = run(folder.path(), TWICE, "--trials 12");
+    let rows = found["rows"].as_array().unwrap();
+    let stand_in = rows.iter().find(|row| row["row"] == "stand-in").unwrap();
+    // It moved nothing.
+    assert_eq!(stand_in["value"], found["starts"][0]["untouched"]);
+    assert_eq!(stand_in["unscored"], serde_json::json!(["malformed_reply"]));
+    assert_eq!(
+        (&stand_in["reached"], &stand_in["none"]),
+        (&0.into(), &Value::Null)
     );
 }

@@ -3,7 +3,7 @@
 use super::support::{self, Careless, Scripted, Trial, words_of};
 use fab_agent::arm_sight::SIGHT;
 use fab_agent::outcome::Outcome;
-use fab_agent::policy::Prompted;
+use fab_agent::policy::{MakePolicy, Prompted, Random};
 use fab_agent::record::{Record, RehearsedStep};
 use fab_agent::rollout::{Ended, Event};
 use fab_arm::log::ARM_FILE;
@@ -153,19 +153,28 @@ fn play_in(
     make: impl Fn(&Path) -> Result<Box<dyn World>, WorldError> + Sync,
     prepare: impl Fn(&mut Trial<'_>),
 ) -> Played {
-    let folder = tempfile::tempdir().unwrap();
-    let mut trial = Trial::new(program, folder.path(), Look::default());
-    trial.horizon = Some(1);
-    prepare(&mut trial);
     let models = Models {
         vision: model,
         text: model,
     };
+    play_as(program, &Prompted { models }, make, prepare)
+}
+
+/// Lets a policy play the first step in a world that is made for a run folder.
+fn play_as(
+    program: &Program,
+    policy: &dyn MakePolicy,
+    make: impl Fn(&Path) -> Result<Box<dyn World>, WorldError> + Sync,
+    prepare: impl Fn(&mut Trial<'_>),
+) -> Played {
+    let folder = tempfile::tempdir().unwrap();
+    let mut trial = Trial::new(program, folder.path(), Look::default());
+    trial.horizon = Some(1);
+    prepare(&mut trial);
     let run = folder.path().join("run");
     let make_world = || make(&run);
-    let policy = Prompted { models };
     let (mut notes, mut tried) = (Vec::new(), Vec::new());
-    let report = trial.decided_in(&make_world, &policy, &run, &mut |event| match event {
+    let report = trial.decided_in(&make_world, policy, &run, &mut |event| match event {
         Event::Note(note) => notes.push(note),
         Event::Rehearsed { line, seconds, .. } => {
             assert!(seconds > 0.0);
@@ -514,6 +523,50 @@ fn where_twin_and_camera_disagree_one_question_is_asked_and_something_real_does_
     program.rehearsal.as_mut().unwrap().distrusted = Distrusted::Refuses;
     let simulated = play(&program, &careless(&[]), plain, folded);
     assert_eq!(simulated.report.outcome, Outcome::RehearsalRefused);
+}
+
+/// A policy that asks no model rehearses nothing, but where something real could move it needs trusted twins too.
+#[test]
+fn a_policy_without_a_model_does_not_move_a_real_cloth_whose_twins_are_not_trusted() {
+    let program = rehearsing();
+    let simulated = || SimulatedWorld::new(&program.camera, program.picker);
+    let real =
+        |_: &Path| -> Result<Box<dyn World>, WorldError> { Ok(Box::new(Real(simulated()?))) };
+    let plain = |_: &Path| -> Result<Box<dyn World>, WorldError> { Ok(Box::new(simulated()?)) };
+    let random = Random { seed: 1 };
+    let raised = |trial: &mut Trial<'_>| {
+        for [_, _, z] in &mut trial.start.positions {
+            *z += 0.03;
+        }
+    };
+    let refused = play_as(&program, &random, real, raised);
+    assert_eq!(refused.report.outcome, Outcome::RehearsalRefused);
+    assert!(refused.record.steps[0].executed.is_none());
+    let trusted = play_as(&program, &random, real, |_| {});
+    let line = trusted.line.unwrap();
+    assert!(
+        line.overlap > Some(0.9) && line.candidates.is_empty(),
+        "{line:?}"
+    );
+    assert!(trusted.record.steps[0].executed.is_some());
+    let unseen = play_as(&program, &random, plain, raised);
+    assert_eq!(unseen.line, None);
+    assert!(unseen.record.steps[0].executed.is_some());
+}
+
+#[test]
+fn a_step_whose_subgoal_shows_no_cloth_is_not_rehearsed() {
+    let blank = |trial: &mut Trial<'_>| {
+        let corner = *trial.subgoals.pictures[1].get_pixel(0, 0);
+        trial.subgoals.pictures[1]
+            .pixels_mut()
+            .for_each(|it| *it = corner);
+    };
+    let played = play(&rehearsing(), &careless(&[]), plain, blank);
+    let line = played.line.unwrap();
+    assert!(line.overlap > Some(0.9), "{line:?}");
+    let why = "no result of step 1 can be compared: a subgoal picture shows no cloth";
+    assert_eq!(line.aside.as_deref(), Some(why));
 }
 
 /// A real table's task on a cloth of few particles, which rehearses on a twin of this size.

@@ -176,12 +176,16 @@ const RESERVED: [(Name, &str, &str); 10] = [
     (Name::Word("rustdds"), "", "runtime/arm-ros2/"),
 ];
 
-/// Where the code of twins lies.
-const TWINS: [&str; 2] = ["runtime/agent/src/twins", "runtime/world/src/twin"];
-
-/// What it may name in its tests alone. A twin may know of the judged cloth only what a camera shows, and whoever has a
-/// world can ask it where the particles lie.
-const KEPT_FROM_TWINS: [Name; 2] = [Name::Word("dyn World"), Name::Word("particles")];
+/// What the code of twins may name in its tests alone: where it lies, and the word. A twin may know of the judged cloth only
+/// what a camera shows, and whoever has a world can ask it where the particles lie.
+const KEPT_FROM_TWINS: [(&str, &str); 6] = [
+    ("runtime/world/src/twin", "dyn World"),
+    ("runtime/world/src/twin", "particles"),
+    ("runtime/agent/src/twins", "World"),
+    ("runtime/agent/src/twins", "SimulatedWorld"),
+    ("runtime/agent/src/twins", "Start"),
+    ("runtime/agent/src/twins", "particles"),
+];
 
 /// Folders of one machine, split so that this file does not contain the names.
 const MACHINE_FOLDERS: [&str; 4] = [
@@ -655,17 +659,14 @@ fn name_faults(files: &[TextFile]) -> Vec<String> {
 /// Twins get a camera's pictures, and nothing that could be asked for more.
 fn twin_faults(files: &[TextFile]) -> Vec<String> {
     let mut faults = Vec::new();
-    let is_twins = |file: &&TextFile| TWINS.iter().any(|place| file.path.starts_with(place));
-    for file in files.iter().filter(is_twins) {
-        let code = code_only(&file.text);
-        let code = code.split("#[cfg(test)]\nmod tests").next();
-        for (line, content) in numbered(code.unwrap_or_default()) {
-            for name in KEPT_FROM_TWINS {
-                if names(content, name) {
-                    let (Name::Word(word) | Name::Crate(word)) = name;
-                    let rule = format!("twins may not name `{word}`: {}", content.trim());
-                    faults.push(fault(file, line, &rule));
-                }
+    for (place, word) in KEPT_FROM_TWINS {
+        for file in files.iter().filter(|file| file.path.starts_with(place)) {
+            let code = code_only(&file.text);
+            let code = code.split("#[cfg(test)]\nmod tests").next();
+            let lines = numbered(code.unwrap_or_default());
+            for (line, content) in lines.filter(|(_, it)| names(it, Name::Word(word))) {
+                let rule = format!("twins may not name `{word}`: {}", content.trim());
+                faults.push(fault(file, line, &rule));
             }
         }
     }

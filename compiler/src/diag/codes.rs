@@ -455,7 +455,7 @@ codes! {
 
     "F0623" TwinTooStiff Warning
     "a twin is too stiff for the simulator"
-    "A twin has as many particles as the seen cloth at the spacing of the task's cloth, so the particles of a smaller twin lie closer together, and a stiff material needs more parts of a step then than there are. No step of a rollout that draws such a twin is rehearsed, and nothing real moves. Let the range of `size` begin higher, or state a larger `spacing` of the cloth."
+    "A twin has the particles of the seen cloth, so those of a smaller one lie closer together. A stiff material then needs more substeps than a step may have. No step of a rollout that draws such a twin is rehearsed, and nothing real moves. Let the range of `size` begin higher, or state a larger `spacing` of the cloth."
 
     "F0701" MissingField Error
     "an action lacks a field"

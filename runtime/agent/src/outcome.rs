@@ -36,3 +36,13 @@ fab_base::named! {
         Planned = "planned",
     }
 }
+
+impl Outcome {
+    /// Returns whether a rollout that ended so went through the task, so that its end is scored.
+    pub fn is_scored(self) -> bool {
+        matches!(
+            self,
+            Outcome::HorizonReached | Outcome::GoalReached | Outcome::PolicyStopped
+        )
+    }
+}

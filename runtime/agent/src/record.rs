@@ -158,7 +158,7 @@ pub struct RehearsedStep {
     /// The overlap of the twins' silhouettes with the camera's cloth before the action, their mean from 0 to 1; null if
     /// there are no twins.
     pub overlap: Option<f64>,
-    /// Why the step was not rehearsed; null if it was.
+    /// Why nothing could be tried on the twins; null if it could.
     pub aside: Option<String>,
     /// Each answer that was folded on the twins, in order.
     pub candidates: Vec<RehearsedAnswer>,

@@ -357,11 +357,9 @@ pub fn run(
     if end == Outcome::PolicyStopped && covered.meets_goal(job) {
         end = Outcome::GoalReached;
     }
-    let score = match end {
-        Outcome::HorizonReached | Outcome::GoalReached | Outcome::PolicyStopped => {
-            score(job, world.as_ref(), &mut keeper, progress)?
-        }
-        _ => Scored::Absent,
+    let score = match end.is_scored() {
+        true => score(job, world.as_ref(), &mut keeper, progress)?,
+        false => Scored::Absent,
     };
     let outcome = match &score {
         Scored::Interrupted => Outcome::Interrupted,

@@ -120,9 +120,7 @@ enum Aside {
     NotFollowed(WorldError),
     #[error("there are no twins since step {since}: {why}")]
     Without { since: u32, why: String },
-    #[error(
-        "step {step} has no subgoal picture that shows the cloth, so no result can be measured"
-    )]
+    #[error("no result of step {step} can be compared: a subgoal picture shows no cloth")]
     NoSubgoal { step: u32 },
     #[error("twins and camera overlap by {overlap:.3}, and the task trusts more than {trusted}")]
     Disagree { overlap: f64, trusted: f64 },
@@ -210,9 +208,6 @@ impl Twins {
             }
         };
         let cloth = cloth.ok_or(Aside::NoCloth)?;
-        if self.rehearsal.choose == Some(RehearsalMeasure::Overlap) && !self.has_subgoal() {
-            return Err(Aside::NoSubgoal { step: self.step });
-        }
         let mut overlaps = Vec::new();
         for it in self.laid_mut() {
             let view = it.twin.view().map_err(Aside::NotSeen)?;
@@ -220,9 +215,14 @@ impl Twins {
         }
         let (overlap, trusted) = (mean(&overlaps), self.rehearsal.trust_above);
         self.line.overlap = Some(overlap);
-        match overlap > trusted {
-            true => Ok(()),
-            false => Err(Aside::Disagree { overlap, trusted }),
+        if overlap <= trusted {
+            return Err(Aside::Disagree { overlap, trusted });
+        }
+        match self.rehearsal.choose {
+            Some(RehearsalMeasure::Overlap) if !self.has_subgoal() => {
+                Err(Aside::NoSubgoal { step: self.step })
+            }
+            _ => Ok(()),
         }
     }
 

@@ -194,7 +194,8 @@ impl Tree {
         let Some(choices) = self.best_and_then_skipped(search) else {
             return Ok(());
         };
-        // It makes no trial, so an interrupt need not prevent it: the best state that was found is the result.
+        // It tries nothing and only lists what could be, so it is done after an interrupt too: the best state that was found
+        // is the result.
         let was_interrupted = std::mem::take(&mut self.interrupted);
         let search = Search {
             interrupt: &Interrupt::default(),
@@ -213,12 +214,14 @@ impl Tree {
         let first = self.nodes[0].tries.number;
         for depth in first..actions {
             let left = most.saturating_sub(self.trials);
-            // What is left is shared with the depths that follow, and each state gets a trial before one gets two.
+            // What is left is shared with the depths that follow. No more states are looked at than can get a trial.
             let share = left.div_ceil(actions - depth);
-            let beam = self.beam(depth, width.min(share));
+            let mut beam = self.beam(depth, width);
             if left == 0 || beam.is_empty() {
                 return Ok(());
             }
+            beam.retain(|&node| !self.nodes[node].is_tried_out());
+            beam.truncate(share as usize);
             self.look(search, &beam)?;
             let due = self.due(&beam, share as usize);
             self.make(search, &due)?;
@@ -578,7 +581,9 @@ impl Tree {
                 let number = it.tries.number;
                 number == actions || it.ended && number < actions
             };
-            let best = self.best_of(&mut all.clone().filter(is_there))?;
+            let has_acted = |node: &usize| is_there(node) && self.has_acted(*node);
+            let best = self.best_of(&mut all.clone().filter(has_acted));
+            let best = best.or_else(|| self.best_of(&mut all.clone().filter(is_there)))?;
             Some(self.nodes[best].value)
         });
         let after = after.collect();
@@ -666,9 +671,14 @@ struct Planned {
 
 impl Node {
     fn is_exhausted(&self) -> bool {
-        let all_tried =
-            |offers: &Offers| offers.sampled.is_empty() && self.tried == offers.choices.len();
-        self.ended || self.offers.as_ref().is_some_and(all_tried)
+        let is_sampled = |offers: &Offers| !offers.sampled.is_empty();
+        self.ended || self.is_tried_out() && !self.offers.as_ref().is_some_and(is_sampled)
+    }
+
+    /// Returns whether every choice that is listed was tried.
+    fn is_tried_out(&self) -> bool {
+        let offers = self.offers.as_ref();
+        offers.is_some_and(|offers| self.tried == offers.choices.len())
     }
 }
 

@@ -244,18 +244,19 @@ impl StepAt<'_> {
             draw: String::new(),
             interrupt: search.interrupt,
         };
+        let Some(Choice::Act { action, .. }) = &self.offered.choice else {
+            return Ok(None);
+        };
         let mut candidates = Vec::new();
         for candidate in self.candidates(&wanted, &state.positions, &scene, &observation) {
-            if candidates.len() == MOST_A_STEP {
+            if candidates.len() == MOST_A_STEP || search.interrupt.is_raised() {
                 break;
             }
             if offers::refusing(&at, &candidate.proposal, verify::checks)?.is_some() {
                 candidates.push(candidate);
             }
         }
-        let (Some(first), Some(Choice::Act { action, .. })) =
-            (candidates.first(), &self.offered.choice)
-        else {
+        let Some(first) = candidates.first() else {
             return Ok(None);
         };
         let nearer_m = Aim::off(&wanted, &action.motion) - Aim::off(&wanted, &first.motion);
@@ -424,11 +425,13 @@ impl StepAt<'_> {
             Some(Choice::Act { action, .. }) => action.motion.manner,
             _ => program.manner,
         };
-        let last = self.offered.last.iter();
-        let mut others: Vec<(String, Value)> = last
-            .flat_map(|last| last.proposal.fields.iter().cloned())
-            .collect();
-        others.retain(|(name, _)| name != "pick" && name != "place");
+        let chosen = match &self.offered.choice {
+            Some(Choice::Act { proposal, .. }) => proposal.fields.as_slice(),
+            _ => &[],
+        };
+        let is_point = |name: &str| name == "pick" || name == "place";
+        let others = chosen.iter().filter(|(name, _)| !is_point(name));
+        let others: Vec<(String, Value)> = others.cloned().collect();
         let is_offered = |name: &str, at: PixelPoint, offered: &[(PixelPoint, WorldPoint)]| {
             let nearest_px = match program.field(name).map(|field| &field.choices) {
                 Some(Choices::Region { mask }) => scene.distance_px(mask, at),

@@ -6,8 +6,8 @@ use image::RgbImage;
 
 /// Finds the cloth of a subgoal picture: the largest patch without any of the border's colours.
 ///
-/// Gaps of up to two pixels count as cloth: where a face of one colour meets another, pixels of both may be as grey as the
-/// table. An arrow drawn on the cloth counts as cloth, too. The mask is empty if everything has the border's colours.
+/// Gaps of up to two pixels in it count as cloth: where a face of one colour meets another, pixels of both may be as grey as
+/// the table. An arrow drawn on the cloth counts as cloth, too. The mask is empty if everything has the border's colours.
 pub fn silhouette(picture: &RgbImage) -> Mask {
     let table = regions::border_colours(&[picture]);
     let (width, height) = picture.dimensions();
@@ -16,11 +16,16 @@ pub fn silhouette(picture: &RgbImage) -> Mask {
     let grown = Mask::from_fn(width, height, |column, row| {
         around(&other, column, row).any(|is_inside| is_inside)
     });
+    // Specks grow most, so patches are compared by what they were.
+    let own_px = |patch: &Vec<(u32, u32)>| {
+        let own = |&&(column, row): &&(u32, u32)| other.contains_at(column, row);
+        patch.iter().filter(own).count()
+    };
     let patches = regions::components(&grown).into_iter();
     let cloth = Mask::from_pixels(
         width,
         height,
-        &patches.max_by_key(Vec::len).unwrap_or_default(),
+        &patches.max_by_key(own_px).unwrap_or_default(),
     );
     Mask::from_fn(width, height, |column, row| {
         around(&cloth, column, row).all(|is_inside| is_inside)

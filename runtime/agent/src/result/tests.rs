@@ -85,6 +85,7 @@ fn a_grey_line_between_two_faces_does_not_cut_a_cloth() {
         (0..0, 32 * 32),
         (31..32, 32 * 32),
         (31..33, 32 * 32),
+        (30..33, 14 * 32 + 32),
         (30..34, 14 * 32),
     ] {
         assert_eq!(

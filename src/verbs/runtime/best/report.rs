@@ -12,6 +12,7 @@ use fab_agent::best::{Choice, Found, Measure, Taken};
 use fab_bench::statistics::{Clusters, Statistic, Summary, summary};
 use fab_program::{Choices, Goal, Metric, Program, Proposal, space};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The results of all starts.
@@ -215,10 +216,7 @@ impl Report<'_> {
                 });
             }
             notes.extend(row.note.clone());
-            notes.extend(row.early.first().map(|why| match row.early.len() {
-                1 if row.rollouts == 1 => format!("ended early: {why}"),
-                count => format!("{count} ended early: {why}"),
-            }));
+            notes.extend(unscored(row));
             notes.extend(row.none.clone());
             lines.push(
                 format!("  {name:<18}  {value}  {}", notes.join("; "))
@@ -277,7 +275,7 @@ impl Report<'_> {
                 value: summary,
                 reached: (!reached.is_empty())
                     .then(|| [reached.iter().filter(|it| **it).count(), reached.len()]),
-                early: of_all(index).flat_map(|row| row.early.clone()).collect(),
+                unscored: of_all(index).flat_map(|row| row.unscored.clone()).collect(),
                 none: of_all(index).find_map(|row| row.none.clone()),
                 rollouts: count,
             }
@@ -307,7 +305,7 @@ impl Report<'_> {
                 "ci95": row.value.and_then(|it| it.ci95),
                 "rollouts": row.rollouts,
                 "reached": row.reached.map(|[reached, _]| reached),
-                "ended_early": row.early,
+                "unscored": row.unscored,
                 "none": row.none,
             })
         };
@@ -373,9 +371,25 @@ struct Summarised {
     /// How many reach the goal, and of how many.
     reached: Option<[usize; 2]>,
     note: Option<String>,
-    /// Why rollouts ended early; they are measured where they ended.
-    early: Vec<String>,
+    /// Why rollouts have no score; they are measured where they ended.
+    unscored: Vec<String>,
     none: Option<String>,
+}
+
+/// Says why rollouts have no score, each reason once.
+fn unscored(row: &Summarised) -> Option<String> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for why in &row.unscored {
+        *counts.entry(why).or_default() += 1;
+    }
+    let whys: Vec<String> = counts
+        .into_iter()
+        .map(|(why, count)| match row.rollouts {
+            1 => why.to_owned(),
+            _ => format!("{count} {why}"),
+        })
+        .collect();
+    (!whys.is_empty()).then(|| format!("no score ({}), measured where it ended", whys.join(", ")))
 }
 
 /// Says what an action space lacks, and how to offer it, as the end of a sentence.

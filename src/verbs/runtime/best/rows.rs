@@ -32,12 +32,12 @@ pub struct Row {
     pub oracle: bool,
     /// The measure at the end of each rollout, however it ended; empty if there is none.
     pub values: Vec<f64>,
-    /// Those of rollouts that went on to the task's end.
+    /// Those of rollouts that are scored.
     pub at_end: Vec<f64>,
     /// Whether each rollout reached the goal; empty without one.
     pub reached: Vec<bool>,
-    /// Why a rollout ended early.
-    pub early: Vec<String>,
+    /// Why each rollout that has no score, and is measured where it ended, has none.
+    pub unscored: Vec<String>,
     /// Why there is no value.
     pub none: Option<String>,
 }
@@ -50,14 +50,14 @@ impl Row {
             values: Vec::new(),
             at_end: Vec::new(),
             reached: Vec::new(),
-            early: Vec::new(),
+            unscored: Vec::new(),
             none: None,
         }
     }
 
     /// Adds a rollout; `None` was interrupted.
     ///
-    /// - `where_it_ended`: measures the last state of a rollout that ended early, and so has no score.
+    /// - `where_it_ended`: measures the last state of a rollout that has no score.
     fn add(
         &mut self,
         rollout: Option<&Rollout>,
@@ -70,25 +70,27 @@ impl Row {
             return Ok(());
         };
         let report = &rollout.report;
-        match value(report, metric) {
-            Some(value) => {
-                self.values.push(value);
-                self.at_end.push(value);
-                self.reached.extend(report.goal_reached);
-            }
-            None => {
-                let why = report.stopped.as_deref();
-                let why = why.unwrap_or(report.outcome.name()).to_owned();
-                match where_it_ended(rollout)? {
-                    Some(value) => {
-                        self.values.push(value);
-                        self.reached.extend(has_goal.then_some(false));
-                        self.early.push(why);
-                    }
-                    None => self.none = Some(why),
-                }
-            }
+        let measured = value(report, metric);
+        if report.outcome.is_scored() && measured.is_some() {
+            self.values.extend(measured);
+            self.at_end.extend(measured);
+            self.reached.extend(report.goal_reached);
+            return Ok(());
         }
+        let why = report.stopped.as_deref();
+        let why = why.unwrap_or(report.outcome.name()).to_owned();
+        match measured {
+            Some(value) => self.values.push(value),
+            None => match where_it_ended(rollout)? {
+                Some(value) => self.values.push(value),
+                None => {
+                    self.none = Some(why);
+                    return Ok(());
+                }
+            },
+        }
+        self.reached.extend(has_goal.then_some(false));
+        self.unscored.push(why);
         Ok(())
     }
 }
@@ -158,10 +160,11 @@ impl Playing<'_> {
         );
         self.io.progress("");
         let has_goal = self.search.program.goal.is_some();
+        let mut aim = None;
         let mut decided = Vec::new();
         for (play, rollout) in plays.iter().zip(played?) {
             rows[play.row].add(rollout.as_ref(), measure.metric, has_goal, |it| {
-                self.last_of(it)
+                self.last_of(it, &mut aim)
             })?;
             let steps = rollout.iter().flat_map(|rollout| &rollout.steps);
             let choices: Vec<Choice> = steps.map_while(|step| Choice::of(&step.line)).collect();
@@ -175,11 +178,15 @@ impl Playing<'_> {
     }
 
     /// Measures the last state of a rollout; `None` after an interrupt, or if it cannot be measured.
-    fn last_of(&self, rollout: &Rollout) -> Result<Option<f64>, Failure> {
-        let aim = unless_stopped(Aim::of(self.search)).map_err(Failure::environment)?;
+    ///
+    /// - `aim`: is made for the first rollout that needs it.
+    fn last_of(&self, rollout: &Rollout, aim: &mut Option<Aim>) -> Result<Option<f64>, Failure> {
+        if aim.is_none() {
+            *aim = unless_stopped(Aim::of(self.search)).map_err(Failure::environment)?;
+        }
         let last = rollout.last.as_ref();
         let last = last.unwrap_or(&self.search.start.positions);
-        Ok(aim.and_then(|aim| aim.value(last)))
+        Ok(aim.as_ref().and_then(|aim| aim.value(last)))
     }
 
     /// Executes the best actions in a rollout of their own, and returns the row.
