@@ -53,6 +53,7 @@ mod bending;
 mod camera;
 mod cells;
 mod contacts;
+mod crossings;
 mod crumple;
 mod digest;
 mod error;
@@ -82,6 +83,7 @@ mod springs;
 mod textile;
 
 pub use camera::{CameraError, Frame, ImageUp, Look, MAX_SIZE_PX, MIN_SIZE_PX, TopDownCamera};
+pub use crossings::crossings;
 pub use crumple::{Crumpled, Lift};
 pub use error::{MAX_START_DEPTH_M, MAX_START_STRETCH, SimError, StartError};
 pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};

@@ -24,6 +24,7 @@ mod calibrate;
 mod check_fix;
 mod colour_alone;
 mod completions;
+mod crossings;
 mod demos;
 mod draws;
 mod explain;

@@ -99,6 +99,12 @@ pub trait World {
     /// Shape `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
     fn particles(&self) -> Option<Vec<[f32; 3]>>;
 
+    /// Returns how many edges of the cloth's mesh go through the cloth, which none of a real cloth does; `None` if the world
+    /// cannot know, or does not tell.
+    fn crossings(&self) -> Option<usize> {
+        None
+    }
+
     /// Returns what the camera sees of the flat cloth, whole and alone on the table, or `None` if no such picture was
     /// taken.
     ///

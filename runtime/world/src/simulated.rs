@@ -202,6 +202,13 @@ impl World for SimulatedWorld {
         self.cloth.as_ref().map(Simulator::positions)
     }
 
+    /// Of a cloth of a material alone: the recorded scene's is held against recordings, and not against real cloth.
+    fn crossings(&self) -> Option<usize> {
+        self.parameters.material.as_ref()?;
+        let cloth = self.cloth.as_ref()?;
+        Some(fab_sim::crossings(cloth.mask(), &cloth.positions()))
+    }
+
     fn refuses(&self, _: &Motion) -> Option<String> {
         None
     }

@@ -103,6 +103,10 @@ impl<W: Wrapper> World for W {
         Wrapper::particles(self)
     }
 
+    fn crossings(&self) -> Option<usize> {
+        self.inner().crossings()
+    }
+
     fn flat_cloth(&self) -> Option<Observation> {
         Wrapper::flat_cloth(self)
     }

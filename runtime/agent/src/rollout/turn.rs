@@ -14,6 +14,7 @@ use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
 use crate::twins::{Interrupted, Twins};
+use fab_base::wording::counted;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
 use fab_program::{Arrow, Proposal, SubgoalStep, space};
@@ -29,6 +30,8 @@ pub(super) struct Memory {
     sees_particles: bool,
     first_scene: Option<Scene>,
     last: Option<ExecutedAction>,
+    /// How many edges of the simulated cloth went through it after the step before.
+    pub(super) crossings: usize,
     /// The twins of the cloth, if the task rehearses.
     pub(super) twins: Option<Twins>,
 }
@@ -40,6 +43,7 @@ impl Memory {
             sees_particles,
             first_scene: None,
             last: None,
+            crossings: 0,
             twins: None,
         }
     }
@@ -296,6 +300,14 @@ impl<'j> Turn<'j> {
         self.line.cloth = before
             .zip(world.particles())
             .and_then(|(before, after)| cloth_moved(&before, &after, &executed));
+        self.line.crossings = world.crossings().filter(|count| *count > 0);
+        let crossings = self.line.crossings.unwrap_or(0);
+        if crossings > std::mem::replace(&mut memory.crossings, crossings) {
+            progress(Event::Note(format!(
+                "after step {step} the simulated cloth goes through itself, as no real one does ({})",
+                counted(crossings, "edge")
+            )));
+        }
         let after = match world.observe() {
             Ok(after) => after,
             Err(error) => return Ok(self.stop_for(&error)),

@@ -1,8 +1,7 @@
 //! Layers: gaps, folds, crumples, and the same bits everywhere.
 
-use super::crossings::crossings;
 use super::*;
-use fab_sim::{Snapshot, diagonal_fold, measure};
+use fab_sim::{Mask, Snapshot, crossings, diagonal_fold, measure};
 
 /// Where layers lie flat on each other they are the thickness apart, from 1 to 3 mm.
 #[test]
@@ -21,7 +20,7 @@ fn no_layer_passes_through_another_in_a_fold() {
         let grid = Grid::new(30, 30, SPACING_M).unwrap();
         let cloth = diagonal_fold(grid, &params(&material), &|| false).unwrap();
         let points = cloth.positions();
-        assert_eq!(crossings(grid, &points), 0, "{name}");
+        assert_eq!(crossings(&Mask::full(grid), &points), 0, "{name}");
         assert!(
             stretch(grid, &points) < 0.02,
             "{name}: {}",
@@ -42,7 +41,7 @@ fn hardly_a_thread_passes_through_another_in_crumples() {
         let crossed = |seed| {
             let mut cloth = Simulator::flat(grid, &params(&material));
             cloth.crumple(seed, &|| false).unwrap();
-            crossings(grid, &cloth.positions())
+            crossings(cloth.mask(), &cloth.positions())
         };
         let counts: Vec<usize> = (1..=8).map(crossed).collect();
         println!("{name}: crossings {counts:?}");
@@ -214,7 +213,7 @@ fn a_corner_opens_below_the_smallest_fold_and_stays_above_it() {
                 1e3 * points[0][2],
                 1e3 * dragged
             );
-            assert_eq!(crossings(cloth.grid(), &points), 0, "{name} {carried}");
+            assert_eq!(crossings(cloth.mask(), &points), 0, "{name} {carried}");
             assert!((1e3 * dragged - dragged_mm).abs() < 1.5, "{name} {carried}");
             let folded = stays - dragged;
             assert!(

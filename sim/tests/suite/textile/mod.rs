@@ -4,7 +4,6 @@
 //! apart from the simulator, in `elastica`. Figures in the docs of tests are readings of the solver; what a test holds are its bounds.
 
 mod bending;
-mod crossings;
 mod declarable;
 mod elastica;
 mod folding;

@@ -1,0 +1,51 @@
+//! A simulated cloth that goes through itself: what a run says, and what its record keeps.
+
+use super::support::{fabc, finish, root};
+use fab_agent::record::Record;
+use std::fs;
+
+/// A cloth of silk, pulled anywhere.
+fn silk(start: &str) -> String {
+    format!(
+        r#"
+use "materials.fab"
+task silk {{
+    cloth  grid(24, 24, start: {start}, material: silk)
+    goal   normalized_improvement > 0.95
+    horizon 1
+    camera top_down(height: 650mm, fov: 45deg, image: 224px)
+    picker drop
+    keypoints {{ cloth = mask(depth < 649.6mm) }}
+    actions {{
+        pick:      any of cloth
+        direction: one of 0deg, 90deg, 180deg, 270deg
+        distance:  one of 0.5edge
+    }}
+    stage act {{
+        model vision
+        show  scene
+        say   "Pull {{{{ pick.choices }}}}. {{{{ actions.format }}}}"
+        read  action
+    }}
+    verify {{ attempts 2, else skip }}
+}}
+"#
+    )
+}
+
+#[test]
+fn a_run_says_that_the_cloth_goes_through_itself_and_its_record_counts_the_edges() {
+    let folder = tempfile::tempdir().unwrap();
+    let materials = root().join("tasks/lib/materials.fab");
+    fs::copy(materials, folder.path().join("materials.fab")).unwrap();
+    for (start, crosses) in [("crumpled", true), ("flat", false)] {
+        fs::write(folder.path().join("silk.fab"), silk(start)).unwrap();
+        let words = ["run", "silk.fab", "--policy", "random", "--out", start];
+        let said = finish(fabc(folder.path()).args(words)).stderr;
+        let record = Record::read(&folder.path().join(start)).unwrap();
+        let crossings = record.steps[0].crossings;
+        assert_eq!(crossings.is_some_and(|count| count > 0), crosses, "{said}");
+        let note = "after step 1 the simulated cloth goes through itself, as no real one does (";
+        assert_eq!(said.contains(note), crosses, "{said}");
+    }
+}
