@@ -416,14 +416,13 @@ fn a_point_that_is_not_offered_is_named_with_the_line_that_offers_it() {
         "{found:#}"
     );
 
-    // A pick between corner and middle is found by no keypoint.
+    // A place between corner and middle is found by no keypoint.
     let quarter = LACKING.replace("middle(back)", "point(0.75, 0.25)");
     let (_, found) = run(folder.path(), &quarter, "--trials 40");
-    let cure = found["starts"][0]["unoffered"]["cure"].as_str();
-    assert!(
-        cure.is_some_and(|it| it.contains("`place: any of cloth`")),
-        "{found:#}"
-    );
+    let better = &found["starts"][0]["unoffered"];
+    let [what, cure] = ["what", "cure"].map(|it| better[it].as_str().unwrap());
+    assert!(what.starts_with("place point(0.75, 0.25)"), "{what}");
+    assert!(cure.contains("`place: any of cloth`"), "{cure}");
 
     // What a check refuses is not advised.
     let refused = quarter.replace(
@@ -431,10 +430,12 @@ fn a_point_that_is_not_offered_is_named_with_the_line_that_offers_it() {
         "    verify { check near { distance(pick, place) > 36px } else \"Too near.\" attempts 2 }\n    subgoals ",
     );
     let (_, found) = run(folder.path(), &refused, "--trials 40");
-    let what = found["starts"][0]["unoffered"]["what"].as_str();
+    let start = &found["starts"][0];
+    assert!(start["unoffered_trials"].as_u64() > Some(0), "{start:#}");
+    let what = start["unoffered"]["what"].as_str();
     assert!(
         !what.is_some_and(|it| it.contains("point(0.75, 0.25)")),
-        "{found:#}"
+        "{start:#}"
     );
 
     // Half of the trials, and not one more.

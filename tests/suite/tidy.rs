@@ -176,7 +176,7 @@ const RESERVED: [(Name, &str, &str); 10] = [
     (Name::Word("rustdds"), "", "runtime/arm-ros2/"),
 ];
 
-/// What the code of twins may name in its tests alone: where it lies, and the word. A twin may know of the judged cloth only
+/// What the code of twins may name in its tests alone; each pair is a place and a word. A twin may know of the judged cloth only
 /// what a camera shows, and whoever has a world can ask it where the particles lie.
 const KEPT_FROM_TWINS: [(&str, &str); 6] = [
     ("runtime/world/src/twin", "dyn World"),

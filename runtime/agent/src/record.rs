@@ -128,7 +128,8 @@ pub struct Step {
     pub digest: Option<String>,
     /// How far the action moved the cloth; null if the world does not know its particles.
     pub cloth: Option<ClothMoved>,
-    /// How many edges of the simulated cloth go through it after the action, if any does; no real cloth has such.
+    /// In how many places an edge of the simulated cloth goes through it after the action, if there is one; no real cloth has
+    /// such.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crossings: Option<usize>,
     /// The cloth's coverage after the action, if the world knows it.

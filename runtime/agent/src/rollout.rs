@@ -27,6 +27,7 @@ use crate::twins::Twins;
 use covered::Covered;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
+use fab_base::wording::counted;
 use fab_model::calls::{Budget, Spent};
 use fab_model::recording::Recorder;
 use fab_program::{Choices, Manner, Program, manner_field};
@@ -295,6 +296,13 @@ pub fn run(
     if who.kind == Kind::Prompted || !world.is_simulated() {
         let draws = format!("{} {}", job.start_number.unwrap_or(0), job.repetition);
         memory.twins = Twins::of(job.program, job.subgoals, &draws, world.is_simulated());
+    }
+    memory.crossings = world.crossings().unwrap_or(0);
+    if memory.crossings > 0 {
+        let places = counted(memory.crossings, "place");
+        progress(Event::Note(format!(
+            "the simulated cloth goes through itself at the start, as no real one does ({places})"
+        )));
     }
     let mut covered = Covered::at_start(job, world.as_mut())?;
     let mut end = Outcome::HorizonReached;

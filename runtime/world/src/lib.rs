@@ -99,8 +99,8 @@ pub trait World {
     /// Shape `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
     fn particles(&self) -> Option<Vec<[f32; 3]>>;
 
-    /// Returns how many edges of the cloth's mesh go through the cloth, which none of a real cloth does; `None` if the world
-    /// cannot know, or does not tell.
+    /// Returns in how many places an edge of the cloth's mesh goes through the cloth, as none of a real cloth does; `None` if
+    /// the world cannot know, or does not tell.
     fn crossings(&self) -> Option<usize> {
         None
     }

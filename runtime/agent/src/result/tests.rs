@@ -96,6 +96,19 @@ fn a_grey_line_between_two_faces_does_not_cut_a_cloth() {
     }
 }
 
+/// Specks lie two pixels apart, so that they grow together to a larger patch than the cloth.
+#[test]
+fn specks_on_the_table_are_no_cloth() {
+    let picture = image::RgbImage::from_fn(96, 96, |column, row| {
+        image::Rgb(match (column, row) {
+            (4..28, 4..28) => [127, 168, 217],
+            (32..92, 32..92) if column % 3 == 0 && row % 3 == 0 => [200, 60, 60],
+            _ => [216, 213, 213],
+        })
+    });
+    assert_eq!(silhouette(&picture).area_px(), 24 * 24);
+}
+
 #[test]
 fn any_symmetric_execution_is_right() {
     for quarter in [0.0_f64, 90.0, 180.0, 270.0] {

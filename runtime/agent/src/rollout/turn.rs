@@ -30,7 +30,7 @@ pub(super) struct Memory {
     sees_particles: bool,
     first_scene: Option<Scene>,
     last: Option<ExecutedAction>,
-    /// How many edges of the simulated cloth went through it after the step before.
+    /// In how many places the simulated cloth went through itself before the action.
     pub(super) crossings: usize,
     /// The twins of the cloth, if the task rehearses.
     pub(super) twins: Option<Twins>,
@@ -305,7 +305,7 @@ impl<'j> Turn<'j> {
         if crossings > std::mem::replace(&mut memory.crossings, crossings) {
             progress(Event::Note(format!(
                 "after step {step} the simulated cloth goes through itself, as no real one does ({})",
-                counted(crossings, "edge")
+                counted(crossings, "place")
             )));
         }
         let after = match world.observe() {

@@ -386,10 +386,10 @@ fn unscored(row: &Summarised) -> Option<String> {
         .into_iter()
         .map(|(why, count)| match row.rollouts {
             1 => why.to_owned(),
-            _ => format!("{count} {why}"),
+            _ => format!("{count} times {why}"),
         })
         .collect();
-    (!whys.is_empty()).then(|| format!("no score ({}), measured where it ended", whys.join(", ")))
+    (!whys.is_empty()).then(|| format!("no score ({}), measured at its end", whys.join("; ")))
 }
 
 /// Says what an action space lacks, and how to offer it, as the end of a sentence.

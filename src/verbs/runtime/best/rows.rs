@@ -168,7 +168,8 @@ impl Playing<'_> {
             })?;
             let steps = rollout.iter().flat_map(|rollout| &rollout.steps);
             let choices: Vec<Choice> = steps.map_while(|step| Choice::of(&step.line)).collect();
-            let end = rollout.and_then(|rollout| value(&rollout.report, measure.metric));
+            let scored = rollout.filter(|rollout| rollout.report.outcome.is_scored());
+            let end = scored.and_then(|rollout| value(&rollout.report, measure.metric));
             let loss = end.map_or(f64::INFINITY, |end| measure.loss(end));
             decided.push((loss, choices));
         }
