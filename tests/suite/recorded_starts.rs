@@ -87,7 +87,7 @@ fn the_stand_in_smooths_recorded_starts_better_than_the_quoted_medians() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    let mut bench = fabc(&support::root());
+    let mut bench = fabc(support::root());
     bench.args([
         "bench",
         "smoothing",
