@@ -743,3 +743,33 @@ fn a_rollout_without_a_score_is_measured_where_it_ended() {
         (&0.into(), &Value::Null)
     );
 }
+
+/// Each pull leads away from the experts' end, and a rollout whose steps are all skipped has no score.
+#[test]
+fn where_every_action_spoils_the_cloth_the_best_takes_one_all_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let spoiling = ANYWHERE
+        .replace("grid(14, 14, start: crumpled)", "grid(10, 10)")
+        .replace(
+            "    goal   normalized_improvement > 0.3\n",
+            "    experts inward\n    goal   particle_distance < 1mm\n",
+        )
+        .replace("0deg, 90deg, 180deg, 270deg", "0deg, 270deg");
+    let experts = "experts inward { sequence { fold corner(back_left) -> center, corner(back_right) -> center } }";
+    let (code, found) = run(
+        folder.path(),
+        &format!("{experts}\n{spoiling}"),
+        "--trials 16",
+    );
+    assert_eq!(code, 3, "{found:#}");
+    let start = &found["starts"][0];
+    assert!(
+        start["value"].as_f64() > start["untouched"].as_f64(),
+        "{start:#}"
+    );
+    let best = start["best"].as_array().unwrap();
+    assert!(
+        best.iter().any(|step| !step["answer"].is_null()),
+        "{start:#}"
+    );
+}
