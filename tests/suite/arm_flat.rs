@@ -1,11 +1,10 @@
 //! The picture of the flat cloth on an arm's table: from the settings, or of the simulated table.
 
 use super::support::{self, bring_robot, fabc, finish};
-use fab_agent::arm_sight::SIGHT;
-use fab_arm::supervisor::{NoWatchdog, Unattended};
+use fab_arm::supervisor::Unattended;
 use fab_arm::world;
 use fab_arm::world::ArmWorld;
-use fab_arm::world::{FlatPicture, Parts, about};
+use fab_arm::world::{FlatPicture, about};
 use fab_world::World;
 use fab_world::start::Start;
 use image::RgbImage;
@@ -21,20 +20,10 @@ fn name_flat(folder: &Path) {
 
 fn arm(folder: &Path) -> ArmWorld {
     let robot = folder.join("robot.toml");
-    let (settings, settings_hash, calibration) = world::load(&robot).unwrap();
+    let (settings, _, calibration) = world::load(&robot).unwrap();
     let flat = FlatPicture::load(&robot, &settings, &calibration).unwrap();
-    let parts = Parts {
-        settings,
-        settings_hash,
-        calibration,
-        sight: SIGHT,
-        material: None,
-        image_px: support::small_task().camera.image_px,
-        supervisor: Box::new(Unattended),
-        watchdog: Box::new(NoWatchdog),
-        folder: None,
-    };
-    ArmWorld::simulated(parts).unwrap().with_flat(flat)
+    let image_px = support::small_task().camera.image_px;
+    support::simulated_arm(&robot, image_px, Box::new(Unattended), None).with_flat(flat)
 }
 
 /// Counts the pixels that are as colourful as the cloth.

@@ -1,15 +1,12 @@
 //! Answers are tried on twins before the world moves; twins know what the camera shows, and nothing else.
 
 use super::support::{self, Careless, Scripted, Trial, words_of};
-use fab_agent::arm_sight::SIGHT;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::{MakePolicy, Prompted, Random};
 use fab_agent::record::{Record, RehearsedStep};
 use fab_agent::rollout::{Ended, Event};
 use fab_arm::log::ARM_FILE;
-use fab_arm::supervisor::{NoWatchdog, Unattended};
-use fab_arm::world;
-use fab_arm::world::{ArmWorld, Parts};
+use fab_arm::supervisor::Unattended;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::Calls;
 use fab_model::{Model, ModelError, ModelKind, ModelRole, Models, Part, Reply, Request};
@@ -587,18 +584,9 @@ fn rehearsing_on_a_table(size: f64) -> Program {
 fn play_with_arm(program: &Program, model: &dyn Model) -> Played {
     let make = |run: &Path| -> Result<Box<dyn World>, WorldError> {
         let robot = support::root().join("tasks/real/simulated.toml");
-        let (settings, settings_hash, calibration) = world::load(&robot).unwrap();
-        Ok(Box::new(ArmWorld::simulated(Parts {
-            settings,
-            settings_hash,
-            calibration,
-            sight: SIGHT,
-            material: None,
-            image_px: program.camera.image_px,
-            supervisor: Box::new(Unattended),
-            watchdog: Box::new(NoWatchdog),
-            folder: Some(run.to_owned()),
-        })?))
+        let image_px = program.camera.image_px;
+        let arm = support::simulated_arm(&robot, image_px, Box::new(Unattended), Some(run));
+        Ok(Box::new(arm))
     };
     play_in(program, model, make, |_| {})
 }

@@ -1,5 +1,6 @@
 //! Code shared by the tests: the command, recorded data, small tasks, scripted models.
 
+use fab_agent::arm_sight::SIGHT;
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::policy::{MakePolicy, Prompted};
@@ -7,6 +8,8 @@ use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout;
 use fab_agent::rollout::{Ended, Event, Job, RunError};
 use fab_agent::subgoals::SubgoalSet;
+use fab_arm::supervisor::{NoWatchdog, Supervisor};
+use fab_arm::world::{ArmWorld, Parts};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_compiler::{LoadError, Loader};
@@ -223,6 +226,30 @@ pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
         &program.camera,
         program.picker,
     )?))
+}
+
+/// The simulated arm that these settings describe, without a watchdog.
+///
+/// - `folder`: where it keeps the journal of its motions.
+pub fn simulated_arm(
+    robot: &Path,
+    image_px: u32,
+    supervisor: Box<dyn Supervisor>,
+    folder: Option<&Path>,
+) -> ArmWorld {
+    let (settings, settings_hash, calibration) = fab_arm::world::load(robot).unwrap();
+    let parts = Parts {
+        settings,
+        settings_hash,
+        calibration,
+        sight: SIGHT,
+        material: None,
+        image_px,
+        supervisor,
+        watchdog: Box::new(NoWatchdog),
+        folder: folder.map(Path::to_owned),
+    };
+    ArmWorld::simulated(parts).unwrap()
 }
 
 /// Everything about a rollout except its models; a test changes the fields that matter to it.

@@ -4,8 +4,7 @@
 #![cfg(target_os = "linux")]
 
 use super::pty::{Mode, Session};
-use super::support::{Captured, Fabc, fabc, root, task, world};
-use fab_agent::arm_sight::SIGHT;
+use super::support::{Captured, Fabc, fabc, root, simulated_arm, task, world};
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
@@ -14,10 +13,7 @@ use fab_agent::rollout;
 use fab_agent::rollout::Job;
 use fab_agent::subgoals::SubgoalSet;
 use fab_arm::log::{ARM_FILE, RunState, run_state};
-use fab_arm::supervisor::{MotionRequest, NoWatchdog, Supervisor};
-use fab_arm::world;
-use fab_arm::world::ArmWorld;
-use fab_arm::world::Parts;
+use fab_arm::supervisor::{MotionRequest, Supervisor};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_model::Models;
@@ -333,19 +329,11 @@ fn a_panic_while_the_arm_moves_is_told_with_what_is_verified() {
     let run = RunFolder::create(&folder.path().join("run")).unwrap();
     let program = task("real/double_triangle");
     let make_world = || -> Result<Box<dyn World>, WorldError> {
-        let (settings, settings_hash, calibration) =
-            world::load(&root().join("tasks/real/simulated.toml")).unwrap();
-        Ok(Box::new(ArmWorld::simulated(Parts {
-            settings,
-            settings_hash,
-            calibration,
-            sight: SIGHT,
-            material: None,
-            image_px: program.camera.image_px,
-            supervisor: Box::new(Mistaken(200)),
-            watchdog: Box::new(NoWatchdog),
-            folder: Some(folder.path().join("run")),
-        })?))
+        let robot = root().join("tasks/real/simulated.toml");
+        let folder = folder.path().join("run");
+        let supervisor = Box::new(Mistaken(200));
+        let arm = simulated_arm(&robot, program.camera.image_px, supervisor, Some(&folder));
+        Ok(Box::new(arm))
     };
     let interrupt = Interrupt::default();
     let mut drawn = world(&program).unwrap();

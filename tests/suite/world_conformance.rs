@@ -1,11 +1,9 @@
 //! Every [`World`] keeps the promises of `fab_world::conformance`; add a line at the end for each new world.
 
 use super::support;
-use fab_agent::arm_sight::SIGHT;
-use fab_arm::supervisor::{NoWatchdog, Unattended};
+use fab_arm::supervisor::Unattended;
 use fab_arm::world;
-use fab_arm::world::ArmWorld;
-use fab_arm::world::{Parts, WithinReach};
+use fab_arm::world::WithinReach;
 use fab_world::World;
 use fab_world::conformance::PROMISES;
 
@@ -32,19 +30,14 @@ fn the_simulated_arm_conforms() {
     let folder = tempfile::tempdir().unwrap();
     let robot = support::root().join("tasks/real/simulated.toml");
     conforms(&|| {
-        let (settings, settings_hash, calibration) = world::load(&robot).unwrap();
-        let parts = Parts {
-            settings,
-            settings_hash,
-            calibration,
-            sight: SIGHT,
-            material: None,
-            image_px: program.camera.image_px,
-            supervisor: Box::new(Unattended),
-            watchdog: Box::new(NoWatchdog),
-            folder: Some(folder.path().to_owned()),
-        };
-        Box::new(ArmWorld::simulated(parts).unwrap())
+        let image_px = program.camera.image_px;
+        let folder = Some(folder.path());
+        Box::new(support::simulated_arm(
+            &robot,
+            image_px,
+            Box::new(Unattended),
+            folder,
+        ))
     });
 }
 
