@@ -1,5 +1,5 @@
 # Every command of this project. A newcomer needs only `make run` and `make test`.
-# Each installs what is missing (scripts/deps.sh) and then does its job.
+# Each names what is missing (scripts/deps.sh), or does its job; only `make deps` installs anything on the system.
 #
 # GNU make exits with 2 whatever failed in a recipe, so `make run` prints fabc's own exit
 # code and its meaning. This file uses only features that GNU make 3.81 and BSD make share;
@@ -11,43 +11,46 @@ WITH_ENV = sh scripts/with-env.sh
 # More arguments for `fabc run`, for example: make run ARGS="--start 3"
 ARGS =
 
+# Features besides the defaults, for `run` and `deps`, for example: make deps FEATURES="opencv ros peers"
+FEATURES =
+
 # What `make dist` builds and `make dist-check` tests: deb, wheel, static; everything if empty.
 PARTS =
 
-.PHONY: help run test test-all test-long lint package bench book dist dist-check deps
+.PHONY: help run test test-all test-long lint package bench book dist dist-check deps compiler opencv
 
 help:
-	@echo 'make run         build fabc and run tasks/double_straight.fab; more arguments: ARGS="..."'
+	@echo 'make run         build fabc and run tasks/double_straight.fab; more arguments: ARGS="...", FEATURES="..."'
 	@echo 'make test        the fast tests'
-	@echo 'make test-all    every test: also those that take long or need programs by others'
-	@echo 'make lint        format, clippy, the build without system libraries, packages, documentation'
+	@echo 'make test-all    every test: also those that take long or need programs by others, such as OpenCV'
+	@echo 'make lint        format, clippy, no system library, packages, documentation'
 	@echo 'make package     pack each crate and build it from its archive alone; takes as long as a first build'
 	@echo 'make bench       the benchmarks'
 	@echo 'make book        build the book of docs/ to target/book'
 	@echo 'make dist        a Debian package, a Python wheel and a static authoring tool, to target/dist (Linux x86-64)'
 	@echo 'make dist-check  install these into clean roots, run and remove them; needs mmdebstrap; only some: PARTS="deb wheel"'
-	@echo 'make deps        install what a build lacks; FABC_NO_INSTALL=1 only lists it'
+	@echo 'make deps        install what a build lacks; with FEATURES="opencv ros", also what these need'
 
-run: deps
-	@$(WITH_ENV) sh scripts/run.sh tasks/double_straight.fab $(ARGS)
+run: compiler
+	@FABC_FEATURES="$(FEATURES)" $(WITH_ENV) sh scripts/run.sh tasks/double_straight.fab $(ARGS)
 
-test: deps
+test: compiler
 	@$(WITH_ENV) sh scripts/test.sh
 
-test-all: deps
+test-all: compiler opencv
 	@$(WITH_ENV) sh scripts/test-long.sh --with-fast
 
-# What `make test` leaves out.
-test-long: deps
+# What `make test` leaves out, and first scripts/mission.sh, a test of each promise of this project.
+test-long: compiler opencv
 	@$(WITH_ENV) sh scripts/test-long.sh
 
-lint: deps
+lint: compiler
 	@$(WITH_ENV) sh scripts/lint.sh
 
-package: deps
+package: compiler
 	@$(WITH_ENV) sh scripts/package.sh
 
-bench: deps
+bench: compiler
 	$(WITH_ENV) cargo bench --locked -p fab-compiler --bench compile
 	$(WITH_ENV) cargo bench --locked -p fab-sim --bench cloth
 	$(WITH_ENV) sh scripts/count-instructions.sh
@@ -59,11 +62,17 @@ bench: deps
 book:
 	@$(WITH_ENV) sh scripts/book.sh
 
-dist: deps
+dist: compiler
 	@$(WITH_ENV) sh scripts/dist.sh $(PARTS)
 
 dist-check:
 	@sh scripts/dist/check.sh $(PARTS)
 
 deps:
+	@$(WITH_ENV) sh scripts/deps.sh --install $(FEATURES)
+
+compiler:
 	@sh scripts/deps.sh
+
+opencv:
+	@$(WITH_ENV) sh scripts/deps.sh opencv

@@ -4,7 +4,7 @@
 # Out, in TARGET/dist: a Debian 12 package, a Python wheel, and the authoring tool as one static binary. Without
 # arguments it builds all three, and one by one otherwise. Prints the size and the build time of each.
 #
-# Everything is built under TARGET/dist/build, which may be deleted. A first build of all three takes about half an hour
+# Everything is built under TARGET/dist/build, which may be deleted. A first build of all three takes about ten minutes
 # on two cores. scripts/dist/check.sh tests the results.
 set -eu
 here=$(CDPATH='' cd -- "$(dirname "$0")" && pwd)

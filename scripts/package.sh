@@ -3,7 +3,7 @@
 #
 # Catches what an ordinary build cannot: a file that a crate includes and its package lacks, or a dependency between
 # members without a version. It is not part of lint.sh, which packs without building. The workspace's profiles do not
-# apply to a package, so it reuses no earlier build, and OpenCV's bindings are built again. cargo refuses to pack
+# apply to a package, so it reuses no earlier build. cargo refuses to pack
 # uncommitted files; `sh scripts/package.sh --allow-dirty` packs them anyway.
 set -eu
 
@@ -11,6 +11,5 @@ set -eu
 CARGO_INCREMENTAL=0
 export CARGO_INCREMENTAL
 
-# fab-features is not published.
-echo "+ cargo package --workspace --exclude fab-features --locked --offline $*"
-cargo package --workspace --exclude fab-features --locked --offline "$@"
+echo "+ cargo package --workspace --locked --offline $*"
+cargo package --workspace --locked --offline "$@"

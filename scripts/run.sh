@@ -4,7 +4,7 @@
 # This is the build that `make test` starts from. Its simulator is optimised, so a run takes about as long as with a
 # release build, which takes twice as long to make.
 #
-# FABC_FEATURES names features besides the defaults, e.g. `ros`.
+# FABC_FEATURES names features besides the defaults, such as `ros`.
 # Exits with fabc's own exit code and prints its meaning, because make turns every
 # failure into its own 2. A failed build exits with cargo's 101.
 set -u

@@ -2,6 +2,10 @@
 # Runs the tests that `make test` leaves out, and ends with: N passed, N failed, N skipped. With --with-fast it runs
 # those of `make test` first, and counts them too.
 #
+# It begins with mission.sh, a test of each promise of this project, while the only fabc is that of `make run`. Then it
+# tests the feature `opencv`: the tests of fab-vision, also those that compare OpenCV with our own detectors, and a fold.
+# All others test what is shipped, which has `tags` and not `opencv`.
+#
 # Tests that take long are `#[ignore = "long"]`; those that compare with a program by others are `#[ignore = "needs ..."]`
 # and named peer_. The peers are in a Python environment under the target folder (peers-requirements.txt); tests find it
 # through FABC_PEER_PYTHON. Without Python no peer_ test runs but those over ROS, and the run fails. cargo-insta, which
@@ -77,12 +81,12 @@ trap 'rm -rf "$work"' EXIT
 trap 'trap "" TERM; kill 0; exit 130' INT
 trap 'exit 143' TERM
 
-# Runs tests as test.sh does, and keeps their sums: run WORDS ARGUMENT...
+# Runs a script that ends with its sums, such as test.sh, and keeps them: run WORDS SCRIPT ARGUMENT...
 run() {
-    words=$1
-    shift
+    words=$1 script=$2
+    shift 2
     log=$(mktemp "$work/XXXXXX") || exit
-    sh "$here/test.sh" "$@" | tee "$log" | sed "s/^[0-9]* passed, .* skipped\$/$words: &/"
+    sh "$here/$script" "$@" | tee "$log" | sed "s/^[0-9]* passed, .* skipped\$/$words: &/"
     tail -n 1 "$log" | grep -E '^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$' >>"$work/sums" || {
         echo "$words: the run ended without its sums"
         echo "0 passed, 1 failed, 0 skipped" >>"$work/sums"
@@ -99,7 +103,22 @@ leave_out() {
 
 # The ROS tests have a run of their own.
 skipped="--skip peer_ros_ --skip peer_ros2_"
-[ "${1:-}" != --with-fast ] || run "the fast tests"
+[ "${1:-}" != --with-fast ] || run "the fast tests" test.sh
+run "the mission" mission.sh
+# With fabc, fab-vision alone would build serde and much else in another form. The command's own tests are run elsewhere.
+with_opencv="--package fabc --package fab-vision --features fabc/opencv,fabc/tags --locked"
+# shellcheck disable=SC2086  # words without spaces
+run "fab-vision with OpenCV" test.sh $with_opencv --lib -- --include-ignored --skip snapshots:: --skip verbs::
+# shellcheck disable=SC2086  # words without spaces
+run "peers with OpenCV" test.sh $with_opencv --test suite -- --include-ignored suite::peer_opencv::
+# No other test is running yet that uses this fabc.
+if FABC_FEATURES=opencv,tags sh "$here/run.sh" tasks/double_straight.fab --out "$work/fold"; then
+    fold="1 passed, 0 failed"
+else
+    fold="0 passed, 1 failed"
+fi
+echo "a fold with OpenCV: $fold, 0 skipped"
+echo "$fold, 0 skipped" >>"$work/sums"
 
 prepare
 if [ -n "$missing" ]; then
@@ -114,9 +133,8 @@ export FABC_PEER_PYTHON
 
 over_ros() {
     # shellcheck disable=SC2086  # words without spaces
-    run "over ROS, each part" $ros --package fabc $ros_features --locked --no-fail-fast $ros_tests -- --include-ignored $without_python
-    # shellcheck disable=SC2086  # words without spaces
-    run "over ROS" $ros --locked --lib -- --include-ignored $without_python
+    run "over ROS" test.sh $ros --package fabc $ros_features --locked --no-fail-fast --lib $ros_tests -- --include-ignored \
+        --skip snapshots:: --skip verbs:: $without_python
 }
 without_ros=$(sh "$here/ros-parts.sh")
 without_python=
@@ -134,21 +152,20 @@ if [ -z "$missing" ] && [ ! -e "$rclpy/installed.txt" ]; then
     without_python="--skip peer_ros2_a_distribution"
 fi
 if [ -z "$without_ros" ]; then
-    selected="--workspace --features fabc/ros,fabc/ros2"
+    selected="--workspace --features fabc/tags,fabc/ros,fabc/ros2"
     ros="--package fab-arm-ros --package fab-arm-ros2"
-    ros_features="--features fabc/ros,fabc/ros2"
+    ros_features="--features fabc/tags,fabc/ros,fabc/ros2"
     ros_tests="--test ros --test ros2"
 else
-    selected="--workspace --exclude fab-arm-ros --features fabc/ros2"
+    selected="--workspace --exclude fab-arm-ros --features fabc/tags,fabc/ros2"
     ros="--package fab-arm-ros2"
-    ros_features="--features fabc/ros2"
+    ros_features="--features fabc/tags,fabc/ros2"
     ros_tests="--test ros2"
     leave_out peer_ros_ "$without_ros"
 fi
 # All tests here use one fabc, so that none replaces the one that others are running.
 # shellcheck disable=SC2086  # words without spaces
-cargo build --locked $selected --lib --bins --tests || exit
-cargo build --locked --package fab-arm --example arm_engine || exit
+cargo build --locked $selected --lib --bins --tests --example arm_engine || exit
 FABC_PEER_ARM_ENGINE=$(cd "$target" && pwd)/debug/examples/arm_engine
 export FABC_PEER_ARM_ENGINE
 # Nodes must find each other on this machine whatever its name; ROS_HOSTNAME would override ROS_IP.
@@ -186,9 +203,9 @@ export FABC_PEER_ROBOTS
 [ -z "$without_mdbook" ] || leave_out peer_mdbook_ "$without_mdbook"
 
 # shellcheck disable=SC2086  # words without spaces
-run "with documentation" $selected --locked --doc
+run "with documentation" test.sh $selected --locked --doc
 # shellcheck disable=SC2086  # words without spaces
-run "long and peers" $selected --locked --no-fail-fast --lib --bins --tests -- --ignored $skipped
+run "long and peers" test.sh $selected --locked --no-fail-fast --lib --bins --tests -- --ignored $skipped
 wait "$beside"
 cat "$work/ros"
 

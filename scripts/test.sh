@@ -3,7 +3,7 @@
 #
 # Without arguments it runs the fast tests.
 #
-# Prints a line per test binary, all that a failed one printed, the ten slowest tests, and at last the sums:
+# Prints a line per test binary with its time, all that a failed one printed, and at last the sums:
 # N passed, N failed, N skipped. A Rust test cannot report "skipped". A test that lacks recorded data or a program by
 # others appends its name as a line to the file that FABC_SKIPPED_FILE names, and returns. It counts as skipped, not as
 # passed.
@@ -23,9 +23,7 @@ if [ "${1:-}" = --one ]; then
         echo "$name" >>"$work/failed"
         exit 0
     }
-    # -1 lets the test harness tell times, and changes nothing for a compiler that a test starts.
-    CARGO_MANIFEST_DIR=$folder RUSTC_BOOTSTRAP=-1 \
-        "$binary" "$@" -Z unstable-options --report-time >"$log" 2>&1 </dev/null
+    CARGO_MANIFEST_DIR=$folder "$binary" "$@" >"$log" 2>&1 </dev/null
     code=$?
     if [ "$code" = 0 ] && grep -q '^test result: ok' "$log"; then
         sed -n "s#^test result: ok\. \(.*\); [0-9]* measured.*finished in \(.*\)#$name: \1; \2#p" "$log" |
@@ -135,9 +133,6 @@ passed=$((passed - skipped))
 # A binary that crashed may have recorded skips without reporting passes.
 [ "$passed" -ge 0 ] || passed=0
 
-echo
-echo "the ten slowest tests:"
-grep -E '^test .* <[0-9.]+s>$' "$work/logs" | sed -E 's/^test (.*) \.\.\. [^<]*<([0-9.]+)s>$/\2 s  \1/' | sort -rn | head -n 10
 echo
 # A build error or a crashed test binary prints no result line, but is a failure.
 if [ "$code" -ne 0 ] && [ "$failed" -eq 0 ]; then

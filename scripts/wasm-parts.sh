@@ -18,8 +18,5 @@ has_library() {
 if ! command -v node >/dev/null; then
     echo "node is missing (Debian: apt-get install nodejs)"
 elif ! has_library; then
-    if [ -z "${FABC_NO_INSTALL:-}" ] && [ -z "${RUSTC:-}" ] && command -v rustup >/dev/null; then
-        rustup target add "$target" >/dev/null 2>&1
-    fi
-    has_library || echo "Rust's standard library for $target is missing (rustup target add $target)"
+    echo "Rust's standard library for $target is missing (rustup target add $target)"
 fi

@@ -5,6 +5,9 @@ use crate::io::Io;
 use crate::shipped;
 use clap::Args;
 use clap::ValueHint;
+#[cfg(not(feature = "runtime"))]
+use fab_base::kinds::Kind;
+use fab_base::kinds::without_mark;
 use fab_base::wording::quoted;
 use fab_base::{files, npy};
 use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, diag};
@@ -69,12 +72,7 @@ impl Loader for Disk {
             };
             wrong(format!("cannot read `{name}`: {why}{nearby}"))
         })?;
-        String::from_utf8(bytes).map_err(|error| {
-            let at = error.utf8_error().valid_up_to();
-            wrong(format!(
-                "cannot read `{name}`: it is not UTF-8 text, byte {at} does not belong there"
-            ))
-        })
+        files::text(bytes).map_err(|why| wrong(format!("cannot read `{name}`: {why}")))
     }
 }
 
@@ -116,6 +114,8 @@ struct Looking {
     disk: Disk,
     /// What was found, because each task that inherits a file asks again.
     found: RefCell<BTreeMap<(String, Wanted), Listed>>,
+    /// What is done to the pictures to show them as a viewer does.
+    notes: RefCell<Vec<String>>,
 }
 
 impl Loader for Looking {
@@ -125,7 +125,12 @@ impl Loader for Looking {
 
     fn look(&self, path: &str, wanted: Wanted) -> Listed {
         let mut found = self.found.borrow_mut();
-        let look = || listed(&self.disk.folder, &self.disk.folder.join(path), wanted);
+        let look = || {
+            let seen = listed(&self.disk.folder, &self.disk.folder.join(path), wanted);
+            let (listed, note) = seen.unwrap_or_else(|why| (Listed::Nothing(why), None));
+            self.notes.borrow_mut().extend(note);
+            listed
+        };
         let found = found.entry((path.to_owned(), wanted));
         found.or_insert_with(look).clone()
     }
@@ -151,84 +156,72 @@ struct Tried {
 /// draws such pictures anew.
 pub fn pinned_trial(folder: &Path, title: &str) -> Option<Trial> {
     let path = folder.join(pins_folder(title)).join(PINS_FILE);
-    let bytes = read_bounded(&inside(folder, &path).ok()?).ok()?;
-    serde_json::from_slice::<Tried>(&bytes).ok()?.tried
+    let path = inside(folder, &path).ok()?;
+    files::read_json::<Tried>(&path, MAX_BYTES).ok()?.tried
 }
 
-/// Reads the file at a path in a folder as the kind of file that is wanted; says what it found.
-fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Listed {
-    let read = || -> Result<Listed, String> {
-        let bytes = files::read(&inside(folder, path)?, MAX_LOOKED_AT)?;
-        match wanted {
-            Wanted::CameraPicture | Wanted::Picture => {
-                let [width, height] = png_size(&bytes)?;
-                Ok(Listed::Picture { width, height })
-            }
-            Wanted::Positions => are_positions(&bytes).map(|()| Listed::Other),
-            Wanted::Demonstrations => are_json_lines(&bytes).map(|()| Listed::Other),
-        }
-    };
-    read().unwrap_or_else(Listed::Nothing)
-}
-
-/// Returns the width and height of a PNG file; the error says why it is not one, or how it is damaged.
-///
-/// Every chunk is read, because a truncated file has a valid header. The pixels are not unpacked.
-fn png_size(bytes: &[u8]) -> Result<[u32; 2], String> {
-    let rest = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n");
-    let mut rest = rest.ok_or("it is not a PNG picture")?;
-    let mut size = None;
-    let mut has_pixels = false;
-    let number = |bytes: &[u8]| bytes.first_chunk().map(|it| u32::from_be_bytes(*it));
-    loop {
-        // A chunk is its length, its name, its data, and a sum of name and data.
-        let length = number(rest).ok_or("the picture is cut off")? as usize;
-        let named = rest
-            .get(4..)
-            .and_then(|it| it.get(..length.checked_add(4)?));
-        let named = named.ok_or("the picture is cut off")?;
-        let after = rest.get(length + 8..).unwrap_or_default();
-        if number(after).ok_or("the picture is cut off")? != crc32(named) {
-            return Err("the picture is damaged".to_owned());
-        }
-        let (name, data) = named.split_at(4);
-        match name {
-            b"IHDR" => size = number(data).zip(data.get(4..).and_then(number)),
-            b"IDAT" => has_pixels = true,
-            b"IEND" => break,
-            _ => {}
-        }
-        rest = &after[4..];
+/// Reads the file at a path in a folder as the kind of file that is wanted; says what it found, and what is done to show it.
+fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Result<(Listed, Option<String>), String> {
+    let bytes = files::read(&inside(folder, path)?, MAX_LOOKED_AT)?;
+    let other = |()| (Listed::Other, None);
+    match wanted {
+        Wanted::CameraPicture | Wanted::Picture => picture(path, &bytes),
+        Wanted::Positions => are_positions(&bytes).map(other),
+        Wanted::Demonstrations => are_json_lines(&bytes).map(other),
     }
-    let size = size.filter(|(width, height)| has_pixels && *width > 0 && *height > 0);
-    size.map(|(width, height)| [width, height])
-        .ok_or_else(|| "the picture has no pixels".to_owned())
 }
 
-/// Returns the sum that PNG writes behind each chunk (CRC-32, ISO 3309).
-fn crc32(bytes: &[u8]) -> u32 {
-    let step = |sum: u32, _| (sum >> 1) ^ if sum & 1 == 1 { 0xedb8_8320 } else { 0 };
-    let sums = |sum: u32, byte: &u8| (0..8).fold(sum ^ u32::from(*byte), step);
-    !bytes.iter().fold(u32::MAX, sums)
+/// Opens a picture as a rollout will.
+#[cfg(feature = "runtime")]
+fn picture(path: &Path, bytes: &[u8]) -> Result<(Listed, Option<String>), String> {
+    let named = format!("`{}`", path.display());
+    let opened = fab_picture::png::opened(bytes, path);
+    let opened = opened.map_err(|error| error.to_string().replacen(&named, "it", 1))?;
+    let (width, height) = opened.rgb.dimensions();
+    Ok((Listed::Picture { width, height }, opened.note))
+}
+
+/// Reads the size of a PNG picture, and whether it has an end; this build of fabc does not open pictures.
+#[cfg(not(feature = "runtime"))]
+fn picture(_: &Path, bytes: &[u8]) -> Result<(Listed, Option<String>), String> {
+    let kind = Kind::of(bytes).ok_or("it is no picture")?;
+    let number = |at: usize| bytes.get(at..)?.first_chunk().copied();
+    let size = number(16)
+        .zip(number(20))
+        .map(|it| [it.0, it.1].map(u32::from_be_bytes));
+    let is_whole = bytes.windows(8).any(|it| it == b"IEND\xae\x42\x60\x82");
+    match (kind.name, size) {
+        ("a JPEG picture", _) => Ok((Listed::Unknown, None)),
+        ("a PNG picture", Some([width, height])) if is_whole => {
+            Ok((Listed::Picture { width, height }, None))
+        }
+        ("a PNG picture", _) => Err("the picture is cut off".to_owned()),
+        _ => Err(kind.sentence()),
+    }
 }
 
 /// Checks that bytes are finite particle positions.
 fn are_positions(bytes: &[u8]) -> Result<(), String> {
-    let (shape, numbers) = npy::decode_floats(bytes)?;
-    match shape.as_slice() {
-        [_, 3] if numbers.iter().all(|number| number.is_finite()) => Ok(()),
-        [_, 3] => Err("a coordinate in it is not a number".to_owned()),
-        _ => Err(format!("it has the shape {shape:?}, not (particles, 3)")),
+    let positions = npy::decode_positions(bytes)?;
+    if positions.iter().flatten().all(|number| number.is_finite()) {
+        Ok(())
+    } else {
+        Err("a coordinate in it is not a number".to_owned())
     }
 }
 
 /// Checks that bytes are lines with a JSON object each, the first of which states the format.
 fn are_json_lines(bytes: &[u8]) -> Result<(), String> {
-    let text = std::str::from_utf8(bytes).map_err(|error| error.to_string())?;
-    if text.is_empty() {
+    let text = files::text(without_mark(bytes).to_vec())?;
+    let lines = || {
+        (1..)
+            .zip(text.lines())
+            .filter(|(_, line)| !line.trim().is_empty())
+    };
+    if lines().next().is_none() {
         return Err("it is empty".to_owned());
     }
-    for (line, number) in text.lines().zip(1..) {
+    for (number, line) in lines() {
         let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(line)
             .map_err(|error| format!("line {number} is no JSON object: {error}"))?;
         if number == 1 && !object.contains_key("format") {
@@ -238,13 +231,16 @@ fn are_json_lines(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// Compiles a file, and looks for the files that its tasks name.
-pub fn compile_looking(file: &str) -> Result<Compiled, Failure> {
+/// Compiles a file, and looks for the files that its tasks name; returns what is done to pictures to show them, too.
+pub fn compile_looking(file: &str) -> Result<(Compiled, Vec<String>), Failure> {
     let loader = Looking {
         disk: Disk::beside(file),
         found: RefCell::default(),
+        notes: RefCell::default(),
     };
-    fab_compiler::compile(file, &loader).map_err(|error| Failure::environment(error.message))
+    let compiled = fab_compiler::compile(file, &loader);
+    let compiled = compiled.map_err(|error| Failure::environment(error.message))?;
+    Ok((compiled, loader.notes.into_inner()))
 }
 
 /// Returns the folder that holds a file.
@@ -283,11 +279,13 @@ fn inside_or_library(folder: &Path, path: &Path) -> Result<PathBuf, String> {
     if found.is_ok() {
         return found;
     }
-    let above = match folder.as_os_str().is_empty() {
-        true => PathBuf::from(".."),
-        false => folder.join(".."),
-    };
+    let above = folder.join("..");
     inside(&above.join("lib"), path).or(found)
+}
+
+/// Reads a text that people may have written, without its byte-order mark; the error says why it cannot.
+pub fn read_text(path: &Path) -> Result<String, String> {
+    files::read_text(path, MAX_BYTES)
 }
 
 /// Reads a regular file of at most [`MAX_BYTES`]; the error says why it cannot.
@@ -517,23 +515,22 @@ mod tests {
         );
     }
 
+    #[cfg(feature = "runtime")]
     #[test]
     fn a_check_looks_for_the_files_that_a_task_names() {
         let (root, folder) = folders();
-        let chunk = |named: &[u8]| {
-            let length = (named.len() - 4) as u32;
-            [&length.to_be_bytes(), named, &crc32(named).to_be_bytes()].concat()
-        };
-        let png = |width: u32, height: u32| {
-            let head = [b"IHDR", &width.to_be_bytes()[..], &height.to_be_bytes()].concat();
-            let chunks = [&head[..], b"IDAT pixels", b"IEND"].map(chunk).concat();
-            [b"\x89PNG\r\n\x1a\n", &chunks[..]].concat()
-        };
+        let png = |width, height| fab_picture::png::encode(&image::RgbImage::new(width, height));
         let right = png(224, 224);
         let mut damaged = right.clone();
         damaged[45] ^= 1;
         fs::write(folder.join("right.png"), &right).expect("a file");
         fs::write(folder.join("wide.png"), png(640, 480)).expect("a file");
+        let named_jpeg = folder.join("jpeg.png");
+        let jpeg =
+            image::RgbImage::new(224, 224).save_with_format(named_jpeg, image::ImageFormat::Jpeg);
+        jpeg.expect("a file");
+        let clear = image::RgbaImage::new(224, 224).save(folder.join("clear.png"));
+        clear.expect("a file");
         fs::write(folder.join("cut.png"), &right[..right.len() - 6]).expect("a file");
         fs::write(folder.join("damaged.png"), damaged).expect("a file");
         fs::write(folder.join("text.png"), "not a picture").expect("a file");
@@ -549,14 +546,14 @@ mod tests {
             let file = folder.join("task.fab");
             fs::write(&file, text).expect("a file");
             let compiled = super::compile_looking(&file.display().to_string());
-            let found = compiled.expect("the entry can be read").diagnostics;
-            let found = found.iter().map(|it| it.code.as_str());
-            found
-                .filter(|code| code.starts_with("F00"))
-                .collect::<Vec<_>>()
+            let (compiled, notes) = compiled.expect("the entry can be read");
+            let found = compiled.diagnostics.iter().map(|it| it.code.as_str());
+            let found: Vec<_> = found.filter(|code| code.starts_with("F00")).collect();
+            (found, notes)
         };
         for (path, expected) in [
             ("right.png", &[][..]),
+            ("jpeg.png", &[]),
             ("wide.png", &["F0008"]),
             ("text.png", &["F0007"]),
             ("cut.png", &["F0007"]),
@@ -565,8 +562,15 @@ mod tests {
             ("link.png", &["F0007"]),
             ("missing.png", &["F0007"]),
         ] {
-            assert_eq!(found(path), expected, "{path}");
+            assert_eq!(found(path), (expected.to_vec(), Vec::new()), "{path}");
         }
+        let (codes, notes) = found("clear.png");
+        assert!(codes.is_empty() && notes.len() == 1, "{notes:?}");
+        let told = "50176 pixels of `";
+        assert!(
+            notes[0].starts_with(told) && notes[0].ends_with("they are shown on white"),
+            "{notes:?}"
+        );
     }
 
     #[test]
@@ -577,8 +581,15 @@ mod tests {
             npy::encode_floats(shape, (0..count).map(|_| value))
         };
         let right = floats(&[4, 3], 0.5);
-        let rows: [(&str, Wanted, &[u8], Option<&str>); 9] = [
+        let rows: [(&str, Wanted, &[u8], Option<&str>); 11] = [
             ("right.npy", Wanted::Positions, &right, None),
+            ("mass.npy", Wanted::Positions, &floats(&[4, 4], 0.5), None),
+            (
+                "marked.jsonl",
+                Wanted::Demonstrations,
+                b"\xef\xbb\xbf{\"format\": 1}\n\n{}\n",
+                None,
+            ),
             (
                 "text.npy",
                 Wanted::Positions,
@@ -595,7 +606,7 @@ mod tests {
                 "flat.npy",
                 Wanted::Positions,
                 &floats(&[6, 2], 0.5),
-                Some("it has the shape [6, 2], not (particles, 3)"),
+                Some("it has the shape [6, 2], not [particles, 3] or [particles, 4]"),
             ),
             (
                 "nan.npy",
@@ -631,7 +642,10 @@ mod tests {
         for (name, wanted, bytes, why) in rows {
             let path = folder.join(name);
             fs::write(&path, bytes).expect("a file");
-            let expected = why.map_or(Listed::Other, |why| Listed::Nothing(why.to_owned()));
+            let expected = match why {
+                None => Ok((Listed::Other, None)),
+                Some(why) => Err(why.to_owned()),
+            };
             assert_eq!(listed(&folder, &path, wanted), expected, "{name}");
         }
     }

@@ -36,11 +36,11 @@ pub trait Loader {
 /// What a file that a task names must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Wanted {
-    /// A PNG picture as large as the camera's, because arrows and points are given in its pixels.
+    /// A PNG or JPEG picture as large as the camera's, because arrows and points are given in its pixels.
     CameraPicture,
-    /// A PNG picture of any size.
+    /// A PNG or JPEG picture of any size.
     Picture,
-    /// Particle positions, `.npy` of shape `[particles, 3]`.
+    /// Particle positions, `.npy` of shape `[particles, 3]` or `[particles, 4]`.
     Positions,
     /// Demonstrations, a JSON object in each line.
     Demonstrations,

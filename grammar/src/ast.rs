@@ -269,8 +269,6 @@ views! {
         /// Returns the names of the inherited variants that it leaves out.
         without_variants -> impl Iterator<Item = Name<'t>> = |node|
             whole(node, Kind::WithoutVariant).flat_map(Names::list);
-        /// Returns its tests.
-        tests -> impl Iterator<Item = Test<'t>> = |node| all(node);
     }
 
     /// `variant NAME { … }`.
@@ -324,6 +322,8 @@ views! {
         /// Returns the names of the checks that it removes.
         without_checks -> impl Iterator<Item = Name<'t>> = |node|
             whole(node, Kind::WithoutCheck).flat_map(Names::list);
+        /// Returns its tests.
+        tests -> impl Iterator<Item = Test<'t>> = |node| all(node);
         /// Returns its length, bytes.
         bytes -> usize = |node| node.range().len();
     }

@@ -60,7 +60,7 @@ check_deb() {
 }
 
 check_wheel() {
-    step "the wheel has at most 30 MB" at_most 30000000 "$dist"/fabc-*.whl
+    step "the wheel has at most 20 MB" at_most 20000000 "$dist"/fabc-*.whl
     in_clean_root wheel "$dist"/fabc-*.whl --variant=essential --include=python3-venv
 }
 

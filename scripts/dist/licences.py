@@ -16,7 +16,7 @@ NAMES = ("license", "licence", "copying", "copyright", "notice", "unlicense", "o
 
 
 def metadata():
-    command = ["cargo", "metadata", "--locked", "--format-version", "1", "--filter-platform", TARGET]
+    command = ["cargo", "metadata", "--locked", "--features", "tags", "--format-version", "1", "--filter-platform", TARGET]
     return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
 
 

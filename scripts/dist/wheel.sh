@@ -1,8 +1,8 @@
 #!/bin/sh
 # Builds the Python wheel; scripts/dist.sh calls it and sets its variables.
 #
-# The wheel carries the command with OpenCV linked into it and the shipped tasks inside, and all licences. It needs no
-# library besides glibc, which `auditwheel` confirms and names in the wheel's tag.
+# The wheel carries the command with the shipped tasks inside, and all licences. It needs no library besides glibc,
+# which `auditwheel` confirms and names in the wheel's tag.
 # The tools come from PyPI (requirements.txt), into an environment of their own.
 set -eu
 root=$(pwd)
@@ -18,25 +18,14 @@ fi
 PATH=$build/tools/bin:$PATH
 export PATH
 
-sh scripts/dist/opencv.sh "$build/opencv"
-
 rm -rf "$stage"
 mkdir -p "$stage"
 sed "s|@ROOT@|$root|" scripts/dist/pyproject.toml >"$stage/pyproject.toml"
 cp README.md "$stage/README.md"
 cp -r "$build/share/licences" "$stage/licences"
-cp "$build/opencv/licences"/* "$stage/licences/"
-# Linked in below; its licence permits that through the runtime library exception.
-cp /usr/share/doc/libstdc++6/copyright "$stage/licences/libstdc++-copyright"
 
-# The `opencv` crate links what these three say, and `cc` the C++ library that CXXSTDLIB names: all of it statically.
-OPENCV_LINK_LIBS=static=opencv_imgproc,static=opencv_core,static=z
-OPENCV_LINK_PATHS=$build/opencv/installed/lib,$(dirname "$(c++ -print-file-name=libstdc++.a)")
-OPENCV_INCLUDE_PATHS=$build/opencv/installed/include/opencv4
-CXXSTDLIB=static=stdc++
-export OPENCV_LINK_LIBS OPENCV_LINK_PATHS OPENCV_INCLUDE_PATHS CXXSTDLIB
 # maturin only builds here, tagged for this machine's Linux; auditwheel finds the widest tag that is true.
-(cd "$stage" && maturin build --profile dist --locked --target x86_64-unknown-linux-gnu \
+(cd "$stage" && maturin build --profile dist --features tags --locked --target x86_64-unknown-linux-gnu \
     --target-dir "$build" --compatibility linux --out "$stage/built")
 
 rm -f "$FABC_DIST"/fabc-*.whl

@@ -3,6 +3,7 @@
 //! In: bytes. Out: a [`Snapshot`], or an error message; and back. Nothing here touches files.
 
 use super::Metadata;
+use fab_base::kinds::without_mark;
 use serde_json::{Map, Value};
 
 /// The extension of pictures; this is the only supported binary format.
@@ -55,7 +56,7 @@ pub struct Parsed {
 
 /// Reads a snapshot file.
 pub fn parse(bytes: &[u8]) -> Result<Parsed, String> {
-    let text = std::str::from_utf8(bytes).map_err(|error| {
+    let text = std::str::from_utf8(without_mark(bytes)).map_err(|error| {
         format!(
             "it is not UTF-8 from byte {} on",
             error.valid_up_to().saturating_add(1)

@@ -74,7 +74,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
             true => fix::judged(&file),
             false => sources::compile_looking(&file),
         });
-        let compiled = match compiled {
+        let (compiled, notes_on_pictures) = match compiled {
             Ok(compiled) => compiled,
             Err(failure) => {
                 io.talk(&format!("error: {failure}"));
@@ -83,6 +83,9 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
                 continue;
             }
         };
+        for note in notes_on_pictures {
+            io.talk(&format!("note: {note}"));
+        }
         let severities = compiled.diagnostics.iter().map(|it| it.severity);
         n_warnings += severities.filter(|it| *it == Severity::Warning).count();
         if compiled.has_errors() && exit == Exit::Done {

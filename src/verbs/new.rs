@@ -267,9 +267,7 @@ fn present_library(folder: &Path, path: &str) -> Result<Option<String>, Failure>
         ))
     };
     let real = sources::inside(folder, &place).map_err(wrong)?;
-    let bytes = sources::read_bounded(&real).map_err(wrong)?;
-    let text = String::from_utf8(bytes).map_err(|_| wrong("it is not UTF-8 text".to_owned()))?;
-    Ok(Some(text))
+    sources::read_text(&real).map(Some).map_err(wrong)
 }
 
 /// A loader that finds the draft as if it were already written.

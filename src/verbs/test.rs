@@ -108,20 +108,19 @@ fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// Returns each selected test with the program of its task.
+/// Returns each selected test with the program of its task or variant.
 fn chosen<'c>(
     compiled: &'c Compiled,
     only: Option<&'c str>,
 ) -> impl Iterator<Item = (&'c Test, &'c Program)> {
     let wanted = move |test: &&Test| only.is_none_or(|words| test.name.contains(words));
-    let whole = compiled
+    let programs: BTreeMap<_, _> = compiled
         .programs
         .iter()
-        .filter(|program| program.variant.is_none());
-    let programs: BTreeMap<&str, &Program> = whole
-        .map(|program| (program.task.as_str(), program))
+        .map(|program| ((&program.task, &program.variant), program))
         .collect();
-    let with_program = move |test: &'c Test| Some((test, *programs.get(test.task.as_str())?));
+    let with_program =
+        move |test: &'c Test| Some((test, *programs.get(&(&test.task, &test.variant))?));
     compiled
         .tests
         .iter()
@@ -168,6 +167,7 @@ fn row(file: &str, test: &Test, trial: &Trial) -> Value {
         "file": file,
         "line": test.line,
         "task": test.task,
+        "variant": test.variant,
         "test": test.name,
         "passed": trial.is_expected,
         "found": finding,

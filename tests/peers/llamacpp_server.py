@@ -30,8 +30,11 @@ def write_model(path):
     writer.add_rope_dimension_count(EMBEDDING // HEADS)
     kinds = gguf.TokenType
     tokens = [("<unk>", kinds.UNKNOWN), ("<s>", kinds.CONTROL), ("</s>", kinds.CONTROL)]
-    tokens += [(f"<0x{byte:02X}>", kinds.BYTE) for byte in range(256)]
-    tokens += [(chr(letter), kinds.NORMAL) for letter in range(33, 127)]
+    # No grammar lets unused tokens through. Random bytes from 0x80 on are no UTF-8, and the server answers 500 to such a text.
+    # A random escape such as \uD800 is no character, so there is no backslash either.
+    written = [byte < 0x80 and byte != ord("\\") for byte in range(256)]
+    tokens += [(f"<0x{byte:02X}>", kinds.BYTE if written[byte] else kinds.UNUSED) for byte in range(256)]
+    tokens += [(chr(letter), kinds.NORMAL) for letter in range(33, 127) if written[letter]]
     writer.add_tokenizer_model("llama")
     writer.add_token_list([token for token, _ in tokens])
     writer.add_token_scores([0.0] * len(tokens))

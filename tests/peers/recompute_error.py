@@ -13,7 +13,7 @@ import numpy
 run = pathlib.Path(sys.argv[1])
 lines = [json.loads(line) for line in (run / "rollout.jsonl").read_text().splitlines()]
 header, end = lines[0], lines[-1]
-assert header["type"] == "header" and header["schema"] == 3, header
+assert header["type"] == "header" and header["schema"] == 4, header
 assert end["type"] == "end", "the rollout did not end by itself"
 grid = header["start"]["grid"]
 last = numpy.load(run / end["final"])

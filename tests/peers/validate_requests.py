@@ -256,7 +256,7 @@ def anthropic_replies():
     yield "truncated", reply("max_tokens", text), fault("truncated")
     yield "full", reply("model_context_window_exceeded", text), fault("truncated")
     yield "tool", reply("tool_use", call), fault("invalid_reply")
-    yield "paused", reply("pause_turn", text), fault("invalid_reply")
+    yield "paused", reply("pause_turn", text), answer("fold it", 30, 10, 12, 5)
     yield "hidden_alone", reply("end_turn"), fault("truncated")
 
 

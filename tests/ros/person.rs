@@ -173,7 +173,7 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     drop(typed);
     // Two points are too few; they are saved.
     assert_eq!(child.wait().unwrap().code(), Some(2));
-    let kept = read_pairs(&lab.folder().join("lab.calibration.pairs.csv"), &[]).unwrap();
+    let kept = read_pairs(&lab.folder().join("lab.calibration.pairs.csv"), Ok(&[])).unwrap();
     assert_eq!(kept.len(), 2);
     for (pair, place) in kept.iter().zip(&places) {
         let off_m = (Vector3::from(pair.base_m) - place).norm();

@@ -73,6 +73,7 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
                 pictures: Vec::new(),
                 arrows: Vec::new(),
                 origin: Origin::Author,
+                notes: Vec::new(),
             },
             examples: Examples::default(),
             varies: false,

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 /// A complete task on a cloth of 8 by 8 particles, based on the shipped library.
-fn write_task(folder: &Path, subgoals: &str) {
+pub(super) fn write_task(folder: &Path, subgoals: &str) {
     bring_library(folder);
     let text = format!(
         "use \"lib/folding.fab\"\ntask small extends folding {{\n    cloth grid(8, 8)\n    subgoals {{\n{subgoals}\n    }}\n}}\n"
@@ -166,14 +166,14 @@ fn a_subgoal_picture_that_is_none_or_enormous() {
         folder.path(),
         &["run", "tasks/small.fab"],
         2,
-        &["a.png", "not a readable PNG"],
+        &["a.png", "not a readable picture in PNG or JPEG"],
     );
     fs::write(here.join("a.png"), png_header(60_000, 60_000)).unwrap();
     refused(
         folder.path(),
         &["run", "tasks/small.fab"],
         2,
-        &["60000 by 60000 pixels", "4096"],
+        &["60000 by 60000 pixels", "8192"],
     );
     let good = fab_picture::png::encode(&image::RgbImage::new(224, 224));
     fs::write(here.join("a.png"), &good).unwrap();

@@ -69,7 +69,11 @@ fn pictures_that_do_not_fit_say_what_would() {
     fs::write(file("text.png"), "no picture").unwrap();
     fs::create_dir(file("folder.png")).unwrap();
     let task = project(FOLDING);
-    let both = ["640 x 480 px", "224 x 224 px", "`image`"];
+    let both = [
+        "640 x 480 px",
+        "the depth picture 224 x 224",
+        "in one shape",
+    ];
     let steered = project("tests/fixtures/tasks/steered.fab");
     let cases: [(&[&str], i32, &[&str]); 11] = [
         (&["--image", "a.png"], 64, &["`cloth`", "`--depth PNG`"]),
@@ -79,7 +83,7 @@ fn pictures_that_do_not_fit_say_what_would() {
             2,
             &["`large.png`", "Rgb8", "grey"],
         ),
-        (&["--image", "text.png"], 2, &["`text.png`", "PNG"]),
+        (&["--image", "text.png"], 2, &["`text.png`", "PNG or JPEG"]),
         (
             &["--image", "folder.png"],
             2,

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 /// Runs the task from a start of 8 by 8 particles.
-const RUN: [&str; 8] = [
+pub(super) const RUN: [&str; 8] = [
     "run",
     "small.fab",
     "--start",
@@ -59,6 +59,14 @@ fn a_start_of_the_wrong_shape_or_with_nan() {
     refused(here, &RUN, 2, &["[96, 2]", "[particles, 3]"]);
     write_npy(&here.join("start.npy"), "<i4", "(64, 3)", &flat(64));
     refused(here, &RUN, 2, &["<i4"]);
+    write_npy(&here.join("start.npy"), "<f2", "(64, 3)", &[0; 384]);
+    refused(here, &RUN, 2, &["float16", "(particles, 4)"]);
+    fs::write(here.join("start.npy"), b"PK\x03\x04").unwrap();
+    refused(here, &RUN, 2, &["`.npz`", "`numpy.save`"]);
+    fs::write(here.join("start.json"), b"\xff\xfe{\0").unwrap();
+    write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &flat(64));
+    refused(here, &RUN[..4], 2, &["`start.json`", "UTF-16"]);
+    fs::remove_file(here.join("start.json")).unwrap();
     write_npy(
         &here.join("start.npy"),
         "<f4",

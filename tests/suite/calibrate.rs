@@ -373,6 +373,20 @@ fn wrong_input_is_said_with_its_place() {
     assert_eq!(json(&said)["exit"], 2);
 }
 
+/// A build with the feature finds them: the book and a peer test run it.
+#[test]
+#[cfg(not(feature = "tags"))]
+fn a_tag_is_refused_with_the_build_that_would_find_it() {
+    let (folder, _) = lab();
+    fs::write(folder.path().join("tags.csv"), "tag7,0.5,0.1,0.02\n").unwrap();
+    let said = calibrate(folder.path(), &["--pairs", "tags.csv"]);
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    let wanted = "line 1: `tag7` is unknown: ";
+    assert!(said.stderr.contains(wanted), "{}", said.stderr);
+    let command = "cargo install --path . --features tags";
+    assert!(said.stderr.contains(command), "{}", said.stderr);
+}
+
 /// Sixteen AprilTags that OpenCV drew, as a known camera sees them; the arm touches their middles.
 #[test]
 #[ignore = "needs Python with OpenCV"]

@@ -79,11 +79,8 @@ fn wrong_answers_are_named_with_their_values() {
             "s/\"world_from_camera\":\\[\\[1.0/\"world_from_camera\":[[2.0/",
             "`world_from_camera` is not a pose",
         ),
-        ("s/rgb.png/depth.npy/", "is not a readable PNG picture"),
-        (
-            "s/depth.npy/rgb.png/",
-            "it does not begin as a .npy file does",
-        ),
+        ("s/rgb.png/depth.npy/", "is an array of NumPy (`.npy`)"),
+        ("s/depth.npy/rgb.png/", "it is a PNG picture"),
         (
             "s/\"time_s\":[0-9.]*/\"refused\":\"the lens is dirty\"/",
             "it refuses `observe`: the lens is dirty",

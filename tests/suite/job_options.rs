@@ -4,6 +4,7 @@ use super::steered::{LEFT, RIGHT, answer, play, play_with, steered};
 use super::support;
 use fab_agent::outcome::Outcome;
 use fab_program::Goal;
+use fab_program::pointing::Notation;
 use fab_program::reply;
 use serde_json::Value;
 
@@ -99,7 +100,7 @@ fn every_request_holds_the_repetition_and_the_answers_that_the_scene_offers() {
     let schema = request.schema.as_ref().unwrap();
     let listed = |field: &str| schema["properties"][field]["enum"].as_array().unwrap();
     assert!(listed("pick").contains(&RIGHT.into()), "{schema}");
-    let fixed = reply::schema(&program, &[]);
+    let fixed = reply::schema_in(&program, &Notation::pixels(), &[]);
     assert_eq!(
         schema["properties"]["direction"],
         fixed["properties"]["direction"]
@@ -107,14 +108,21 @@ fn every_request_holds_the_repetition_and_the_answers_that_the_scene_offers() {
 }
 
 #[test]
-fn the_text_stage_of_two_gets_the_schema_and_the_describing_one_gets_none() {
+fn each_of_two_stages_gets_the_schema_of_what_it_reads() {
     let program = support::small_task();
     let reply = "Instructions: fold it.";
     let played = play_with(&program, &[reply, reply, reply, reply], |trial| {
         trial.horizon = Some(1)
     });
-    assert!(played.asked[0].schema.is_none());
-    assert!(played.asked[1].schema.is_some());
+    let properties = [0, 1].map(|at| {
+        let schema = played.asked[at].schema.as_ref().unwrap();
+        let properties = schema["properties"].as_object().unwrap();
+        properties.keys().cloned().collect::<Vec<_>>()
+    });
+    assert_eq!(
+        properties,
+        [vec!["instructions"], vec!["reason", "pick", "place"]]
+    );
     assert_eq!(played.report.outcome, Outcome::MalformedReply);
     assert_eq!(played.report.malformed_replies, 3);
 }

@@ -173,6 +173,8 @@ fn what_a_probe_prints_is_used_when_it_is_pasted() {
     ] {
         assert!(entry.lines().any(|it| it == line), "{line}\n{entry}");
     }
+    let ignored = "# the server takes a schema and ignores it: to `Name a tree. Answer with one word and nothing else.` it answers `";
+    assert!(entry.contains(ignored), "{entry}");
     fs::write(folder.path().join("pasted.toml"), &entry).unwrap();
     let pasted = ["--models", "pasted.toml"];
     let (code, text, told) = probe(

@@ -16,7 +16,7 @@ use fab_compiler::{LoadError, Loader};
 use fab_model::Models;
 use fab_model::calls::{Budget, Calls};
 use fab_model::{Model, ModelError, ModelKind, Reply, Request};
-use fab_program::Program;
+use fab_program::{ModelRole, Program};
 use fab_world::start::Start;
 use fab_world::{Executed, Motion, SimulatedWorld, World, WorldError, WorldPoint, Wrapper};
 use serde_json::Value;
@@ -144,6 +144,7 @@ fn with_job<T>(
             pictures: vec![image::RgbImage::new(32, 32); steps + 1],
             arrows: vec![None; steps],
             origin: Origin::Author,
+            notes: Vec::new(),
         },
         examples: &Examples::default(),
         make_policy: &Prompted {
@@ -182,7 +183,7 @@ fn column(point: &str) -> i32 {
 
 /// Answers for a fold: first the description of the step, then its first offered points.
 fn folds(_: usize, request: &Request) -> String {
-    if request.schema.is_none() {
+    if request.role == ModelRole::Vision {
         return "Instructions: fold it.".to_owned();
     }
     let (picks, places) = (offered(request, "pick"), offered(request, "place"));

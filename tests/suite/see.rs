@@ -51,15 +51,23 @@ fn place_shown(drawing: &RgbImage) -> PixelPoint {
     box_center(bounding_box(&purple).unwrap())
 }
 
+/// The pixels that a drawing on a picture changed.
+fn marks(ground: &RgbImage, drawing: &RgbImage) -> Mask {
+    Mask::from_fn(ground.width(), ground.height(), |column, row| {
+        ground.get_pixel(column, row) != drawing.get_pixel(column, row)
+    })
+}
+
 #[test]
 #[ignore = "long"]
-fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations_pixel_for_pixel() {
-    let test = "recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations_pixel_for_pixel";
+fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations_in_place() {
+    let test =
+        "recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations_in_place";
     let Some(root) = recorded_data(test) else {
         return;
     };
     let mut last_place = None;
-    let (mut n_pictures, mut n_annotated, mut n_exact) = (0, 0, 0);
+    let (mut n_pictures, mut n_annotated) = (0, 0);
     for fixture in fixtures(&root, "vision/shi_tomasi") {
         let folder = root.join(fixture["dir"].as_str().unwrap());
         if !folder.exists() {
@@ -92,13 +100,18 @@ fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations
         assert_eq!(said["keypoints"], expected, "{name}");
         // If the previous action is not recorded, its rings cannot be drawn.
         if is_first || last_place.is_some() {
-            let recorded = png::load(&folder.join("processed.png")).unwrap();
-            let annotated = png::load(&out.path().join("pictures/annotated.png")).unwrap();
+            let ground = png::load(&image).unwrap();
+            let drawings = [
+                folder.join("processed.png"),
+                out.path().join("pictures/annotated.png"),
+            ];
+            let marks = drawings.map(|path| marks(&ground, &png::load(&path).unwrap()));
+            for [own, other] in [[0, 1], [1, 0]].map(|sides| sides.map(|side| &marks[side])) {
+                let lone = |&(column, row): &(u32, u32)| !other.is_within(2, column, row);
+                let lone: Vec<_> = own.columns_and_rows().filter(lone).collect();
+                assert_eq!(lone, [], "{name}");
+            }
             n_annotated += 1;
-            n_exact += usize::from(annotated == recorded);
-            let differing = annotated.pixels().zip(recorded.pixels());
-            let n_differing = differing.filter(|(ours, theirs)| ours != theirs).count();
-            assert!(n_differing <= 48, "{name}: {n_differing} pixels");
         }
         last_place = Some(folder.join("vis.png"))
             .filter(|path| path.exists())
@@ -109,8 +122,6 @@ fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations
         n_pictures >= 10 && n_annotated >= 10,
         "{n_pictures}, {n_annotated}"
     );
-    // In two recordings a ring is one pixel off, because the place was rounded.
-    assert!(n_exact + 2 >= n_annotated, "{n_exact} of {n_annotated}");
 }
 
 #[test]

@@ -174,7 +174,7 @@ fn stand_ins_that_choose_answer_what_a_shipped_task_asks() {
     for words in [
         "not readable: Your answer states no pick point.",
         "the answer: I would pull it a little to the side.",
-        "refused by `offered`: The pick point (111, 111) is not one of the offered points.",
+        "refused by `offered`: The pick point (70, 70) is not one of the offered points.",
     ] {
         assert!(said.stderr.contains(words), "{}", said.stderr);
     }

@@ -453,3 +453,10 @@ pub fn words_of(request: &Request) -> String {
     });
     texts.collect::<Vec<_>>().join("\n")
 }
+
+/// Sends a process what Ctrl-C sends. The program `kill` is no part of a bare Debian.
+#[cfg(unix)]
+pub fn interrupt(process: u32) {
+    use nix::sys::signal::{Signal, kill};
+    kill(nix::unistd::Pid::from_raw(process as i32), Signal::SIGINT).unwrap();
+}

@@ -22,7 +22,7 @@ struct Member {
 }
 
 /// Every member; `fabc` at the root may use all.
-const MEMBERS: [Member; 19] = [
+const MEMBERS: [Member; 17] = [
     member("grammar", "fab-grammar", &[], &[]),
     member("compiler/program", "fab-program", &[], &[]),
     member(
@@ -45,11 +45,10 @@ const MEMBERS: [Member; 19] = [
         &["fab-base", "fab-program"],
         &[],
     ),
-    member("runtime/needs", "fab-needs", &[], &[]),
     member(
         "runtime/vision",
         "fab-vision",
-        &["fab-needs", "fab-picture", "fab-program"],
+        &["fab-picture", "fab-program"],
         &[],
     ),
     member(
@@ -123,11 +122,7 @@ const MEMBERS: [Member; 19] = [
         ],
         &["fab-compiler", "fab-standins"],
     ),
-    member("tests/features", FEATURES, &[], &[]),
 ];
-
-/// The package that makes all packages build third-party crates with equal features; only tests depend on it.
-const FEATURES: &str = "fab-features";
 
 /// Packages that parse `.fab` text; embedding a compiled task needs none of them.
 const PARSERS: [&str; 5] = [
@@ -152,7 +147,7 @@ const SYSTEM: [&str; 8] = [
 
 /// Names reserved for one place: the name, where the rule applies, the only place where it may occur.
 const RESERVED: [(Name, &str, &str); 10] = [
-    (Name::Word("opencv"), "", "runtime/vision/src/"),
+    (Name::Word("opencv"), "", "runtime/vision/"),
     (
         Name::Crate("fab_sim"),
         "runtime/world/src/",
@@ -270,7 +265,7 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
     ];
     let tilde_home = concat!("see ~/wo", "rk/a and https://host/ho", "me/a\n");
     let machine_path = concat!("one\ncd '/wo", "rk/a'\n");
-    let samples: [(&str, &str, Option<usize>); 40] = [
+    let samples: [(&str, &str, Option<usize>); 38] = [
         (
             "compiler/Cargo.toml",
             "[dependencies]\nfab-grammar = { workspace = true }\n",
@@ -307,19 +302,9 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
             Some(2),
         ),
         (
-            "sim/Cargo.toml",
-            "[dev-dependencies]\nfab-features = { path = \"../tests/features\" }\n",
-            None,
-        ),
-        (
-            "sim/Cargo.toml",
-            "[dependencies]\nfab-features = { path = \"../tests/features\" }\n",
-            Some(2),
-        ),
-        (
             "Cargo.lock",
-            "[[package]]\nname = \"fab-program\"\ndependencies = [\n \"fab-features\",\n]\n\n\
-             [[package]]\nname = \"fab-features\"\ndependencies = [\n \"cc\",\n]\n",
+            "[[package]]\nname = \"fab-program\"\ndependencies = [\n \"proptest\",\n]\n\n\
+             [[package]]\nname = \"proptest\"\ndependencies = [\n \"cc\",\n]\n",
             None,
         ),
         (
@@ -513,7 +498,7 @@ fn edge_faults(files: &[TextFile]) -> Vec<String> {
                     faults.push(fault(file, dependency.line, &rule));
                 }
                 let allowed = member.needs.contains(&other)
-                    || (for_tests && (member.tests_need.contains(&other) || other == FEATURES));
+                    || (for_tests && member.tests_need.contains(&other));
                 if !allowed {
                     let rule = format!(
                         "`{owner}` must not depend on `{other}`, only on {:?} of ours",
@@ -546,7 +531,7 @@ fn reach_faults(files: &[TextFile]) -> Vec<String> {
                 }
             }
             "Cargo.lock" => {
-                for name in reached(&file.text, "fab-program", FEATURES) {
+                for name in reached(&file.text, "fab-program", &["proptest"]) {
                     if is_forbidden(&name) {
                         let rule = format!("`fab-program` must not reach `{name}`");
                         faults.push(fault(file, 1, &rule));

@@ -1,6 +1,6 @@
 //! One test per verb, through the command itself.
 
-use super::support::{bring_library, fabc, finish, finish_process, project};
+use super::support::{bring_library, fabc, finish, finish_process, interrupt, project};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {
@@ -373,10 +373,7 @@ fn an_interrupt_ends_a_run_with_130_and_keeps_what_was_finished() {
         talk.by_ref()
             .any(|line| line.unwrap().starts_with("step 1/3"))
     );
-    let sent = std::process::Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status();
-    assert!(sent.unwrap().success());
+    interrupt(child.id());
     talk.for_each(|line| assert!(line.is_ok()));
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130));

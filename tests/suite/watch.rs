@@ -1,11 +1,11 @@
 //! `--watch`: a verb runs again after each change of a file that it used, and Ctrl-C ends it.
 #![cfg(unix)]
 
-use super::support::{bring_library, fabc, finish, root};
+use super::support::{bring_library, fabc, finish, interrupt, root};
 use std::fs;
 use std::io::Read;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -65,14 +65,7 @@ impl Watching {
 
     /// Presses Ctrl-C and returns the exit code.
     fn interrupt(mut self) -> Option<i32> {
-        let id = self.child.id().to_string();
-        assert!(
-            Command::new("kill")
-                .args(["-INT", &id])
-                .status()
-                .unwrap()
-                .success()
-        );
+        interrupt(self.child.id());
         self.child.wait().unwrap().code()
     }
 }

@@ -11,7 +11,7 @@
 //! use fab_program::pointing::Pointing;
 //! use fab_program::scene::SceneView;
 //! use fab_program::verify::{Strictness, Verdict, verdict};
-//! use fab_program::{PROGRAM_FORMAT, PixelPoint, Program, render, reply};
+//! use fab_program::{PixelPoint, Program, render, reply};
 //! use std::collections::BTreeMap;
 //!
 //! /// What the camera sees: here two corners, whatever the task calls them.
@@ -31,8 +31,7 @@
 //!
 //! // `program.json` of `fabc build` holds this under `program`.
 //! let json = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/tidy.json"));
-//! let program: Program = serde_json::from_str(json)?;
-//! assert!(program.format <= PROGRAM_FORMAT, "a newer compiler wrote it");
+//! let program: Program = serde_json::from_str(json)?; // refused if it has another format
 //!
 //! let texts = BTreeMap::new(); // what earlier stages of the same step read
 //! let facts = Facts {
@@ -50,7 +49,7 @@
 //! assert!(question.starts_with("Choose from (41, 167), (180, 60)."));
 //!
 //! // The model's answer, as loosely as models write.
-//! let answer = "I lift the **Pick Point**: (41, 167), then Place Point = (180, 60)";
+//! let answer = "The lower corner is free.\n**Pick Point**: (41, 167), Place Point = (180, 60)";
 //! let action = reply::read_action(&program, answer).map_err(|wrong| wrong.message)?.value;
 //! assert_eq!(action.point("pick"), Some(PixelPoint::new(41, 167)));
 //!

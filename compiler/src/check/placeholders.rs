@@ -379,6 +379,7 @@ fn written<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Resolved
         }
         Operand::Point(point) => later(Placeholder::Point { point }),
         Operand::WordField(field) => later(Placeholder::Field { field }),
+        Operand::Quadrant { point, about } => later(Placeholder::Quadrant { point, about }),
         Operand::Word(word) => Resolved::Words(word),
         Operand::Heading => {
             let message = format!(

@@ -89,10 +89,7 @@ pub(super) fn check<'a>(
         keypoints: keypoints.as_deref().unwrap_or_default(),
         horizon: horizon.unwrap_or_default(),
     };
-    let tests = match merged.variant {
-        None => test::check(merged, &prompts, &bounds, context),
-        Some(_) => Vec::new(),
-    };
+    let tests = test::check(merged, &prompts, &bounds, context);
     let actions = std::mem::take(&mut context.actions.list);
     let complete = context.actions.complete;
     let joined = prompts.joined.and(merged.joined);
@@ -116,7 +113,7 @@ pub(super) fn check<'a>(
         .map(|(_, field)| field)
         .collect::<Result<_, _>>()?;
     picker::stated_once(&manner, &actions, merged, context)?;
-    let mut program = Program {
+    let program = Program {
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
         task: merged.task.name().text().to_owned(),
@@ -143,7 +140,6 @@ pub(super) fn check<'a>(
         goal: goal?,
         rehearsal: rehearsal.transpose()?.flatten(),
     };
-    program.format = program.oldest_format();
     contradictions(&program, merged, context.report)?;
     effect::check(&program, merged, context);
     let unsaid = |context: &mut Context<'_, '_>| {

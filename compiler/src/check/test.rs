@@ -1,4 +1,4 @@
-//! `test "…" { given NAME = … reply "…" expect … }`: an answer and its expected verdict.
+//! `test "…" { given NAME = … reply "…" expect … }`: an answer and its expected verdict, in a task or one of its variants.
 
 use super::context::{Context, Declared};
 use super::examples::plain;
@@ -10,7 +10,7 @@ use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::test::{EXPECTATIONS, GIVEN, STEP};
 use crate::merge::{Merged, declared_twice, once, repeated};
 use crate::proof::certain::most_points;
-use fab_grammar::ast::{self, Expr, Name, Reply};
+use fab_grammar::ast::{self, Body, Expr, Name, Reply};
 use fab_program::verify::OFFERED;
 use fab_program::{Expect, Given, Keypoint, KeypointShape, PixelPoint, Read, Stage, Test};
 use std::collections::BTreeMap;
@@ -29,25 +29,25 @@ pub(crate) struct Bounds<'p> {
     pub horizon: Option<u32>,
 }
 
-/// Builds the tests of a task.
+/// Builds the tests of a task, or those that a variant states itself.
 pub(crate) fn check<'a>(
     merged: &Merged<'a>,
     prompts: &Prompts,
     bounds: &Bounds<'_>,
     context: &mut Context<'a, '_>,
 ) -> Vec<Result<Test, Reported>> {
-    let beyond = merged
-        .task
-        .tests()
-        .nth(MAX_TESTS)
-        .map(|test| test.head_span());
+    // Tests are not inherited, and neither are those of an inherited variant.
+    let task = merged.task.body().span();
+    let body = merged.own_body().filter(|body| task.contains(body.span()));
+    let tests = || body.into_iter().flat_map(Body::tests);
+    let beyond = tests().nth(MAX_TESTS).map(|test| test.head_span());
     let within = context.bounded(beyond, || format!("a task has at most {MAX_TESTS} tests"));
     if let Err(reported) = within {
         return vec![Err(reported)];
     }
     let mut seen = BTreeMap::new();
     let mut all = Vec::new();
-    for test in merged.task.tests() {
+    for test in tests() {
         if let Some(text) = test.name()
             && let Some(name) = text.plain()
             && let Some(first) = seen.insert(name.clone(), text.span())
@@ -99,6 +99,7 @@ fn one<'a>(
     Ok(Some(Test {
         name,
         task,
+        variant: merged.variant.as_ref().map(|variant| variant.name.clone()),
         given,
         stage,
         reply: answer,

@@ -134,7 +134,7 @@ codes! {
 
     "F0007" FileMissing Error
     "a file that a task names cannot be read"
-    "A start, a subgoal picture, a picture of an example, or a file of demonstrations is not where the task says, or cannot be read: a picture must be a whole PNG file, a start a `.npy` file of shape (particles, 3), and demonstrations have a JSON object in each line. `fabc check` looks into them; a rollout would fail."
+    "A start, a subgoal picture, a picture of an example, or a file of demonstrations is not where the task says, or cannot be read: a picture must be a whole PNG or JPEG file, a start a `.npy` file of shape (particles, 3) or (particles, 4), and demonstrations have a JSON object in each line. `fabc check` looks into them; a rollout would fail."
 
     "F0008" PictureOfAnotherSize Warning
     "a subgoal picture has another size than the camera's"

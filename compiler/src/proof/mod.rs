@@ -52,7 +52,11 @@ fn prove(program: &Program) -> Vec<Flaw> {
     // All values except points have been tried. The smaller scene adds the case of a single point.
     let one = Generated::one(program);
     let proof = Proof::of(program, &one);
-    proof.check_answer(0, &reply::schema(program, &proof.offered), &mut found);
+    proof.check_answer(
+        0,
+        &reply::schema_in(program, &Notation::pixels(), &proof.offered),
+        &mut found,
+    );
     found.list
 }
 
@@ -111,7 +115,7 @@ impl<'a> Proof<'a> {
 
     /// Checks that every offered value is read back unchanged, from text and from JSON, and is not rejected.
     fn check_offered(&self, found: &mut Flaws) {
-        let schema = reply::schema(self.program, &self.offered);
+        let schema = reply::schema_in(self.program, &Notation::pixels(), &self.offered);
         let most = self.texts.iter().map(Vec::len).max();
         for index in 0..most.unwrap_or(0) {
             self.check_answer(index, &schema, found);

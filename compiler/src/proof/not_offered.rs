@@ -1,11 +1,15 @@
 //! Generates values that are not offered: between choices, one pixel off, other words, none, far too large.
 
 use fab_program::exact::normalised_deg;
+use fab_program::reply::SAME_DEG;
 use fab_program::space;
 use fab_program::{ActionField, PixelPoint, Program, Value};
 
 /// The most pairs of neighbouring choices per field between which values are tried.
 const MAX_BETWEEN: usize = 2;
+
+/// How much writing an angle may change it, degrees.
+const MOST_ROUNDED_DEG: f64 = 1e-3;
 
 /// Returns values that a field does not offer, as an answer would state them.
 ///
@@ -45,7 +49,22 @@ pub(super) fn of(field: &ActionField, offered: &[Value], texts: &[String]) -> Ve
         space::text(field, &value)
     };
     let below = numbers.first().map(|first| -1.0 - first);
-    others.extend(between.chain(beyond).chain(below).map(stated));
+    // Where directions lie close together, the reader takes the angle between two as one of them.
+    let is_read_as_offered = |number: f64| {
+        offered.iter().any(|value| match value {
+            Value::Direction { deg } => {
+                let apart = normalised_deg(deg - number);
+                apart.min(360.0 - apart) <= SAME_DEG + MOST_ROUNDED_DEG
+            }
+            _ => false,
+        })
+    };
+    let numbers = between.chain(beyond).chain(below);
+    others.extend(
+        numbers
+            .filter(|number| !is_read_as_offered(*number))
+            .map(stated),
+    );
     if let [first, .., last] = texts {
         others.push(format!("{first} or {last}"));
     }

@@ -25,7 +25,6 @@ mod programs;
 mod promises;
 mod proof;
 mod rendering;
-mod replies;
 mod schema;
 mod slips;
 #[path = "common/spaces.rs"]

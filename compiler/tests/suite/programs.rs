@@ -34,31 +34,18 @@ fn a_program_survives_json_and_its_hash_follows_the_text() {
 }
 
 #[test]
-fn a_program_states_the_oldest_format_whose_readers_understand_it() {
-    let cotton = r#"
-material cotton {
-    weight    167g/m2                              from "scales"
-    thickness 0.35mm                               from "a gauge"
-    bending   warp: 18mm, weft: 16mm, bias: 16mm   from "a cantilever"
-    recovery  75deg                                from "a protractor"
-    stretch   warp: 0.015, weft: 0.025, bias: 0.06 from "a weight"
-    friction  table: 0.45, itself: 0.6             from "a slope"
-}
-"#;
-    let with = |text: &str| TASK.replacen("{", &format!("{{\n    {text}\n"), 1);
-    let cloth = TASK.replace("cloth grid(55, 44)", "cloth grid(55, 44, material: cotton)");
-    let offered = TASK.replace("pick:", "lift: one of 0mm, 30mm\n        pick:");
-    assert_ne!(offered, TASK);
-    assert_ne!(cloth, TASK);
-    for (text, expected) in [
-        (TASK.to_owned(), 7),
-        (format!("{cotton}{TASK}"), 7),
-        (format!("{cotton}{cloth}"), PROGRAM_FORMAT),
-        (with("picker put_down(lift: 30mm)"), PROGRAM_FORMAT),
-        (with("picker drop"), 7),
-        (offered, PROGRAM_FORMAT),
-    ] {
-        assert_eq!(program("task.fab", &text).format, expected, "{text}");
+fn a_program_of_another_format_is_refused_by_name() {
+    let json = serde_json::to_string(&program("task.fab", TASK)).unwrap();
+    let own = format!("{{\"format\":{PROGRAM_FORMAT},");
+    for other in [PROGRAM_FORMAT - 1, PROGRAM_FORMAT + 1] {
+        let json = json.replacen(&own, &format!("{{\"format\":{other},"), 1);
+        let refused = serde_json::from_str::<Program>(&json)
+            .unwrap_err()
+            .to_string();
+        let expected = format!(
+            "the program has format {other}, and this version reads format {PROGRAM_FORMAT}; compile the task again"
+        );
+        assert!(refused.starts_with(&expected), "{refused}");
     }
 }
 

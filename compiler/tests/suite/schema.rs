@@ -23,6 +23,10 @@ fn fits(schema: &Json, answer: &Json) -> bool {
                 other => panic!("no type `{other}`"),
             },
             "enum" => wanted.as_array().unwrap().contains(answer),
+            "maxLength" => {
+                let length = answer.as_str().unwrap_or("").chars().count();
+                length as u64 <= wanted.as_u64().unwrap()
+            }
             "pattern" => {
                 let pattern: Vec<char> = wanted.as_str().unwrap().chars().collect();
                 let text: Vec<char> = answer.as_str().unwrap_or("").chars().collect();
@@ -185,7 +189,7 @@ fn every_offered_value_fits_and_others_do_not() {
         let program = spaces::space(name);
         let offered = offered(&program, &[(10, 20), (0, 223), (-3, 4)]);
         let schemas = [
-            reply::schema(&program, &offered),
+            reply::schema_in(&program, &Notation::pixels(), &offered),
             reply::static_schema(&program),
         ];
         let first: Map<String, Json> = program
@@ -236,7 +240,7 @@ fn every_offered_value_fits_and_others_do_not() {
 #[test]
 fn a_field_without_values_accepts_nothing() {
     let program = spaces::space("paper");
-    let schema = reply::schema(&program, &[]);
+    let schema = reply::schema_in(&program, &Notation::pixels(), &[]);
     assert_eq!(schema["properties"]["pick"]["enum"], json!([]));
     assert_eq!(schema["properties"]["direction"]["enum"][1], "45 deg");
     assert_eq!(schema["required"], json!(["pick", "direction", "distance"]));
@@ -267,7 +271,7 @@ fn schema_and_reader_admit_the_same_actions() {
     for program in &programs {
         let offered = offered(program, &[(10, 20), (0, 223), (-3, 4)]);
         for schema in [
-            reply::schema(program, &offered),
+            reply::schema_in(program, &Notation::pixels(), &offered),
             reply::static_schema(program),
         ] {
             assert_reads_all_instances(program, &Notation::pixels(), &schema);
@@ -336,42 +340,54 @@ fn asking_for_reasons() -> String {
 
 #[test]
 fn an_action_from_any_form_of_answer_is_one_that_the_schema_can_state() {
-    let folder = common::workspace().join("tests/fixtures/replies");
+    let folder = common::workspace().join("compiler/program/tests/answers");
     let entries = std::fs::read_dir(folder).unwrap();
-    let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
-    files.sort();
     let mut n_read = 0;
-    for file in &files {
-        let text = std::fs::read_to_string(file).unwrap();
-        let (head, answer) = text.split_once("---\n").unwrap();
-        let Some(name) = head.lines().next().unwrap().strip_prefix("action in ") else {
-            continue;
-        };
-        let program = spaces::space(name);
-        let Ok(read) = reply::read_action(&program, answer) else {
-            continue;
-        };
-        let schema = reply::static_schema(&program);
-        let stated: Map<String, Json> = program
-            .actions
-            .iter()
-            .zip(&read.value.fields)
-            .map(|(field, (name, value))| (name.clone(), json!(space::text(field, value))))
-            .collect();
-        let is_offered =
-            program
-                .actions
-                .iter()
-                .zip(&read.value.fields)
-                .all(|(field, (_, value))| {
-                    let declared = space::declared(field);
-                    declared.is_empty() || declared.contains(value)
-                });
-        // The verifier refuses what is not offered, and so does the schema.
-        assert_eq!(fits(&schema, &Json::Object(stated)), is_offered, "{answer}");
-        n_read += 1;
+    for file in entries.map(|entry| entry.unwrap().path()) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for case in text.split("\n=== ").skip(1) {
+            let (head, answer) = case.split_once("\n---\n").unwrap();
+            let mut lines = head.lines().skip(1);
+            let Some(name) = lines.next().unwrap().strip_prefix("action in ") else {
+                continue;
+            };
+            let program = spaces::space(name);
+            let Ok(read) = reply::read_action(&program, answer) else {
+                continue;
+            };
+            let fields = program.actions.iter().zip(&read.value.fields);
+            let is_offered = fields.clone().all(|(field, (_, value))| {
+                let declared = space::declared(field);
+                declared.is_empty() || declared.contains(value)
+            });
+            let stated = fields
+                .map(|(field, (name, value))| (name.clone(), json!(space::text(field, value))));
+            let stated = Json::Object(stated.collect());
+            // The verifier refuses what is not offered, and so does the schema.
+            assert_eq!(
+                fits(&reply::static_schema(&program), &stated),
+                is_offered,
+                "{answer}"
+            );
+            n_read += 1;
+        }
     }
-    assert!(n_read > 500, "{n_read}");
+    assert!(n_read > 300, "{n_read}");
+}
+
+#[test]
+fn the_schema_offers_each_field_its_own_points() {
+    let program = spaces::space("points");
+    let offered = vec![Value::Point(PixelPoint::new(1, 2))];
+    let schema = reply::schema_in(
+        &program,
+        &Notation::pixels(),
+        &[("pick".to_owned(), offered)],
+    );
+    assert_eq!(schema["properties"]["pick"]["enum"], json!(["(1, 2)"]));
+    assert_eq!(schema["properties"]["place"]["enum"], json!([]));
+    assert_eq!(schema["required"], json!(["pick", "place"]));
+    assert_eq!(schema["additionalProperties"], false);
 }
 
 #[test]
@@ -386,4 +402,14 @@ fn a_prompt_that_asks_for_reasons_has_a_place_for_them() {
     };
     assert!(!asks(text));
     assert!(asks(&asking_for_reasons()));
+    // Before the fields, so that a model without hidden reasoning thinks first.
+    let program = common::program("task.fab", &asking_for_reasons());
+    for schema in [
+        reply::static_schema(&program),
+        reply::schema_in(&program, &Notation::pixels(), &[]),
+    ] {
+        let properties = schema["properties"].as_object().unwrap();
+        assert_eq!(properties.keys().next().unwrap(), "reason");
+        assert_eq!(properties["reason"]["maxLength"], 600);
+    }
 }

@@ -358,7 +358,7 @@ fn few_errors(counts: &[(usize, String)]) {
 
 #[test]
 fn a_slip_in_one_token_causes_few_errors() {
-    few_errors(&break_tokens(&shipped(), 97));
+    few_errors(&break_tokens(&shipped(), 29));
 }
 
 #[test]

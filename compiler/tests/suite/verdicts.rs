@@ -3,6 +3,7 @@
 use crate::common;
 use crate::common::{Known, TASK, pick_and_place, pixels, program};
 use fab_program::Program;
+use fab_program::test::Finding;
 use fab_program::verify::{self, Strictness, Verdict};
 
 /// A scene in which every column below 100 is cloth.
@@ -306,4 +307,45 @@ fn a_verdict_survives_json() {
     let refused = judge(&program("task.fab", TASK), (120, 50), (10, 10));
     let again: Verdict = serde_json::from_str(&serde_json::to_string(&refused).unwrap()).unwrap();
     assert_eq!(again, refused);
+}
+
+/// Texts and conditions name quadrants by themselves; they must agree, also beside and on the lines between two.
+#[test]
+fn the_word_that_a_message_tells_is_the_one_that_its_check_accepts() {
+    let words = ["upper_left", "upper_right", "lower_left", "lower_right"];
+    let task = common::TASK
+        .replace("pick:", &format!("corner: one of \"{}\"\n        pick:", words.join("\", \"")))
+        .replace("verify {", "verify {\n        check agrees { corner == quadrant(pick, center) } else \"{{ quadrant(pick, center) }}\"");
+    let task = task.trim_end().strip_suffix('}').unwrap();
+    for (u, v) in [59, 60, 61]
+        .into_iter()
+        .flat_map(|u| [39, 40, 41].map(|v| (u, v)))
+    {
+        let tests = words.map(|word| {
+            format!(
+                "test \"{word}\" {{ given corners = ({u}px, {v}px), (90px, 90px) given center = (60px, 40px)
+                given cloth = (0px, 0px) to (100px, 100px)
+                reply \"Corner = {word}, Pick Point = ({u}, {v}), Place Point = (90, 90)\" expect accept }}"
+            )
+        });
+        let compiled = common::compile("task.fab", &format!("{task}{}\n}}\n", tests.join("\n")));
+        assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
+        let program = &compiled.programs[0];
+        let trials = compiled
+            .tests
+            .iter()
+            .map(|test| (test, fab_program::test::run(program, test).finding));
+        let (right, wrong): (Vec<_>, Vec<_>) = trials.partition(|(_, it)| *it == Finding::Accepted);
+        assert_eq!(
+            (right.len(), wrong.len()),
+            (1, 3),
+            "({u}, {v}): {right:?}, {wrong:?}"
+        );
+        for (_, finding) in wrong {
+            assert!(
+                matches!(&finding, Finding::Rejected { check, message, .. } if check == "agrees" && *message == right[0].0.name),
+                "{finding:?}"
+            );
+        }
+    }
 }

@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Version of the lines.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 /// Name of the file of lines in a run folder.
 pub const RECORD_FILE: &str = "rollout.jsonl";
 /// Name of the file beside it with durations and costs.

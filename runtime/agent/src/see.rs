@@ -5,7 +5,7 @@
 
 use crate::scene::{Scene, SceneError, StagePicture};
 use fab_picture::DepthImage;
-use fab_picture::observation::{Observation, WrongSize};
+use fab_picture::observation::{NotAligned, Observation};
 use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
 use fab_program::{Extractor, PixelPoint, Program, Sight};
@@ -14,9 +14,9 @@ use image::RgbImage;
 /// The user's input.
 #[derive(Clone, Debug)]
 pub struct SeeInput {
-    /// Colour, in the size of the task's camera.
+    /// Colour, in any size; the middle square is what the task's camera shows.
     pub rgb: RgbImage,
-    /// Depth of the same size, metres; 0 means no reading.
+    /// Depth of the same shape, metres; 0 means no reading.
     pub depth_m: Option<DepthImage>,
     /// The end of the previous action, for layers that show it.
     pub last: Option<LastAction>,
@@ -42,6 +42,8 @@ pub struct SeeOutput {
     pub annotated: RgbImage,
     /// Layers that need a previous action, if there is none.
     pub left_out: Vec<String>,
+    /// What the pictures lack, and what was done about it.
+    pub notes: Vec<String>,
 }
 
 /// Why there is no result.
@@ -61,9 +63,9 @@ pub enum SeeError {
         /// The layer.
         layer: String,
     },
-    /// A picture's size differs from the camera's.
+    /// The depth is not that of the picture.
     #[error(transparent)]
-    Size(#[from] WrongSize),
+    NotAligned(#[from] NotAligned),
     /// A keypoint was not found, or a layer not drawn.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -75,8 +77,9 @@ pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, SeeError> 
         check_depth(program)?;
     }
     let last = brought.last.map(|last| done(program, last)).transpose()?;
-    let observation = Observation::of_picture(&program.camera, brought.rgb, brought.depth_m)?;
+    let mut observation = Observation::of_picture(&program.camera, brought.rgb, brought.depth_m)?;
     let scene = Scene::of(program, &observation, None)?;
+    observation.notes.extend(scene.beyond_the_picture());
     let left_out = program
         .layers
         .iter()
@@ -85,6 +88,7 @@ pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, SeeError> 
         stages: scene.stages(program, &observation.rgb, last.as_ref())?,
         annotated: scene.annotated(program, &observation.rgb, last.as_ref())?,
         left_out: left_out.map(|layer| layer.name.clone()).collect(),
+        notes: observation.notes,
         scene,
     })
 }

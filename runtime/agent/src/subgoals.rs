@@ -35,6 +35,8 @@ pub struct SubgoalSet {
     pub arrows: Vec<Option<ArrowPx>>,
     /// Their origin.
     pub origin: Origin,
+    /// What was done to show the author's pictures as a viewer does.
+    pub notes: Vec<String>,
 }
 
 impl SubgoalSet {
@@ -132,6 +134,7 @@ impl SubgoalSet {
             pictures: Vec::new(),
             arrows: Vec::new(),
             origin: Origin::Absent,
+            notes: Vec::new(),
         }
     }
 
@@ -264,10 +267,13 @@ fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, Sub
         pictures: Vec::new(),
         arrows: Vec::new(),
         origin: Origin::Author,
+        notes: Vec::new(),
     };
     for image in images {
         let path = task_files::resolve(folder, &image.file)?;
-        set.pictures.push(png::load(&path)?);
+        let opened = png::open(&path)?;
+        set.pictures.push(opened.rgb);
+        set.notes.extend(opened.note);
         let pixel = |point: fab_program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
         set.arrows
             .push(image.arrow.map(|[tail, tip]| [pixel(tail), pixel(tip)]));
@@ -344,6 +350,7 @@ fn draw_until(
         pictures: vec![observation.rgb.clone()],
         arrows: Vec::new(),
         origin: Origin::Drawn,
+        notes: Vec::new(),
     };
     for (number, fold) in folds.iter().enumerate() {
         let motion = expert::motion(fold, &start, world)?.with_manner(program.manner);

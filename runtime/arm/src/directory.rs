@@ -1,10 +1,11 @@
 //! A camera backed by a folder into which another program writes pictures.
 //!
-//! In: a folder of `NAME.png`, each optionally with `NAME.depth.png` (16 bits, millimetres, 0 for no reading), which is
-//! written first. Out: a picture written after the request, so that no rollout uses a picture from before a motion as
-//! one from after it; or, if nothing moves, the last picture by name.
+//! In: a folder of `NAME.png` or `NAME.jpg`, each optionally with `NAME.depth.png` (16 bits, millimetres, 0 for no
+//! reading), which is written first. Out: a picture written after the request, so that no rollout uses a picture from
+//! before a motion as one from after it; or, if nothing moves, the last picture by name.
 
 use super::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
+use fab_base::files;
 use fab_picture::DepthImage;
 use fab_picture::png;
 use std::collections::BTreeMap;
@@ -80,7 +81,7 @@ impl DirectoryCamera {
 
     fn last(&self) -> Result<Shot, String> {
         let last = last_picture(&self.folder)?;
-        self.read(&last.ok_or("it holds no picture `NAME.png`")?)
+        self.read(&last.ok_or("it holds no picture `NAME.png` or `NAME.jpg`")?)
     }
 
     fn read(&self, path: &Path) -> Result<Shot, String> {
@@ -116,8 +117,11 @@ pub fn last_picture(folder: &Path) -> Result<Option<PathBuf>, String> {
 fn listed(folder: &Path) -> Result<Listed, String> {
     let files = std::fs::read_dir(folder).map_err(|error| error.to_string())?;
     let is_picture = |path: &PathBuf| {
-        let name = path.file_name().and_then(|name| name.to_str());
-        name.is_some_and(|name| name.ends_with(".png") && !name.ends_with(".depth.png"))
+        let is_depth = path.to_string_lossy().ends_with(".depth.png");
+        !is_depth
+            && ["png", "jpg", "jpeg"]
+                .iter()
+                .any(|ending| files::ends_in(path, ending))
     };
     let all: Vec<_> = files.take(MAX_FILES + 1).collect();
     if all.len() > MAX_FILES {

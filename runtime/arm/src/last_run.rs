@@ -108,16 +108,11 @@ fn read(settings: &Path) -> Result<Option<LastRun>, LogError> {
     if !path.exists() {
         return Ok(None);
     }
-    let read = files::read(&path, MAX_BYTES);
-    let last = read.and_then(|bytes| {
-        serde_json::from_slice(&bytes).map_err(|error| {
-            format!("it should name the arm's last run, and cannot be read ({error}); see to the arm, then remove it")
-        })
+    let last = files::read_json(&path, MAX_BYTES).map_err(|why| {
+        let why = format!("it should name the arm's last run, and cannot be read ({why}); see to the arm, then remove it");
+        LogError { path, why }
     });
-    match last {
-        Ok(last) => Ok(Some(last)),
-        Err(why) => Err(LogError { path, why }),
-    }
+    last.map(Some)
 }
 
 fn write(settings: &Path, last: &LastRun) -> Result<(), LogError> {

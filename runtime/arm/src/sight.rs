@@ -1,4 +1,4 @@
-//! The vision functions that an arm needs, as function pointers, so that this crate does not depend on OpenCV.
+//! The vision functions that an arm needs, as function pointers, so that this crate does not depend on `fab-vision`.
 
 use crate::calibration::Calibration;
 use crate::kinematics::reach::Reach;

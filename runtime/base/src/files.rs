@@ -2,6 +2,8 @@
 //!
 //! Input files are untrusted: an endless file, a device or a pipe is refused with a reason.
 
+use crate::kinds::{Kind, without_mark};
+use serde::de::DeserializeOwned;
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -212,9 +214,28 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Reads a regular file of at most `max_bytes` of UTF-8; fails with the reason.
+/// Reads a regular file of at most `max_bytes` of UTF-8, without its byte-order mark; fails with the reason.
 pub fn read_text(path: &Path, max_bytes: u64) -> Result<String, String> {
-    String::from_utf8(read(path, max_bytes)?).map_err(|_| "it is not UTF-8 text".to_owned())
+    text(without_mark(&read(path, max_bytes)?).to_vec())
+}
+
+/// Reads a regular file of at most `max_bytes` that holds one JSON value; fails with the reason.
+pub fn read_json<T: DeserializeOwned>(path: &Path, max_bytes: u64) -> Result<T, String> {
+    serde_json::from_str(&read_text(path, max_bytes)?).map_err(|error| error.to_string())
+}
+
+/// Returns bytes as text, with the byte-order mark that they may have; fails with what they are instead.
+pub fn text(bytes: Vec<u8>) -> Result<String, String> {
+    if let Some(kind) = Kind::of_text(&bytes) {
+        return Err(kind.sentence());
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        match Kind::of(error.as_bytes()) {
+            Some(kind) => kind.sentence(),
+            None => format!("it is not UTF-8 text, byte {at} does not belong there"),
+        }
+    })
 }
 
 /// Returns whether a file name ends in `.ENDING`, ignoring case.

@@ -3,6 +3,7 @@
 //! A crash loses at most the line being written. Bytes after the last newline are such a torn line: a [`Reader`]
 //! ignores them, and the next appended line replaces them.
 
+use crate::kinds::{Kind, without_mark};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -129,25 +130,29 @@ impl Reader {
         })
     }
 
-    /// Reads the next whole line, without its newline; fails with the reason.
+    /// Reads the next whole line that is not blank, without its newline; fails with the reason.
     pub fn next_line(&mut self) -> Result<Option<&[u8]>, String> {
-        self.line.clear();
-        let mut limited = Read::take(&mut self.file, MAX_LINE_BYTES as u64);
-        let length = limited
-            .read_until(b'\n', &mut self.line)
-            .map_err(|error| error.to_string())?;
-        self.number += 1;
-        if self.line.pop() != Some(b'\n') {
-            return match length {
-                MAX_LINE_BYTES => Err(format!(
-                    "line {} is longer than {MAX_LINE_BYTES} bytes",
-                    self.number
-                )),
-                _ => Ok(None),
-            };
+        loop {
+            self.line.clear();
+            let mut limited = Read::take(&mut self.file, MAX_LINE_BYTES as u64);
+            let length = limited
+                .read_until(b'\n', &mut self.line)
+                .map_err(|error| error.to_string())?;
+            self.number += 1;
+            if self.line.pop() != Some(b'\n') {
+                return match length {
+                    MAX_LINE_BYTES => Err(format!(
+                        "line {} is longer than {MAX_LINE_BYTES} bytes",
+                        self.number
+                    )),
+                    _ => Ok(None),
+                };
+            }
+            self.whole_bytes += length as u64;
+            if !without_mark(&self.line).trim_ascii().is_empty() {
+                return Ok(Some(self.unmarked()));
+            }
         }
-        self.whole_bytes += length as u64;
-        Ok(Some(&self.line))
     }
 
     /// Reads the next whole line as JSON; fails with the reason if it cannot be read or is damaged.
@@ -155,9 +160,19 @@ impl Reader {
         let Some(line) = self.next_line()? else {
             return Ok(None);
         };
-        match serde_json::from_slice(line) {
-            Ok(value) => Ok(Some(value)),
-            Err(error) => Err(format!("line {} is damaged: {error}", self.number)),
+        serde_json::from_slice(line).map(Some).map_err(|error| {
+            match Kind::of(&self.line).filter(|_| self.number == 1) {
+                Some(kind) => kind.sentence(),
+                None => format!("line {} is damaged: {error}", self.number),
+            }
+        })
+    }
+
+    /// Returns the line; an editor may have put a mark before the first.
+    fn unmarked(&self) -> &[u8] {
+        match self.number {
+            1 => without_mark(&self.line),
+            _ => &self.line,
         }
     }
 

@@ -1,5 +1,6 @@
-//! The runtime's foundation: journals, files, particle positions, a cache, hashes, seeded chance, threads, a queue that cannot
-//! block, interrupts, programs that answer lines, names of enumerations, foreign text made visible.
+//! The runtime's foundation: journals, files and what they really are, particle positions, a cache, hashes, seeded
+//! chance, threads, a queue that cannot block, interrupts, programs that answer lines, names of enumerations, foreign
+//! text made visible.
 //!
 //! Nothing here knows about tasks, models, cloths or arms.
 //!
@@ -33,6 +34,7 @@ pub mod digest;
 pub mod files;
 pub mod interrupt;
 pub mod jsonl;
+pub mod kinds;
 mod named;
 pub mod npy;
 pub mod outbox;

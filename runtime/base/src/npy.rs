@@ -1,5 +1,6 @@
 //! Particle positions as `.npy` bytes.
 
+use crate::kinds::Kind;
 use npyz::WriterBuilder;
 
 /// Encodes positions as a little-endian float32 array of shape `[particles, 3]`.
@@ -32,7 +33,8 @@ pub fn encode_floats(shape: &[u64], numbers: impl IntoIterator<Item = f32>) -> V
 pub fn check_header(bytes: &[u8]) -> Result<(), String> {
     let cut = || "it is not a .npy file, or it is truncated".to_owned();
     if !bytes.starts_with(b"\x93NUMPY") {
-        return Err("it does not begin as a .npy file does".to_owned());
+        let what = Kind::of(bytes).map(|kind| kind.sentence());
+        return Err(what.unwrap_or_else(|| "it does not begin as a .npy file does".to_owned()));
     }
     let (length, begin) = match (bytes.get(6), bytes.get(8..10), bytes.get(8..12)) {
         (Some(1), Some(&[a, b]), _) => (u32::from(u16::from_le_bytes([a, b])), 10),
@@ -66,73 +68,98 @@ pub fn check_header(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// Decodes what [`encode`] wrote; `None` for anything else.
+/// Decodes particle positions that [`decode_positions`] reads, as float32; `None` for anything else.
 pub fn decode(bytes: &[u8]) -> Option<Vec<[f32; 3]>> {
-    check_header(bytes).ok()?;
-    let array = npyz::NpyFile::new(bytes).ok()?;
-    let &[count, 3] = array.shape() else {
-        return None;
-    };
-    if array.order() != npyz::Order::C {
-        return None;
-    }
-    // A damaged header may promise more data than there is; never reserve memory on its word.
-    if count.checked_mul(12)? > bytes.len() as u64 {
-        return None;
-    }
-    let numbers = array.into_vec::<f32>().ok()?;
-    Some(numbers.as_chunks::<3>().0.to_vec())
+    let positions = decode_positions(bytes).ok()?.into_iter();
+    Some(positions.map(|at| at.map(|it| it as f32)).collect())
 }
 
-/// Decodes an array of floats of any shape, stored row by row; fails with the reason.
+/// Decodes particle positions, finite or not; fails with the reason.
 ///
-/// Returns the shape and the numbers.
+/// The shape is `[particles, 3]`, or `[particles, 4]` with what SoftGym and PyFleX store, x, y, z and the inverse mass,
+/// which is dropped.
+pub fn decode_positions(bytes: &[u8]) -> Result<Vec<[f64; 3]>, String> {
+    let (shape, numbers) = decode_floats(bytes)?;
+    match *shape {
+        [_, 3] => Ok(numbers.as_chunks::<3>().0.to_vec()),
+        [_, 4] => {
+            let rows = numbers.as_chunks::<4>().0.iter();
+            Ok(rows.map(|&[x, y, z, _]| [x, y, z]).collect())
+        }
+        _ => Err(format!(
+            "it has the shape {shape:?}, not [particles, 3] or [particles, 4]"
+        )),
+    }
+}
+
+/// What the numbers of other types are called, by the end of the type that a header states.
+const NUMBER_TYPES: [(&str, &str); 2] = [
+    ("f2'", "float16, which is too coarse for a cloth"),
+    ("O'", "Python objects, not numbers"),
+];
+
+/// Decodes an array of floats of any shape; fails with the reason.
+///
+/// Returns the shape and the numbers, row by row, also if they are stored column by column, as NumPy does after a
+/// transposition.
 pub fn decode_floats(bytes: &[u8]) -> Result<(Vec<u64>, Vec<f64>), String> {
     check_header(bytes)?;
     let array = npyz::NpyFile::new(bytes).map_err(|error| error.to_string())?;
-    if array.order() != npyz::Order::C {
-        return Err("it is stored column by column (Fortran order)".to_owned());
-    }
-    let shape = array.shape().to_vec();
+    let (shape, order) = (array.shape().to_vec(), array.order());
+    let kind = array.dtype().descr();
+    let width = match kind.as_str() {
+        "'<f4'" | "'>f4'" => 4,
+        "'<f8'" | "'>f8'" => 8,
+        other => {
+            let named = NUMBER_TYPES.iter().find(|(end, _)| other.ends_with(end));
+            let name = named.map_or(other.to_owned(), |(_, name)| format!("{name} ({other})"));
+            return Err(format!(
+                "its numbers are of type {name}; save it again after `.astype(numpy.float32)`"
+            ));
+        }
+    };
     // A header may promise more data than the file holds; never reserve memory on its word.
     let mut sides = shape.iter();
     let count = sides.try_fold(1u64, |count, side| count.checked_mul(*side));
-    let least = count.and_then(|count| count.checked_mul(4));
+    let least = count.and_then(|count| count.checked_mul(width));
     if least.is_none_or(|least| least > bytes.len() as u64) {
         return Err(format!(
             "its header promises the shape {shape:?}, its {} bytes hold less",
             bytes.len()
         ));
     }
-    let numbers = match array.dtype().descr().as_str() {
-        "'<f4'" => array
+    let numbers = match width {
+        4 => array
             .into_vec::<f32>()
             .map(|values| values.into_iter().map(f64::from).collect()),
-        "'<f8'" => array.into_vec::<f64>(),
-        other => return Err(format!("its numbers are of type {other}")),
+        _ => array.into_vec::<f64>(),
     };
-    let numbers = numbers.map_err(|error| match error.kind() {
+    let numbers: Vec<f64> = numbers.map_err(|error| match error.kind() {
         std::io::ErrorKind::UnexpectedEof => "it is cut off".to_owned(),
         _ => error.to_string(),
     })?;
-    Ok((shape, numbers))
+    Ok(match order {
+        npyz::Order::C => (shape, numbers),
+        npyz::Order::Fortran => {
+            let rows = by_rows(&shape, &numbers);
+            (shape, rows)
+        }
+    })
+}
+
+/// Puts numbers that are stored column by column row by row.
+fn by_rows(shape: &[u64], numbers: &[f64]) -> Vec<f64> {
+    let place = |index: usize| {
+        let (mut rest, mut place, mut stride) = (index, 0, numbers.len());
+        for side in shape.iter().rev() {
+            stride /= *side as usize;
+            place += rest % *side as usize * stride;
+            rest /= *side as usize;
+        }
+        numbers[place]
+    };
+    (0..numbers.len()).map(place).collect()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn positions_survive_the_file_format() {
-        let positions = vec![[0.1, -0.2, 0.3], [f32::MIN_POSITIVE, 4.0, -5.5]];
-        assert_eq!(decode(&encode(&positions)), Some(positions));
-    }
-
-    #[test]
-    fn cut_bytes_are_no_positions() {
-        let bytes = encode(&[[0.1, -0.2, 0.3]; 7]);
-        for length in 0..bytes.len() {
-            assert_eq!(decode(&bytes[..length]), None, "{length} bytes");
-        }
-    }
-}
+mod tests;

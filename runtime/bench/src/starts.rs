@@ -118,9 +118,8 @@ pub fn recorded(folder: &Path, task: &str) -> Result<Vec<StartPoint>, RecordedEr
     };
     let manifest = folder.join("manifest.json");
     let files = if manifest.is_file() {
-        let bytes = files::read(&manifest, MAX_BYTES).map_err(|why| wrong(&manifest, why))?;
         let value: Value =
-            serde_json::from_slice(&bytes).map_err(|error| wrong(&manifest, error.to_string()))?;
+            files::read_json(&manifest, MAX_BYTES).map_err(|why| wrong(&manifest, why))?;
         listed(&value, task)
             .and_then(|listed| below(folder, listed))
             .map_err(|why| wrong(&manifest, why))?

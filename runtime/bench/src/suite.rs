@@ -33,6 +33,10 @@ pub struct Suite {
     /// Rollouts per start for a model that varies.
     #[serde(default = "one")]
     pub repeats: u32,
+    /// Whether a server that enforces schemas gets one with each question. A suite that compares prompts, or quotes figures
+    /// that were asked without, asks in the prompt's own format.
+    #[serde(default = "yes")]
+    pub structured: bool,
     /// The starts.
     pub starts: Starts,
     /// Starts of single tasks, by name, overriding `starts`.
@@ -84,7 +88,7 @@ pub enum Starts {
 }
 
 /// A method of doing a task.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Method {
     /// Its name in tables and folders.
@@ -322,6 +326,10 @@ impl Starts {
 
 fn one() -> u32 {
     1
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn wrong<T>(key: &str, why: String) -> Result<T, SuiteError> {

@@ -298,6 +298,13 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
             }
         }
     }
+    if rows.iter().any(|row| row.model.is_some()) {
+        let format = match suite.structured {
+            true => "with a schema where the server enforces it",
+            false => "in the prompt's own format",
+        };
+        lines.push(format!("Asked: {format}."));
+    }
     let shares = rows.iter().any(|row| row.clusters.is_some());
     let figures = match suite.statistic {
         Statistic::Median => {

@@ -15,7 +15,7 @@ pub struct Arrow {
     pub tail: Point,
     /// Point of the head.
     pub tip: Point,
-    /// All of its pixels.
+    /// All of its pixels, and those inside of its ring, which are too few to tell cloth from table.
     pub stroke: Mask,
 }
 
@@ -31,13 +31,14 @@ pub enum ArrowFault {
 /// The brightest pixel that can belong to an arrow, 8-bit levels. Creases of the recorded cloths stay above 90.
 const BLACK: u8 = 48;
 
-/// Radius of the ring and width of all strokes, pixels of a 224 px picture; both are drawn in whole pixels.
+/// Radius of the ring and width of all strokes, pixels of a 224 px picture, as the paper drew them; the strokes of
+/// `fab_vision` are a little narrower.
 const RING_RADIUS_PX: f64 = 3.0;
 const STROKE_PX: f64 = 2.0;
 
 /// The shortest arrow, from the ring's centre to the tip, pixels of a 224 px picture; shorter ones are nothing but ring
 /// and head.
-const SHORTEST_PX: f64 = 9.0;
+const SHORTEST_PX: f64 = 8.0;
 
 /// Least share of the line from ring to tip that must be black.
 const LEAST_LINE: f64 = 0.9;
@@ -82,7 +83,11 @@ pub fn find(ink: &Mask, scale: f64) -> Result<Arrow, ArrowFault> {
     if n_rings > 1 {
         return Err(ArrowFault::Many);
     }
-    let stroke = Mask::from_pixels(ink.width(), ink.height(), patch);
+    let inked = Mask::from_pixels(ink.width(), ink.height(), patch);
+    let is_in_ring = |pixel| hull::distance(middle(&pixel), tail) <= pen.ring_radius;
+    let stroke = Mask::from_fn(ink.width(), ink.height(), |column, row| {
+        inked.contains_at(column, row) || is_in_ring((column, row))
+    });
     Ok(Arrow { tail, tip, stroke })
 }
 
@@ -128,11 +133,7 @@ impl Pen {
             .into_iter()
             .filter(|hole| (hole.len() as f64) < most_px);
         for hole in small.take(MAX_HOLES) {
-            let sum = hole
-                .iter()
-                .map(middle)
-                .fold([0.0, 0.0], |sum, at| [sum[0] + at[0], sum[1] + at[1]]);
-            let hole = sum.map(|total| total / hole.len() as f64);
+            let hole = mean(hole.iter().map(middle));
             // The line cuts the inside of its own ring into several holes.
             let is_known =
                 |ring: &Ring| hull::distance(ring.center, hole) <= 3.0 * self.ring_radius;
@@ -175,18 +176,22 @@ impl Pen {
                 equals.push(center);
             }
         }
-        let n_equals = equals.len() as f64;
-        let center = [0, 1].map(|axis| equals.iter().map(|at| at[axis]).sum::<f64>() / n_equals);
+        let center = mean(equals.iter().copied());
         let closed = inked_directions(ink, center, self.ring_radius);
         (!equals.is_empty()).then_some(Ring { center, closed })
     }
 
     /// Follows the stroke from a ring to its farthest pixel; `None` if no straight line leads there.
     fn tip(&self, tail: Point, patch: &Patch, ink: &Mask) -> Option<Point> {
-        let tip = patch.iter().map(middle).reduce(|best, next| {
-            let is_farther = hull::distance(next, tail) > hull::distance(best, tail);
-            if is_farther { next } else { best }
-        })?;
+        let off = |at: Point| hull::distance(at, tail);
+        let pixels = || patch.iter().map(middle);
+        let corner =
+            pixels().reduce(|best, next| if off(next) > off(best) { next } else { best })?;
+        // A corner of the stroke's end is a little farther off than its middle.
+        let is_end = |&at: &Point| {
+            off(at) >= off(corner) - 0.5 && hull::distance(at, corner) <= STROKE_PX * self.scale
+        };
+        let tip = mean(pixels().filter(is_end));
         let length = hull::distance(tail, tip);
         let n_samples = length.ceil() as u32;
         let is_black = |sample: &u32| {
@@ -209,6 +214,13 @@ fn inked_directions(ink: &Mask, center: Point, radius: f64) -> i32 {
         at.iter().all(|&value| value >= 0.0) && ink.contains_at(at[0] as u32, at[1] as u32)
     };
     (0..N_DIRECTIONS).filter(is_inked).count() as i32
+}
+
+fn mean(points: impl Iterator<Item = Point>) -> Point {
+    let (sum, n) = points.fold(([0.0, 0.0], 0), |(sum, n), at| {
+        ([sum[0] + at[0], sum[1] + at[1]], n + 1)
+    });
+    sum.map(|total| total / f64::from(n))
 }
 
 fn middle(&(column, row): &(u32, u32)) -> Point {

@@ -1,8 +1,8 @@
-//! Pictures and the cameras that take them: colour, depth, sets of pixels, PNG files, animated GIF files.
+//! Pictures and the cameras that take them: colour, depth, sets of pixels, PNG and JPEG files, animated GIF files.
 //!
 //! In: files, camera readings, world points. Out: pictures, [`Mask`]s and coordinates. World points are metres,
 //! right-handed, z up; pixels are `[column, row]` from the top left corner. What can be found
-//! in a picture without OpenCV is here too: regions, convex outlines, the arrow of a subgoal picture. `fab-vision` finds
+//! in a picture without knowing what is cloth is here too: regions, convex outlines, the arrow of a subgoal picture. `fab-vision` finds
 //! the rest.
 //!
 //! ```
@@ -26,6 +26,8 @@
 pub mod animation;
 pub mod arrow;
 pub mod camera;
+pub mod cut;
+pub mod dropouts;
 pub mod hull;
 pub mod observation;
 pub mod png;

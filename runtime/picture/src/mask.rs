@@ -83,6 +83,22 @@ impl Mask {
         near(row).any(|row| near(column).any(|column| self.contains_at(column, row)))
     }
 
+    /// Returns the sides of the picture that the set reaches: a hundredth of the side, so that no stray pixel counts.
+    pub fn reached_borders(&self) -> Vec<&'static str> {
+        let mut counts = [("left", 0), ("top", 0), ("right", 0), ("bottom", 0)];
+        for (column, row) in self.columns_and_rows() {
+            let beyond = [column + 1 == self.width, row + 1 == self.height];
+            let is_there = [column == 0, row == 0, beyond[0], beyond[1]];
+            for ((_, count), is_there) in counts.iter_mut().zip(is_there) {
+                *count += u32::from(is_there);
+            }
+        }
+        let lengths = [self.height, self.width].repeat(2);
+        let sides = counts.into_iter().zip(lengths);
+        let reached = sides.filter(|((_, count), length)| *count > 0 && count * 100 >= *length);
+        reached.map(|((name, _), _)| name).collect()
+    }
+
     /// Returns whether the set has no pixels.
     pub fn is_empty(&self) -> bool {
         self.area_px == 0

@@ -1,7 +1,7 @@
 //! What a camera delivers: a world's camera, or the user's own with pictures from files.
 
-use crate::DepthImage;
 use crate::camera::Camera;
+use crate::{DepthImage, cut, dropouts};
 use fab_program as program;
 use image::RgbImage;
 
@@ -16,47 +16,60 @@ pub struct Observation {
     pub camera: Camera,
     /// Time in the world, seconds since its reset.
     pub time_s: f64,
+    /// What the pictures lacked, and what was done about it, for people.
+    pub notes: Vec<String>,
 }
 
-/// A picture whose size differs from the task's camera.
+/// A depth picture that does not show the same as the colour picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the {what} has {} x {} px, and the task's camera takes {camera_px} x {camera_px} px: scale it to that, or \
-     state its side as `image` in the task's `camera`", size_px[0], size_px[1]
+    "the picture has {} x {} px and the depth picture {} x {}: they must show the same from one place, in one shape",
+    rgb_px.0, rgb_px.1, depth_px.0, depth_px.1
 )]
-pub struct WrongSize {
-    /// `picture` or `depth picture`.
-    pub what: &'static str,
-    /// Its width and height, pixels.
-    pub size_px: [u32; 2],
-    /// The side of the camera's square image, pixels.
-    pub camera_px: u32,
+pub struct NotAligned {
+    /// The picture's width and height, pixels.
+    pub rgb_px: (u32, u32),
+    /// The depth picture's width and height, pixels.
+    pub depth_px: (u32, u32),
 }
 
 impl Observation {
-    /// Makes an observation by the task's camera from a picture; without depth, no pixel has a reading.
+    /// Makes an observation by the task's camera from a picture of any size; without depth, no pixel has a reading.
+    ///
+    /// The middle square of the picture is scaled to the camera's, and small holes of the depth are closed.
     pub fn of_picture(
         camera: &program::Camera,
         rgb: RgbImage,
         depth_m: Option<DepthImage>,
-    ) -> Result<Observation, WrongSize> {
+    ) -> Result<Observation, NotAligned> {
         let side_px = camera.image_px;
-        let fits = |what, (width, height)| {
-            let wrong = WrongSize {
-                what,
-                size_px: [width, height],
-                camera_px: side_px,
-            };
-            (wrong.size_px == [side_px; 2]).then_some(()).ok_or(wrong)
+        let mut notes = Vec::new();
+        let (rgb_px, square) = (rgb.dimensions(), cut::middle(rgb.dimensions()));
+        if rgb_px != (side_px, side_px) {
+            notes.push(format!(
+                "the picture has {} x {} px: its middle square of {} px is taken, scaled to the camera's {side_px} px",
+                rgb_px.0, rgb_px.1, square[2]
+            ));
+        }
+        let depth_m = match depth_m {
+            None => DepthImage::new(side_px, side_px),
+            Some(depth_m) => {
+                let depth_px = depth_m.dimensions();
+                let shape = |across: u32, down: u32| u64::from(across) * u64::from(down);
+                if shape(rgb_px.0, depth_px.1) != shape(depth_px.0, rgb_px.1) {
+                    return Err(NotAligned { rgb_px, depth_px });
+                }
+                let (closed, note) = dropouts::closed(&depth_m);
+                notes.extend(note);
+                cut::depth(&closed, cut::middle(depth_px), side_px)
+            }
         };
-        fits("picture", rgb.dimensions())?;
-        let depth_m = depth_m.unwrap_or_else(|| DepthImage::new(side_px, side_px));
-        fits("depth picture", depth_m.dimensions())?;
         Ok(Observation {
-            rgb,
+            rgb: cut::colours(&rgb, square, side_px),
             depth_m,
             camera: Camera::top_down(camera.height_m, camera.fov_rad, side_px, camera.up),
             time_s: 0.0,
+            notes,
         })
     }
 }

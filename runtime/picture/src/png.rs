@@ -1,16 +1,21 @@
-//! Pictures as PNG files, bounded before they are decoded.
+//! Pictures in files, as people see them; bounded before they are decoded. Writes PNG.
+//!
+//! In: a PNG or JPEG file; its content decides which, not its name. Out: the colours that a viewer shows: turned as Exif
+//! says, and on white where the picture is transparent. A depth picture is a grey PNG, because JPEG changes its levels.
 
 use crate::DepthImage;
 use fab_base::files;
+use fab_base::kinds::Kind;
+use image::metadata::Orientation;
 use image::{
-    DynamicImage, GrayImage, ImageBuffer, ImageFormat, ImageReader, Limits, Luma, Pixel, Primitive,
-    RgbImage,
+    DynamicImage, GrayImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Luma, Pixel,
+    Primitive, Rgb, RgbImage,
 };
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// The longest side of a picture accepted, pixels.
-pub const MAX_SIDE_PX: u32 = 4096;
+/// The longest side of a picture accepted, pixels; phones take pictures of 8160.
+pub const MAX_SIDE_PX: u32 = 8192;
 /// The largest file accepted, bytes.
 const MAX_BYTES: u64 = 64 << 20;
 
@@ -25,13 +30,23 @@ pub enum PictureError {
         /// The system's error.
         why: String,
     },
-    /// The file is not a PNG picture, or is damaged.
-    #[error("`{path}` is not a readable PNG picture: {why}")]
+    /// The file is a damaged picture, or nothing that is known.
+    #[error("`{path}` is not a readable picture in PNG or JPEG: {why}")]
     NotAPicture {
         /// The file.
         path: PathBuf,
         /// The decoder's error.
         why: String,
+    },
+    /// The file is something else.
+    #[error("`{path}` is {what}; {remedy}")]
+    OtherKind {
+        /// The file.
+        path: PathBuf,
+        /// What it is, such as `a web page`.
+        what: &'static str,
+        /// What to do.
+        remedy: String,
     },
     /// A depth picture is not grey.
     #[error(
@@ -45,7 +60,11 @@ pub enum PictureError {
         found: String,
     },
     /// The picture is too large.
-    #[error("`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels are accepted")]
+    #[error(
+        "`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels are accepted: `magick {} -resize 4096x4096 \
+         out.png` makes it smaller",
+        for_a_shell(path)
+    )]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -54,26 +73,82 @@ pub enum PictureError {
     },
 }
 
-/// Reads a PNG file.
-pub fn load(path: &Path) -> Result<RgbImage, PictureError> {
-    decode(&read(path)?, path)
+/// A picture from outside.
+#[derive(Clone, Debug)]
+pub struct Opened {
+    /// Its colours.
+    pub rgb: RgbImage,
+    /// What was done that may surprise, in words that name the file.
+    pub note: Option<String>,
 }
 
-/// Reads a depth picture: 8-bit grey has 255 levels per metre, 16-bit grey is millimetres; 0 means no reading.
+/// Opens a PNG or JPEG file.
+pub fn open(path: &Path) -> Result<Opened, PictureError> {
+    opened(&read(path)?, path)
+}
+
+/// Opens the bytes of a PNG or JPEG file; `path` names them.
+pub fn opened(bytes: &[u8], path: &Path) -> Result<Opened, PictureError> {
+    let (picture, orientation) = decoded(bytes, path, &COLOUR)?;
+    let (rgb, n_transparent) = on_white(picture);
+    let name = path.display();
+    let mut notes = Vec::new();
+    if n_transparent > 0 {
+        notes.push(format!(
+            "{n_transparent} pixels of `{name}` are transparent; they are shown on white"
+        ));
+    }
+    if orientation != Orientation::NoTransforms {
+        notes.push(format!(
+            "`{name}` is turned as its Exif data say, which a depth picture beside it is not"
+        ));
+    }
+    let note = (!notes.is_empty()).then(|| notes.join("; "));
+    Ok(Opened { rgb, note })
+}
+
+/// Opens a PNG or JPEG file without a word on what was done.
+pub fn load(path: &Path) -> Result<RgbImage, PictureError> {
+    Ok(open(path)?.rgb)
+}
+
+/// Reads a depth picture: 8-bit grey has 255 levels per metre, 16-bit grey is millimetres; 0, and 65535 in 16 bits,
+/// mean no reading.
 ///
 /// Returns metres. The recorded data and `fabc sim render --depth` have 8 bits; depth cameras write 16. Fails for
 /// colour pictures, too.
 pub fn load_depth(path: &Path) -> Result<DepthImage, PictureError> {
-    let bytes = read(path)?;
-    match decoded(&bytes, path)? {
+    match decoded(&read(path)?, path, &DEPTH)?.0 {
         DynamicImage::ImageLuma8(levels) => Ok(metres(&levels, 255.0)),
-        DynamicImage::ImageLuma16(levels) => Ok(metres(&levels, 1000.0)),
+        DynamicImage::ImageLuma16(mut levels) => {
+            // The largest level is no distance: cameras write it where they read none.
+            let none = levels.pixels_mut().filter(|level| level.0 == [u16::MAX]);
+            none.for_each(|level| level.0 = [0]);
+            Ok(metres(&levels, 1000.0))
+        }
         other => Err(PictureError::NotDepth {
             path: path.to_owned(),
             found: format!("{:?}", other.color()),
         }),
     }
 }
+
+/// What a file is opened as.
+struct Wanted {
+    formats: &'static [ImageFormat],
+    /// What helps if it is a picture in another format; `{}` is the file, quoted for a shell.
+    converted: &'static str,
+}
+
+const COLOUR: Wanted = Wanted {
+    formats: &[ImageFormat::Png, ImageFormat::Jpeg],
+    converted: "PNG and JPEG are read, and ImageMagick converts it: `magick {} out.png`",
+};
+
+const DEPTH: Wanted = Wanted {
+    formats: &[ImageFormat::Png],
+    converted: "a depth picture is a grey PNG, of 8 or 16 bits, since a format for photographs changes distances: write it from the camera's readings",
+};
 
 /// Converts grey levels to metres.
 fn metres<T>(levels: &ImageBuffer<Luma<T>, Vec<T>>, levels_per_m: f32) -> DepthImage
@@ -101,30 +176,94 @@ pub fn size(bytes: &[u8]) -> Option<[u32; 2]> {
     Some([width, height])
 }
 
-/// Decodes the bytes of a PNG file; `path` names them in errors.
+/// Decodes the bytes of a PNG or JPEG file; `path` names them in errors.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<RgbImage, PictureError> {
-    Ok(decoded(bytes, path)?.into_rgb8())
+    Ok(opened(bytes, path)?.rgb)
 }
 
-fn decoded(bytes: &[u8], path: &Path) -> Result<DynamicImage, PictureError> {
+/// Decodes a picture and turns it as its Exif data say, which are returned too.
+fn decoded(
+    bytes: &[u8],
+    path: &Path,
+    wanted: &Wanted,
+) -> Result<(DynamicImage, Orientation), PictureError> {
     let wrong = |why: String| PictureError::NotAPicture {
         path: path.to_owned(),
         why,
     };
-    let size = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png).into_dimensions();
-    let (width, height) = size.map_err(|error| wrong(error.to_string()))?;
+    let guessed = image::guess_format(bytes).ok();
+    let Some(format) = guessed.filter(|format| wanted.formats.contains(format)) else {
+        let Some(kind) = Kind::of(bytes) else {
+            return Err(wrong("it begins like no picture".to_owned()));
+        };
+        let converted = || wanted.converted.replace("{}", &for_a_shell(path));
+        return Err(PictureError::OtherKind {
+            path: path.to_owned(),
+            what: kind.name,
+            remedy: kind.remedy.map_or_else(converted, str::to_owned),
+        });
+    };
+    if format == ImageFormat::Jpeg && !is_whole_jpeg(bytes) {
+        return Err(wrong("it is cut off, or lacks its end mark".to_owned()));
+    }
+    let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
+    let mut decoder = decoder.map_err(|error| wrong(error.to_string()))?;
+    let (width, height) = decoder.dimensions();
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX {
         return Err(PictureError::TooLarge {
             path: path.to_owned(),
             found: format!("{width} by {height} pixels"),
         });
     }
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_SIDE_PX);
-    limits.max_image_height = Some(MAX_SIDE_PX);
-    reader.limits(limits);
-    reader.decode().map_err(|error| wrong(error.to_string()))
+    // Cameras store what the sensor saw, and every viewer turns it.
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let picture = DynamicImage::from_decoder(decoder);
+    let mut picture = picture.map_err(|error| wrong(error.to_string()))?;
+    picture.apply_orientation(orientation);
+    Ok((picture, orientation))
+}
+
+/// Returns whether the pixels of a JPEG picture have an end; the decoder would fill up what is missing with grey.
+fn is_whole_jpeg(bytes: &[u8]) -> bool {
+    let mut rest = bytes.get(2..).unwrap_or_default();
+    // Each segment before the pixels says its length; one may hold a small picture with an end of its own.
+    while let [0xff, kind, high, low, ..] = *rest {
+        if kind == 0xda {
+            return rest.windows(2).any(|mark| mark == [0xff, 0xd9]);
+        }
+        let length = match kind {
+            0xff => 1,
+            _ => 2 + usize::from(u16::from_be_bytes([high, low])),
+        };
+        rest = rest.get(length..).unwrap_or_default();
+    }
+    false
+}
+
+/// Puts a picture on white; returns how many of its pixels are transparent, wholly or partly.
+fn on_white(picture: DynamicImage) -> (RgbImage, usize) {
+    if !picture.color().has_alpha() {
+        return (picture.into_rgb8(), 0);
+    }
+    let picture = picture.into_rgba8();
+    let n_transparent = picture.pixels().filter(|pixel| pixel.0[3] < 255).count();
+    let rgb = RgbImage::from_fn(picture.width(), picture.height(), |column, row| {
+        let [red, green, blue, alpha] = picture.get_pixel(column, row).0.map(u32::from);
+        Rgb([red, green, blue]
+            .map(|level| ((level * alpha + 255 * (255 - alpha) + 127) / 255) as u8))
+    });
+    (rgb, n_transparent)
+}
+
+/// Quotes a file's name for a command.
+fn for_a_shell(path: &Path) -> String {
+    let name = path.display().to_string();
+    let is_plain = |letter: char| letter.is_alphanumeric() || "._-/".contains(letter);
+    if name.chars().all(is_plain) {
+        name
+    } else {
+        format!("'{}'", name.replace('\'', r"'\''"))
+    }
 }
 
 /// Encodes a picture as PNG.
@@ -144,3 +283,6 @@ pub fn encode_gray(picture: &GrayImage) -> Vec<u8> {
         .expect("a grey picture in memory can be encoded");
     bytes
 }
+
+#[cfg(test)]
+mod tests;

@@ -28,6 +28,14 @@ pub fn components(set: &Mask) -> Vec<Patch> {
     )
 }
 
+/// Likewise, but pixels that touch only at a corner are not connected.
+pub fn patches(set: &Mask) -> Vec<Patch> {
+    split(set, &SIDES)
+}
+
+/// The steps to the pixels that share a side.
+const SIDES: [(i32, i32); 4] = [(0, -1), (-1, 0), (1, 0), (0, 1)];
+
 /// Returns the holes of a patch, in the order of their topmost, then leftmost pixel.
 ///
 /// Pixels of the patch that touch only at a corner still close it.
@@ -49,7 +57,7 @@ pub fn holes(patch: &Patch) -> Vec<Patch> {
     let gaps = Mask::from_fn(own.width(), own.height(), |column, row| {
         !own.contains_at(column, row)
     });
-    let mut holes = split(&gaps, &[(0, -1), (-1, 0), (1, 0), (0, 1)]);
+    let mut holes = patches(&gaps);
     // The outside comes first, because it holds the top left pixel.
     holes.remove(0);
     for hole in &mut holes {

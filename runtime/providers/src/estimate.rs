@@ -33,10 +33,10 @@ pub struct Typical {
 }
 
 impl Typical {
-    /// Mean tokens of an answer that states an action, counted as [`tokens::likely_of_text`] does over the 1533 answers
-    /// of `tests/fixtures/replies` that state one. They were written for tests after models' habits; none hides thoughts.
+    /// Mean tokens of an answer that states an action, counted as [`tokens::likely_of_text`] does over 1533 answers
+    /// that were written for tests after models' habits; none hides thoughts.
     pub const ACTION_TOKENS: f64 = 56.0;
-    /// The same for the 163 answers there that state a text.
+    /// The same for 163 such answers that state a text.
     pub const TEXT_TOKENS: f64 = 43.0;
 
     /// Questions per step of a task that tries a step again if its result misses the subgoal: 28 calls of `geometric`

@@ -4,14 +4,14 @@
 //! corner first. The detector looks at an 8-bit picture of the cloth on black (protocol, sections 4 and 6); [`corners`]
 //! makes that picture, [`corners_of_gray`] is the bare detector.
 
+use super::primitives::chosen;
 use super::sight::detector_picture;
 use super::{MAX_SIDE_PX, VisionError, bounding_box, check_size};
 use fab_picture::mask_picture;
 use fab_picture::{DepthImage, Mask, SubpixelPoint};
 use fab_program::{PixelPoint, Response, Sight};
 use image::{RgbImage, imageops};
-use opencv::core::{Mat, Point2f, Size, TermCriteria, TermCriteria_Type, Vector, no_array};
-use opencv::imgproc;
+use std::ops::RangeInclusive;
 
 /// How corners are searched for.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,17 +57,18 @@ pub fn corners(
 ) -> Result<Vec<SubpixelPoint>, VisionError> {
     let (width, height) = depth.dimensions();
     check_size(width, height)?;
-    if rgb.dimensions() != (width, height) {
-        return Err(VisionError::PictureSize {
-            picture: [rgb.width(), rgb.height()],
-            depth: [width, height],
-        });
-    }
-    if (mask.width(), mask.height()) != (width, height) {
-        return Err(VisionError::MaskSize {
-            mask: [mask.width(), mask.height()],
-            depth: [width, height],
-        });
+    let sizes = [
+        ("picture", rgb.dimensions()),
+        ("mask", (mask.width(), mask.height())),
+    ];
+    for (what, size) in sizes {
+        if size != (width, height) {
+            return Err(VisionError::OtherSize {
+                what,
+                size: size.into(),
+                depth: [width, height],
+            });
+        }
     }
     check_search(search)?;
     let Some(around) = bounding_box(mask) else {
@@ -134,7 +135,7 @@ fn window(mask: &Mask, around: [PixelPoint; 2], search: &CornerSearch) -> [u32; 
     ]
 }
 
-/// Moves corners to where the mask's edges around them meet (OpenCV's `cornerSubPix`).
+/// Moves corners to where the mask's edges around them meet.
 ///
 /// `coarseness_px` is how many pixels of the mask one pixel of the detector's picture spans. A corner that would leave
 /// its window, which happens on a straight edge, stays where it was.
@@ -144,110 +145,43 @@ fn locate(
     coarseness_px: f64,
 ) -> Result<Vec<[f32; 2]>, VisionError> {
     // A detected corner is off by up to two pixels of its picture (see SNAP_PX); the window covers that.
-    let window_px = 2 * coarseness_px as i32;
-    let picture = mask_picture(mask);
-    let (rows, columns) = (picture.height() as i32, picture.width() as i32);
-    if rows <= 2 * window_px + 5 || columns <= 2 * window_px + 5 || corners.is_empty() {
+    let window_px = 2 * coarseness_px as u32;
+    if mask.width().min(mask.height()) <= 2 * window_px + 5 {
         return Ok(corners);
     }
-    let view = Mat::new_rows_cols_with_data::<u8>(rows, columns, picture.as_raw())?;
-    let mut moved: Vector<Point2f> = corners.iter().map(|&[x, y]| Point2f::new(x, y)).collect();
-    let until = TermCriteria::new(
-        TermCriteria_Type::COUNT as i32 | TermCriteria_Type::EPS as i32,
-        30,
-        0.01,
-    )?;
-    let window = Size::new(window_px, window_px);
-    imgproc::corner_sub_pix(&view, &mut moved, window, Size::new(-1, -1), until)?;
-    let near = |at: f32, to: f32| (at - to).abs() <= window_px as f32;
-    Ok(corners
-        .into_iter()
-        .zip(moved)
-        .map(|([x, y], to)| {
-            if near(x, to.x) && near(y, to.y) {
-                [to.x, to.y]
-            } else {
-                [x, y]
-            }
-        })
-        .collect())
+    chosen::refine_corners(&mask_picture(mask), &corners, window_px)
 }
 
 /// Finds the corners of a grey picture, strongest first, as `[x, y]` in its own pixels.
 ///
-/// OpenCV's `goodFeaturesToTrack`; `search.of` and `search.image_px` are not used.
+/// What OpenCV's `goodFeaturesToTrack` finds, in its order; `search.of` and `search.image_px` are not used.
 pub fn corners_of_gray(
     gray: &image::GrayImage,
     search: &CornerSearch,
 ) -> Result<Vec<[f32; 2]>, VisionError> {
     check_size(gray.width(), gray.height())?;
     check_search(search)?;
-    let (rows, columns) = (gray.height() as i32, gray.width() as i32);
-    let picture = Mat::new_rows_cols_with_data::<u8>(rows, columns, gray.as_raw())?;
-    let harris_k = harris_k(search);
-    let mut found = Vector::<Point2f>::new();
-    imgproc::good_features_to_track(
-        &picture,
-        &mut found,
-        search.max as i32,
-        search.quality,
-        search.spacing_px,
-        &no_array(),
-        search.block_px as i32,
-        harris_k.is_some(),
-        harris_k.unwrap_or(0.0),
-    )?;
-    Ok(found.iter().map(|point| [point.x, point.y]).collect())
+    chosen::strong_corners(gray, search)
 }
 
-/// Returns Harris's constant, if that is the response asked for.
-fn harris_k(search: &CornerSearch) -> Option<f64> {
-    match search.response {
-        Response::Harris { k } => Some(k),
-        Response::ShiTomasi => None,
-    }
-}
-
-/// Rejects settings that OpenCV would misread, such as 0 corners, which it takes as no limit.
+/// Rejects settings without a meaning, such as 0 corners, which OpenCV takes as no limit.
 fn check_search(search: &CornerSearch) -> Result<(), VisionError> {
-    let side = f64::from(search.image_px);
-    let harris_k = harris_k(search).unwrap_or(0.0);
-    let limits = [
-        (
-            "image",
-            side,
-            (1..=MAX_SIDE_PX).contains(&search.image_px),
-            "1 to 8192",
-        ),
-        (
-            "max",
-            f64::from(search.max),
-            (1..=10_000).contains(&search.max),
-            "1 to 10000",
-        ),
-        (
-            "quality",
-            search.quality,
-            search.quality > 0.0 && search.quality <= 1.0,
-            "above 0 and at most 1",
-        ),
-        (
-            "spacing",
-            search.spacing_px,
-            (0.0..=1e4).contains(&search.spacing_px),
-            "0 to 10000",
-        ),
-        (
-            "block",
-            f64::from(search.block_px),
-            (1..=31).contains(&search.block_px) && search.block_px % 2 == 1,
-            "odd, 1 to 31",
-        ),
-        ("k", harris_k, (0.0..=1.0).contains(&harris_k), "0 to 1"),
-    ];
-    match limits.into_iter().find(|&(_, _, holds, _)| !holds) {
-        Some((name, value, _, range)) => Err(VisionError::Setting { name, value, range }),
-        None => Ok(()),
+    let within = |name, value: f64, limits: RangeInclusive<f64>, range| match limits {
+        limits if limits.contains(&value) => Ok(()),
+        _ => Err(VisionError::Setting { name, value, range }),
+    };
+    let side = f64::from(MAX_SIDE_PX);
+    within("image", f64::from(search.image_px), 1.0..=side, "1 to 8192")?;
+    within("max", f64::from(search.max), 1.0..=1e4, "1 to 10000")?;
+    let range = "above 0 and at most 1";
+    within("quality", search.quality, f64::MIN_POSITIVE..=1.0, range)?;
+    within("spacing", search.spacing_px, 0.0..=1e4, "0 to 10000")?;
+    let block_px = f64::from(search.block_px);
+    let last = if search.block_px % 2 == 1 { 31.0 } else { 0.0 };
+    within("block", block_px, 1.0..=last, "odd, 1 to 31")?;
+    match search.response {
+        Response::Harris { k } => within("k", k, 0.0..=1.0, "0 to 1"),
+        Response::ShiTomasi => Ok(()),
     }
 }
 

@@ -1,17 +1,16 @@
 //! The layers of marks on the picture that a model sees.
 //!
 //! In: the camera's picture and [`DrawnLayer`]s with resolved points. Out: a new picture. Later layers cover earlier
-//! ones; marks are clipped at the picture's edge. OpenCV draws the marks, so the paper's annotated pictures are
-//! reproduced pixel for pixel (protocol, section 4, item 4).
+//! ones; marks are clipped at the picture's edge. They are where the paper's annotated pictures have them (protocol,
+//! section 4, item 4), with smooth edges.
 
-use super::VisionError;
 use super::boxes::sorted;
-use super::color::gray_level;
-use super::draw::{arrow, bounded, canvas, ring, scalar};
+use super::draw::{dot, mark, middle};
+use super::numbers::write_numbers;
+use super::raster::Pen;
+use super::{VisionError, check_size};
 use fab_program::PixelPoint;
 use image::RgbImage;
-use opencv::core::{Point, ToInputOutputArray, Vector};
-use opencv::imgproc;
 
 /// One layer: marks of one kind and colour.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,14 +49,14 @@ pub enum DrawnShape {
         /// Width of the lines, pixels.
         width_px: u32,
     },
-    /// The index of each point, from 1, beside it and inside the picture.
+    /// The index of each point, from 1, beside it and inside the picture, with a rim of the opposite brightness.
     ///
     /// Points outside the picture are counted, but their numbers are not drawn.
     Numbers {
         /// The points.
         at: Vec<PixelPoint>,
     },
-    /// An arrow; its head is a tenth of its length.
+    /// An arrow; its head is a tenth of its length, and at least three line widths.
     Arrow {
         /// Its tail.
         from: PixelPoint,
@@ -83,198 +82,94 @@ pub enum DrawnShape {
     },
 }
 
-/// The largest radius and width of a mark, pixels.
-const MAX_MARK_PX: u32 = 100;
-
-/// Height of a digit, pixels: legible in a picture of 224 px, and small beside a cloth of 100.
-const DIGIT_PX: f64 = 9.0;
-
-/// Height of a capital letter or digit of OpenCV's plain font at scale 1, pixels.
-const FONT_PX: f64 = 21.0;
-
-/// Gap between a point and its number, pixels; enough to clear a dot or ring of the usual radius of 3.
-const GAP_PX: i32 = 5;
-
-/// How far a digit's rim reaches beyond it, pixels.
-const RIM_PX: i32 = 3;
-
 /// Draws layers onto a copy of a picture, in order.
 ///
-/// Fails if the picture is empty or larger than [`super::MAX_SIDE_PX`], or OpenCV fails.
+/// Fails if the picture is empty or larger than [`super::MAX_SIDE_PX`].
 pub fn draw_layers(rgb: &RgbImage, layers: &[DrawnLayer]) -> Result<RgbImage, VisionError> {
+    check_size(rgb.width(), rgb.height())?;
     let mut picture = rgb.clone();
-    let size = [picture.width() as i32, picture.height() as i32];
-    let mut canvas = canvas(&mut picture)?;
     for layer in layers {
-        draw(&mut canvas, size, layer)?;
+        draw(&mut picture, layer);
     }
-    drop(canvas);
     Ok(picture)
 }
 
-fn draw(
-    canvas: &mut impl ToInputOutputArray,
-    size: [i32; 2],
-    DrawnLayer { rgb, shape }: &DrawnLayer,
-) -> Result<(), VisionError> {
+fn draw(picture: &mut RgbImage, DrawnLayer { rgb, shape }: &DrawnLayer) {
+    let pen = |width_px: u32| Pen {
+        rgb: *rgb,
+        width_px: mark(width_px).max(1.0),
+    };
     match shape {
-        DrawnShape::Dots { at, radius_px } => at.iter().try_for_each(|&point| {
-            ring(
-                canvas,
-                bounded(point),
-                mark(*radius_px),
-                imgproc::FILLED,
-                *rgb,
-            )
-        }),
+        DrawnShape::Dots { at, radius_px } => {
+            for &point in at {
+                dot(picture, point, *rgb, *radius_px);
+            }
+        }
         DrawnShape::Rings {
             at,
             radius_px,
             width_px,
-        } => at.iter().try_for_each(|&point| {
-            let (radius, width) = (mark(*radius_px), line_width(*width_px));
-            ring(canvas, bounded(point), radius, width, *rgb)
-        }),
+        } => {
+            for &point in at {
+                pen(*width_px).ring(picture, middle(point), mark(*radius_px));
+            }
+        }
         DrawnShape::Crosses {
             at,
             radius_px,
             width_px,
-        } => at.iter().try_for_each(|&point| {
-            let (point, arm, width) = (bounded(point), mark(*radius_px), line_width(*width_px));
-            [Point::new(arm, 0), Point::new(0, arm)]
-                .into_iter()
-                .try_for_each(|arm| line(canvas, point - arm, point + arm, width, *rgb))
-        }),
-        DrawnShape::Numbers { at } => (1_usize..)
-            .zip(at)
-            .try_for_each(|(index, &point)| number(canvas, size, &index.to_string(), point, *rgb)),
+        } => {
+            let arm = mark(*radius_px);
+            for [u, v] in at.iter().map(|&point| middle(point)) {
+                pen(*width_px).line(picture, [u - arm, v], [u + arm, v]);
+                pen(*width_px).line(picture, [u, v - arm], [u, v + arm]);
+            }
+        }
+        DrawnShape::Numbers { at } => {
+            let places: Vec<_> = at.iter().map(|&point| middle(point)).collect();
+            write_numbers(picture, &places, *rgb);
+        }
         DrawnShape::Arrow { from, to, width_px } => {
-            let width = line_width(*width_px);
-            arrow(canvas, bounded(*from), bounded(*to), width, *rgb)
+            let (pen, ends) = (pen(*width_px), [*from, *to].map(middle));
+            pen.arrow(picture, ends, [0.0; 2], 3.0 * pen.width_px);
         }
         DrawnShape::Box {
             corners,
             spacing_px,
-        } => dotted_box(canvas, *corners, *spacing_px, *rgb),
+        } => dotted_box(picture, *corners, *spacing_px, *rgb),
         DrawnShape::Outline { points, width_px } => {
-            let points: Vector<Point> = points.iter().map(|&point| bounded(point)).collect();
-            if points.is_empty() {
-                return Ok(());
+            for (&from, &to) in points.iter().zip(points.iter().cycle().skip(1)) {
+                pen(*width_px).line(picture, middle(from), middle(to));
             }
-            let (width, style) = (line_width(*width_px), imgproc::LINE_8);
-            Ok(imgproc::polylines(
-                canvas,
-                &points,
-                true,
-                scalar(*rgb),
-                width,
-                style,
-                0,
-            )?)
         }
     }
-}
-
-fn mark(size_px: u32) -> i32 {
-    size_px.min(MAX_MARK_PX) as i32
-}
-
-fn line_width(width_px: u32) -> i32 {
-    width_px.clamp(1, MAX_MARK_PX) as i32
-}
-
-fn line(
-    canvas: &mut impl ToInputOutputArray,
-    from: Point,
-    to: Point,
-    width_px: i32,
-    rgb: [u8; 3],
-) -> Result<(), VisionError> {
-    let style = imgproc::LINE_8;
-    Ok(imgproc::line(
-        canvas,
-        from,
-        to,
-        scalar(rgb),
-        width_px,
-        style,
-        0,
-    )?)
 }
 
 /// Draws single pixels on a box's sides.
 ///
 /// A dotted side ends before its last pixel, as in the paper's pictures; a solid box is closed.
-fn dotted_box(
-    canvas: &mut impl ToInputOutputArray,
-    corners: [PixelPoint; 2],
-    spacing_px: u32,
-    rgb: [u8; 3],
-) -> Result<(), VisionError> {
-    let [low, high] = sorted(corners).map(bounded);
-    let opposite = Point::new(high.x, low.y);
-    let other = Point::new(low.x, high.y);
-    if spacing_px <= 1 {
-        let turns = [low, opposite, high, other, low];
-        return turns
-            .windows(2)
-            .try_for_each(|side| line(canvas, side[0], side[1], 1, rgb));
-    }
-    let step = usize::try_from(spacing_px).unwrap_or(usize::MAX);
-    let across = (low.x..high.x)
-        .step_by(step)
-        .flat_map(|x| [Point::new(x, low.y), Point::new(x, high.y)]);
-    let down = (low.y..high.y)
-        .step_by(step)
-        .flat_map(|y| [Point::new(low.x, y), Point::new(high.x, y)]);
-    across
-        .chain(down)
-        .try_for_each(|pixel| line(canvas, pixel, pixel, 1, rgb))
-}
-
-/// Writes a number right above a point, or on another side if the picture ends there.
-fn number(
-    canvas: &mut impl ToInputOutputArray,
-    [width, height]: [i32; 2],
-    text: &str,
-    point: PixelPoint,
-    rgb: [u8; 3],
-) -> Result<(), VisionError> {
-    if !(0..width).contains(&point.u) || !(0..height).contains(&point.v) {
-        return Ok(());
-    }
-    let (font, scale) = (imgproc::FONT_HERSHEY_SIMPLEX, DIGIT_PX / FONT_PX);
-    let size = imgproc::get_text_size(text, font, scale, 1, &mut 0)?;
-    let (right, above) = (point.u + GAP_PX, point.v - GAP_PX);
-    let left = if right + size.width + RIM_PX < width {
-        right
-    } else {
-        (point.u - GAP_PX - size.width).max(RIM_PX)
+fn dotted_box(picture: &mut RgbImage, corners: [PixelPoint; 2], spacing_px: u32, rgb: [u8; 3]) {
+    let [low, high] = sorted(corners).map(|corner| [corner.u, corner.v].map(i64::from));
+    let (step, past) = match spacing_px {
+        0 | 1 => (1, 1),
+        _ => (i64::from(spacing_px), 0),
     };
-    let baseline = if above - size.height - RIM_PX >= 0 {
-        above
-    } else {
-        (point.v + GAP_PX + size.height).min(height - RIM_PX)
-    };
-    // A rim of the opposite brightness keeps a digit legible on any cloth.
-    let rim = if gray_level(rgb) < 128 {
-        [255; 3]
-    } else {
-        [0; 3]
-    };
-    for (color, stroke_px) in [(rim, 3), (rgb, 1)] {
-        let (origin, style) = (Point::new(left, baseline), imgproc::LINE_AA);
-        imgproc::put_text(
-            canvas,
-            text,
-            origin,
-            font,
-            scale,
-            scalar(color),
-            stroke_px,
-            style,
-            false,
-        )?;
+    let size = [picture.width(), picture.height()];
+    for axis in [0, 1] {
+        let is_dot = |&at: &u32| {
+            let along = i64::from(at) - low[axis];
+            (0..high[axis] - low[axis] + past).contains(&along) && along % step == 0
+        };
+        for along in (0..size[axis]).filter(is_dot) {
+            for across in [low[1 - axis], high[1 - axis]] {
+                let Ok(across) = u32::try_from(across) else {
+                    continue;
+                };
+                let [column, row] = [[along, across], [across, along]][axis];
+                if let Some(pixel) = picture.get_pixel_mut_checked(column, row) {
+                    pixel.0 = rgb;
+                }
+            }
+        }
     }
-    Ok(())
 }

@@ -2,9 +2,9 @@
 //!
 //! In: depth images and RGB pictures. Out: [`fab_picture::Mask`]s, corners, boxes, rectangles, outlines, places
 //! found again in another picture, printed tags, drawings.
-//! Everything is a pure function of its input. Only this crate names OpenCV, because the paper's recorded results come
-//! from OpenCV's detectors and drawing routines. Which detector a task uses, and what its points are called, is decided
-//! elsewhere.
+//! Everything is a pure function of its input, and the same bits on every machine. Only this crate names OpenCV, whose
+//! corners the paper used: the feature `opencv` calls it in place of our own detectors, which find the same. Which
+//! detector a task uses, and what its points are called, is decided elsewhere.
 
 mod boxes;
 mod color;
@@ -14,6 +14,12 @@ mod layers;
 mod marks;
 mod numbers;
 mod outline;
+#[cfg(not(feature = "opencv"))]
+mod primitives;
+#[cfg(feature = "opencv")]
+#[doc(hidden)]
+pub mod primitives; // both implementations, for the tests and the benchmark that compare them
+mod raster;
 #[cfg(test)]
 #[path = "../../../tests/recorded_data.rs"]
 mod recorded;
@@ -28,7 +34,7 @@ mod tests;
 pub use boxes::{bounding_box, box_center, box_distance_px};
 pub use color::{color_mask, painted_white};
 pub use corners::{CornerSearch, corners, corners_of_gray};
-pub use draw::{draw_action, draw_arrow, draw_label, draw_points};
+pub use draw::{draw_action, draw_arrow, draw_label};
 pub use layers::{DrawnLayer, DrawnShape, draw_layers};
 pub use marks::{find_again, marks};
 pub use numbers::draw_numbers;
@@ -38,9 +44,9 @@ pub use residuals::draw_residuals;
 pub use split::{closed, contrast_of, split_mask};
 pub use tags::tags;
 
-/// Returns the name and version of the image processing library.
-pub fn library() -> Result<String, VisionError> {
-    Ok(format!("OpenCV {}", opencv::core::get_version_string()?))
+/// Returns what finds keypoints in this build: `fabc itself`, or OpenCV with its version.
+pub fn detectors() -> Result<String, VisionError> {
+    primitives::chosen::version()
 }
 
 /// The longest side of a picture accepted by this crate, pixels.
@@ -59,23 +65,13 @@ pub enum VisionError {
         /// Pixels from top to bottom.
         height: u32,
     },
-    /// A mask belongs to a picture of another size.
-    #[error(
-        "the mask has {} x {} px, the depth image {} x {} px", mask[0], mask[1], depth[0], depth[1]
-    )]
-    MaskSize {
-        /// Width and height of the mask.
-        mask: [u32; 2],
-        /// Width and height of the depth image.
-        depth: [u32; 2],
-    },
-    /// The picture that belongs to a depth image has another size.
-    #[error(
-        "the picture has {} x {} px, the depth image {} x {} px", picture[0], picture[1], depth[0], depth[1]
-    )]
-    PictureSize {
-        /// Width and height of the picture.
-        picture: [u32; 2],
+    /// A mask or a picture does not belong to the depth image, since its size differs.
+    #[error("the {what} has {} x {} px, the depth image {} x {} px", size[0], size[1], depth[0], depth[1])]
+    OtherSize {
+        /// `mask` or `picture`.
+        what: &'static str,
+        /// Its width and height.
+        size: [u32; 2],
         /// Width and height of the depth image.
         depth: [u32; 2],
     },
@@ -89,18 +85,13 @@ pub enum VisionError {
         /// Its permitted range.
         range: &'static str,
     },
-    /// The detector of tags failed, with its own message.
-    #[error("the detector of tags failed: {0}")]
+    /// No tags can be found, with the reason.
+    #[error("{0}")]
     Tags(String),
     /// OpenCV failed, with its own message.
+    #[cfg(feature = "opencv")]
     #[error("OpenCV failed: {0}")]
     OpenCv(String),
-}
-
-impl From<opencv::Error> for VisionError {
-    fn from(error: opencv::Error) -> Self {
-        VisionError::OpenCv(error.message)
-    }
 }
 
 /// Rejects pictures that are empty or larger than [`MAX_SIDE_PX`].

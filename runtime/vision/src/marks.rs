@@ -7,10 +7,6 @@
 use super::{VisionError, check_size};
 use fab_picture::MovedMark;
 use image::GrayImage;
-use opencv::boxed_ref::BoxedRef;
-use opencv::core::{Mat, Rect};
-use opencv::imgproc;
-use opencv::prelude::{MatTraitConst, MatTraitConstManual};
 
 /// Half the side of a patch, pixels, without its middle: 21 x 21 in all, which still looks the same turned by 3
 /// degrees.
@@ -41,7 +37,7 @@ pub fn marks(picture: &GrayImage) -> Result<Vec<[u32; 2]>, VisionError> {
                 let is_apart = |other: &[i32; 2]| {
                     (other[0] - at[0]).abs().max((other[1] - at[1]).abs()) > HALF
                 };
-                if kept.len() < PER_CELL && kept.iter().all(is_apart) && grey.is_alone(at)? {
+                if kept.len() < PER_CELL && kept.iter().all(is_apart) && grey.is_alone(at) {
                     kept.push(at);
                 }
             }
@@ -63,41 +59,36 @@ pub fn find_again(
         return Ok(Vec::new());
     }
     let (reference, other) = (Grey::of(reference)?, Grey::of(other)?);
-    let mut found = Vec::new();
-    for mark in marks {
+    let found = marks.iter().filter_map(|mark| {
         let at = mark.map(|coordinate| i32::try_from(coordinate).unwrap_or(-1));
-        if reference.holds(at)
-            && let Some(moved_px) = other.likenesses(&reference, at)?.best()
-        {
-            found.push(MovedMark {
-                at_px: at.map(|coordinate| f64::from(coordinate) + 0.5),
-                moved_px,
-            });
-        }
-    }
-    Ok(found)
+        let likenesses = reference
+            .holds(at)
+            .then(|| other.likenesses(&reference, at))?;
+        Some(MovedMark {
+            at_px: at.map(|coordinate| f64::from(coordinate) + 0.5),
+            moved_px: best(&likenesses)?,
+        })
+    });
+    Ok(found.collect())
 }
 
-/// A picture, as plain levels and as an OpenCV matrix.
-struct Grey<'p> {
+/// A picture.
+struct Grey {
     width: i32,
     height: i32,
-    picture: &'p GrayImage,
-    pixels: BoxedRef<'p, Mat>,
+    /// Levels from their middle, row by row: sums of products stay small enough for `f32` to hold them exactly.
+    levels: Vec<f32>,
 }
 
-const SIDE: i32 = 2 * HALF + 1;
-
-impl<'p> Grey<'p> {
-    fn of(picture: &'p GrayImage) -> Result<Grey<'p>, VisionError> {
+impl Grey {
+    fn of(picture: &GrayImage) -> Result<Grey, VisionError> {
         let (width, height) = picture.dimensions();
         check_size(width, height)?;
-        let (width, height) = (width as i32, height as i32);
+        let levels = picture.as_raw().iter();
         Ok(Grey {
-            width,
-            height,
-            picture,
-            pixels: Mat::new_rows_cols_with_bytes::<u8>(height, width, picture)?,
+            width: width as i32,
+            height: height as i32,
+            levels: levels.map(|level| f32::from(*level) - 128.0).collect(),
         })
     }
 
@@ -106,8 +97,14 @@ impl<'p> Grey<'p> {
         u >= HALF && v >= HALF && u + HALF < self.width && v + HALF < self.height
     }
 
+    /// Returns the levels of a row from a pixel on.
+    fn line(&self, u: i32, v: i32, n: usize) -> &[f32] {
+        let first = v as usize * self.width as usize + u as usize;
+        &self.levels[first..first + n]
+    }
+
     fn level(&self, u: i32, v: i32) -> f64 {
-        f64::from(self.picture.get_pixel(u as u32, v as u32).0[0])
+        f64::from(self.line(u, v, 1)[0])
     }
 
     /// Returns the pixels of a cell with strong enough surroundings, strongest first.
@@ -141,87 +138,88 @@ impl<'p> Grey<'p> {
         }
         let n = f64::from(HALF * HALF);
         let (mean, half) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
-        (mean - half.hypot(xy)) / n
+        (mean - (half * half + xy * xy).sqrt()) / n
     }
 
     /// Returns whether no other place in the search range looks like the patch around a pixel.
-    fn is_alone(&self, at: [i32; 2]) -> Result<bool, VisionError> {
-        let likenesses = self.likenesses(self, at)?;
+    fn is_alone(&self, at: [i32; 2]) -> bool {
         let is_itself = |[right, down]: [i32; 2]| right.abs().max(down.abs()) < HALF / 2 + 2;
-        let mut others = likenesses.all().filter(|(offset, _)| !is_itself(*offset));
-        Ok(others.all(|(_, like)| like < ALIKE))
+        let likenesses = self.likenesses(self, at);
+        let mut others = likenesses.iter().filter(|(offset, _)| !is_itself(*offset));
+        others.all(|(_, like)| *like < ALIKE)
     }
 
     /// Compares a patch of another picture with all patches of this one around the same place, within the search range.
-    fn likenesses(&self, of: &Grey<'_>, at: [i32; 2]) -> Result<Correlations, VisionError> {
+    ///
+    /// Returns offsets `[right, down]`, row by row, and the normalised correlation, -1 to 1; 0 for a patch without contrast.
+    fn likenesses(&self, of: &Grey, at: [i32; 2]) -> Vec<([i32; 2], f64)> {
+        const SIDE: usize = 2 * HALF as usize + 1;
+        let n = (SIDE * SIDE) as f64;
+        let [rights, downs] = [0, 1].map(|axis| {
+            let last = [self.width, self.height][axis] - 1 - HALF - at[axis];
+            (HALF - at[axis]).max(-REACH)..=last.min(REACH)
+        });
         let [u, v] = at;
-        let patch = Mat::roi(&of.pixels, Rect::new(u - HALF, v - HALF, SIDE, SIDE))?;
-        let least = at.map(|coordinate| (coordinate - REACH - HALF).max(0));
-        let most = |axis: usize, side: i32| (at[axis] + REACH + HALF + 1).min(side);
-        let size = [
-            most(0, self.width) - least[0],
-            most(1, self.height) - least[1],
-        ];
-        let searched = Mat::roi(
-            &self.pixels,
-            Rect::new(least[0], least[1], size[0], size[1]),
-        )?;
-        let mut likeness = Mat::default();
-        imgproc::match_template_def(&searched, &patch, &mut likeness, imgproc::TM_CCOEFF_NORMED)?;
-        Ok(Correlations {
-            first: [least[0] + HALF - u, least[1] + HALF - v],
-            columns: likeness.cols(),
-            values: likeness.data_typed::<f32>()?.to_vec(),
-        })
-    }
-}
-
-/// The normalised correlation of a patch with each patch around a place, -1 to 1.
-struct Correlations {
-    /// Offset of the first value from the place, `[right, down]`.
-    first: [i32; 2],
-    columns: i32,
-    /// Row by row.
-    values: Vec<f32>,
-}
-
-impl Correlations {
-    fn all(&self) -> impl Iterator<Item = ([i32; 2], f64)> {
-        let offset = |index: i32| {
-            let (row, column) = (index / self.columns, index % self.columns);
-            [self.first[0] + column, self.first[1] + row]
+        let patch: Vec<&[f32]> = (-HALF..=HALF)
+            .map(|row| of.line(u - HALF, v + row, SIDE))
+            .collect();
+        let sum = |value: fn(f32) -> f32| -> f64 {
+            let levels = patch.iter().copied().flatten();
+            levels.map(|level| f64::from(value(*level))).sum()
         };
-        (0..)
-            .zip(&self.values)
-            .map(move |(index, like)| (offset(index), f64::from(*like)))
-    }
-
-    fn at(&self, [right, down]: [i32; 2]) -> Option<f64> {
-        let (column, row) = (right - self.first[0], down - self.first[1]);
-        let index = usize::try_from(row * self.columns + column).ok()?;
-        let is_inside = (0..self.columns).contains(&column) && row >= 0;
-        is_inside.then(|| self.values.get(index).map(|like| f64::from(*like)))?
-    }
-
-    /// Returns the best offset to a fraction of a pixel; `None` if it is poor, or at the border of the search range.
-    fn best(&self) -> Option<[f64; 2]> {
-        let best = self.all().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let ([right, down], like) = best;
-        if !(FOUND..=1.01).contains(&like) {
-            return None;
-        }
-        // The parabola through three values peaks near the middle one.
-        let top = |before: f64, after: f64| {
-            let bend = before - 2.0 * like + after;
-            if bend < 0.0 {
-                (before - after) / (2.0 * bend)
-            } else {
-                0.0
+        let (sum_of, squares_of) = (sum(|level| level), sum(|level| level * level));
+        let mut likenesses = Vec::new();
+        for down in downs {
+            let n_places = rights.clone().count();
+            // Of each place: the sum of products with the patch, of levels, and of their squares.
+            let [mut products, mut sums, mut squares] = [(); 3].map(|()| vec![0.0_f32; n_places]);
+            for (row, weights) in (v + down - HALF..).zip(&patch) {
+                let line = self.line(u + rights.start() - HALF, row, n_places + SIDE - 1);
+                for (first, weight) in weights.iter().enumerate() {
+                    for (product, level) in products.iter_mut().zip(&line[first..]) {
+                        *product += weight * level;
+                    }
+                }
+                for ((sum, square), levels) in
+                    sums.iter_mut().zip(&mut squares).zip(line.windows(SIDE))
+                {
+                    *sum += levels.iter().sum::<f32>();
+                    *square += levels.iter().map(|level| level * level).sum::<f32>();
+                }
             }
-        };
-        Some([
-            f64::from(right) + top(self.at([right - 1, down])?, self.at([right + 1, down])?),
-            f64::from(down) + top(self.at([right, down - 1])?, self.at([right, down + 1])?),
-        ])
+            for ((right, product), (sum, square)) in
+                rights.clone().zip(&products).zip(sums.iter().zip(&squares))
+            {
+                let [product, sum, square] = [product, sum, square].map(|sum| f64::from(*sum));
+                let spread = (n * square - sum * sum) * (n * squares_of - sum_of * sum_of);
+                let like = (n * product - sum_of * sum) / spread.sqrt();
+                likenesses.push(([right, down], if like.is_finite() { like } else { 0.0 }));
+            }
+        }
+        likenesses
     }
+}
+
+/// Returns the best offset to a fraction of a pixel; `None` if it is poor, or at the border of the search range.
+fn best(likenesses: &[([i32; 2], f64)]) -> Option<[f64; 2]> {
+    let best = likenesses.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let ([right, down], like) = *best;
+    if like < FOUND {
+        return None;
+    }
+    let at = |offset: [i32; 2]| likenesses.iter().find(|(at, _)| *at == offset);
+    // The parabola through three values peaks near the middle one.
+    let top = |before: [i32; 2], after: [i32; 2]| {
+        let (before, after) = (at(before)?.1, at(after)?.1);
+        let bend = before - 2.0 * like + after;
+        Some(if bend < 0.0 {
+            (before - after) / (2.0 * bend)
+        } else {
+            0.0
+        })
+    };
+    Some([
+        f64::from(right) + top([right - 1, down], [right + 1, down])?,
+        f64::from(down) + top([right, down - 1], [right, down + 1])?,
+    ])
 }

@@ -2,12 +2,11 @@
 //!
 //! In: a mask. Out: the polygon's vertices in order; the last side leads back to the first vertex.
 
+use super::primitives::chosen;
 use super::{VisionError, check_size};
-use fab_picture::regions::{self, Patch};
+use fab_picture::regions;
 use fab_picture::{Mask, SubpixelPoint};
 use fab_program::PixelPoint;
-use opencv::core::{Mat, Point, Vector};
-use opencv::imgproc;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
@@ -17,15 +16,15 @@ pub const MAX_ALONG: u32 = 10_000;
 /// Returns the outer outline of a mask's largest piece; empty if the mask is.
 ///
 /// Pixels that touch by a side or a corner belong to one piece; of equally large pieces, the one whose first pixel
-/// comes first row by row. The outline consists of pixels of the piece (OpenCV's `findContours`) and ignores holes.
-/// With a `tolerance_px` above 0 it is simplified to a polygon within about that distance (OpenCV's `approxPolyDP`);
+/// comes first row by row. The outline consists of pixels of the piece and ignores holes.
+/// With a `tolerance_px` above 0 it is simplified to a polygon within about that distance (Douglas and Peucker 1973);
 /// with 0 every pixel is kept.
 ///
 /// It starts at the topmost, then leftmost vertex, and runs clockwise as seen in the picture. An outline without area,
 /// for example of a line one pixel wide, runs forth and back, in either order.
 ///
 /// Fails if the tolerance is not between 0 and 8192, the mask's sides are longer than
-/// [`super::MAX_SIDE_PX`], or OpenCV fails.
+/// [`super::MAX_SIDE_PX`].
 pub fn contour(mask: &Mask, tolerance_px: f64) -> Result<Vec<PixelPoint>, VisionError> {
     if !(0.0..=8192.0).contains(&tolerance_px) {
         return Err(VisionError::Setting {
@@ -38,39 +37,19 @@ pub fn contour(mask: &Mask, tolerance_px: f64) -> Result<Vec<PixelPoint>, Vision
         return Ok(Vec::new());
     }
     check_size(mask.width(), mask.height())?;
-    let (columns, rows) = (mask.width() as usize, mask.height() as i32);
-    let mut picture = vec![0_u8; columns * mask.height() as usize];
-    for (column, row) in largest_piece(mask) {
-        picture[row as usize * columns + column as usize] = 255;
-    }
-    let view = Mat::new_rows_cols_with_data::<u8>(rows, columns as i32, &picture)?;
-    let mut outlines = Vector::<Vector<Point>>::new();
-    let (mode, method) = (imgproc::RETR_EXTERNAL, imgproc::CHAIN_APPROX_NONE);
-    imgproc::find_contours(&view, &mut outlines, mode, method, Point::new(0, 0))?;
-    // One piece has one outer outline.
-    let mut outline = outlines.get(0)?;
+    let mut outline = chosen::outer_outline(&largest(mask))?;
     if tolerance_px > 0.0 {
-        let mut polygon = Vector::<Point>::new();
-        imgproc::approx_poly_dp(&outline, &mut polygon, tolerance_px, true)?;
-        outline = polygon;
+        outline = chosen::simplified(&outline, tolerance_px)?;
     }
-    let points = outline
-        .iter()
-        .map(|point| PixelPoint::new(point.x, point.y));
-    Ok(in_order(points.collect()))
+    Ok(in_order(outline))
 }
 
 /// Returns the mask's largest piece alone; of equally large ones, the one that begins farther up, then farther left.
 pub fn largest(mask: &Mask) -> Mask {
-    Mask::from_pixels(mask.width(), mask.height(), &largest_piece(mask))
-}
-
-/// Collects the pixels of the largest piece, in no particular order.
-fn largest_piece(mask: &Mask) -> Patch {
     let pieces = regions::components(mask).into_iter();
     // The first of equally large ones, which `max_by_key` would not return.
     let largest = pieces.min_by_key(|piece| Reverse(piece.len()));
-    largest.unwrap_or_default()
+    Mask::from_pixels(mask.width(), mask.height(), &largest.unwrap_or_default())
 }
 
 /// Rotates a closed polygon's vertices to start at the upper left one and run clockwise.

@@ -2,10 +2,9 @@
 //!
 //! In: a mask. Out: a [`Rectangle`]: the cloth's pose, up to the rectangle's own symmetries.
 
+use super::primitives::chosen;
 use super::{VisionError, contour};
 use fab_picture::Mask;
-use opencv::core::{Point, Vector};
-use opencv::imgproc;
 
 /// A rectangle in a picture; points are `[column, row]`, pixels, with pixel centres at one half.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,25 +19,26 @@ pub struct Rectangle {
 
 /// Returns the rectangle of least area around a mask's largest piece; `None` if the mask is empty.
 ///
-/// Fails if the mask is larger than a picture may be, or OpenCV fails.
+/// Fails if the mask is larger than a picture may be.
 pub fn rectangle_around(mask: &Mask) -> Result<Option<Rectangle>, VisionError> {
     let outline = contour(mask, 0.0)?;
     if outline.is_empty() {
         return Ok(None);
     }
-    let points: Vector<Point> = outline.iter().map(|at| Point::new(at.u, at.v)).collect();
-    let found = imgproc::min_area_rect(&points)?;
-    let angle = f64::from(found.angle).to_radians();
+    let Rectangle {
+        center,
+        along,
+        sides,
+    } = chosen::smallest_rectangle(&outline)?;
     // The outline runs through the middles of the outermost pixels.
-    let [width, height] = [found.size.width, found.size.height].map(|side| f64::from(side) + 1.0);
-    let angle = if width < height {
-        angle + std::f64::consts::FRAC_PI_2
-    } else {
-        angle
-    };
+    let [along_px, across_px] = sides.map(|side| side + 1.0);
     Ok(Some(Rectangle {
-        center: [found.center.x, found.center.y].map(|at| f64::from(at) + 0.5),
-        along: [angle.cos(), angle.sin()],
-        sides: [width.max(height), width.min(height)],
+        center: center.map(|at| at + 0.5),
+        along: if along_px < across_px {
+            [-along[1], along[0]]
+        } else {
+            along
+        },
+        sides: [along_px.max(across_px), along_px.min(across_px)],
     }))
 }

@@ -43,35 +43,53 @@ fn levels(rgb: &RgbImage, of: Channel) -> Vec<u8> {
 
 /// Averages over a square around each pixel, clipped at the picture's edge.
 fn blurred(levels: &[u8], [width, height]: [u32; 2], side_px: u32) -> Vec<u8> {
-    if side_px <= 1 || levels.is_empty() {
+    if side_px <= 1 {
         return levels.to_vec();
     }
-    let (width, height) = (width as usize, height as usize);
-    // Sums of all levels above and to the left.
-    let mut sums = vec![0_u64; (width + 1) * (height + 1)];
-    for row in 0..height {
-        let mut along = 0_u64;
-        for column in 0..width {
-            along += u64::from(levels[row * width + column]);
-            sums[(row + 1) * (width + 1) + column + 1] =
-                sums[row * (width + 1) + column + 1] + along;
+    let pixels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
+    let index = |[column, row]: [u32; 2]| row as usize * width as usize + column as usize;
+    let sums = Sums::of([width, height], |at| u64::from(levels[index(at)]));
+    let average = |at| {
+        let [sum, count] = sums.around(at, [side_px / 2; 2]);
+        ((sum + count / 2) / count) as u8
+    };
+    pixels.map(average).collect()
+}
+
+/// Sums over rectangles of a picture.
+struct Sums {
+    size: [u32; 2],
+    /// Of all pixels above and to the left of each corner between pixels, row by row.
+    sums: Vec<u64>,
+}
+
+impl Sums {
+    fn of([width, height]: [u32; 2], value: impl Fn([u32; 2]) -> u64) -> Sums {
+        let mut sums = vec![0; width as usize + 1];
+        for row in 0..height {
+            let (above, mut along) = (sums.len() - width as usize - 1, 0);
+            sums.push(0);
+            for column in 0..width {
+                along += value([column, row]);
+                sums.push(sums[above + column as usize + 1] + along);
+            }
+        }
+        Sums {
+            size: [width, height],
+            sums,
         }
     }
-    let half = (side_px / 2) as usize;
-    let range = |at: usize, side: usize| (at.saturating_sub(half), (at + half + 1).min(side));
-    let mut averages = Vec::with_capacity(levels.len());
-    for row in 0..height {
-        let (top, low) = range(row, height);
-        for column in 0..width {
-            let (left, right) = range(column, width);
-            let sum = sums[low * (width + 1) + right] + sums[top * (width + 1) + left]
-                - sums[top * (width + 1) + right]
-                - sums[low * (width + 1) + left];
-            let count = ((low - top) * (right - left)) as u64;
-            averages.push(((sum + count / 2) / count) as u8);
-        }
+
+    /// Sums and counts the pixels in a square that reaches so many pixels up and left, and down and right.
+    fn around(&self, at: [u32; 2], [before, behind]: [u32; 2]) -> [u64; 2] {
+        let [left, top] = at.map(|at| at.saturating_sub(before));
+        let [right, low] = [0, 1].map(|axis| (at[axis] + behind + 1).min(self.size[axis]));
+        let sum = |column: u32, row: u32| {
+            self.sums[row as usize * (self.size[0] as usize + 1) + column as usize]
+        };
+        let within = sum(right, low) + sum(left, top) - sum(right, top) - sum(left, low);
+        [within, u64::from(right - left) * u64::from(low - top)]
     }
-    averages
 }
 
 /// A threshold between two sides.
@@ -128,52 +146,23 @@ fn split(levels: &[u8]) -> Option<Split> {
 /// - `side_px`: side of the square; 0 and 1 change nothing.
 pub fn closed(mask: &Mask, side_px: u32) -> Mask {
     let side_px = side_px.max(1);
-    // An even square has no middle; eroding uses the mirrored square, so the two steps cancel.
+    // An even square has no middle; shrinking uses the mirrored square, so the two steps cancel.
     let (before, behind) = ((side_px - 1) / 2, side_px / 2);
-    let grown = swept(mask, [before, behind], |n_inside, _| n_inside > 0);
-    swept(&grown, [behind, before], |n_inside, n_all| {
+    let size = [mask.width(), mask.height()];
+    let sums = |mask: &Mask| {
+        Sums::of(size, |[column, row]| {
+            u64::from(mask.contains_at(column, row))
+        })
+    };
+    let inside = sums(mask);
+    let grown = Mask::from_fn(size[0], size[1], |column, row| {
+        inside.around([column, row], [before, behind])[0] > 0
+    });
+    let inside = sums(&grown);
+    Mask::from_fn(size[0], size[1], |column, row| {
+        let [n_inside, n_all] = inside.around([column, row], [behind, before]);
         n_inside == n_all
     })
-}
-
-/// Decides each pixel by how many of its neighbours are inside and how many there are, along rows and then columns.
-fn swept(mask: &Mask, [before, behind]: [u32; 2], decide: fn(u32, u32) -> bool) -> Mask {
-    let (width, height) = (mask.width(), mask.height());
-    let along_rows = line_by_line([width, height], [before, behind], decide, |column, row| {
-        mask.contains_at(column, row)
-    });
-    let at = |column: u32, row: u32| along_rows[row as usize * width as usize + column as usize];
-    let along_columns = line_by_line([height, width], [before, behind], decide, |row, column| {
-        at(column, row)
-    });
-    Mask::from_fn(width, height, |column, row| {
-        along_columns[column as usize * height as usize + row as usize]
-    })
-}
-
-/// Does one such pass along `count` lines of `length` each: `[count * length]`, line by line.
-fn line_by_line(
-    [length, count]: [u32; 2],
-    [before, behind]: [u32; 2],
-    decide: fn(u32, u32) -> bool,
-    is_inside: impl Fn(u32, u32) -> bool,
-) -> Vec<bool> {
-    let mut decided = Vec::with_capacity(length as usize * count as usize);
-    for line in 0..count {
-        let mut sums = vec![0_u32];
-        for at in 0..length {
-            sums.push(sums[at as usize] + u32::from(is_inside(at, line)));
-        }
-        for at in 0..length {
-            let first = at.saturating_sub(before);
-            let end = (at + behind + 1).min(length);
-            decided.push(decide(
-                sums[end as usize] - sums[first as usize],
-                end - first,
-            ));
-        }
-    }
-    decided
 }
 
 #[cfg(test)]

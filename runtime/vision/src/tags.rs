@@ -4,28 +4,34 @@
 //! of them is the upper left one depends on the program that printed the tag (OpenCV turns tags by half a turn). What a
 //! tag stands for is decided elsewhere.
 
-use super::{VisionError, check_size};
-use apriltag::families::Tag36h11;
-use apriltag::{Detector, Image};
+use super::VisionError;
 use fab_picture::Tag;
 use image::RgbImage;
-use image::imageops::grayscale;
-
-/// How many wrong cells of a tag are corrected; with more, other things look like tags.
-const CORRECTED: usize = 1;
-
-/// A smaller side shows no tag; below 4 pixels the detector reads outside of the picture.
-const LEAST_SIDE_PX: u32 = 16;
 
 /// Finds tags, by number.
+#[cfg(not(feature = "tags"))]
+pub fn tags(_: &RgbImage) -> Result<Vec<Tag>, VisionError> {
+    let how =
+        "this build finds no tags; `cargo install --path . --features tags` installs one that does";
+    Err(VisionError::Tags(how.to_owned()))
+}
+
+/// Finds tags, by number.
+#[cfg(feature = "tags")]
 pub fn tags(picture: &RgbImage) -> Result<Vec<Tag>, VisionError> {
+    use apriltag::{Detector, Image, families::Tag36h11};
+    // A smaller side shows no tag; below 4 pixels the detector reads outside of the picture.
+    const LEAST_SIDE_PX: u32 = 16;
+    // How many wrong cells of a tag are corrected; with more, other things look like tags.
+    const CORRECTED: usize = 1;
     let (width, height) = picture.dimensions();
-    check_size(width, height)?;
+    super::check_size(width, height)?;
     if width.min(height) < LEAST_SIDE_PX {
         return Ok(Vec::new());
     }
-    let failed = |error: apriltag::Error| VisionError::Tags(error.to_string());
-    let (grey, width) = (grayscale(picture), width as usize);
+    let failed =
+        |error: apriltag::Error| VisionError::Tags(format!("the detector of tags failed: {error}"));
+    let (grey, width) = (image::imageops::grayscale(picture), width as usize);
     let mut image = Image::zeros_with_alignment(width, height as usize, 1).map_err(failed)?;
     let stride = image.stride();
     let rows = image.as_slice_mut().chunks_mut(stride);

@@ -11,8 +11,11 @@ mod color;
 mod layers;
 mod numbers;
 mod outline;
+#[cfg(feature = "opencv")]
+mod peer_opencv;
 mod recorded;
 mod sight;
+#[cfg(feature = "tags")]
 mod tags;
 
 use super::*;
@@ -152,6 +155,35 @@ fn the_detectors_picture_is_the_cloths_depth_in_centimetres_where_half_a_pixel_i
     assert_eq!(picture.get_pixel(8, 7).0, [30]);
 }
 
+/// OpenCV rounds its rectangles otherwise.
+#[test]
+#[cfg(not(feature = "opencv"))]
+fn a_turned_square_is_found_with_these_bits() {
+    let depth = DepthImage::from_fn(224, 224, |column, row| {
+        let [x, y] = [column, row].map(|at| f64::from(at) - 111.5);
+        let is_cloth = (0.8 * x + 0.6 * y).abs() < 60.0 && (0.8 * y - 0.6 * x).abs() < 45.0;
+        Luma([if is_cloth { 0.645 } else { 0.65 }])
+    });
+    let mask = depth_mask(&depth, 0.646);
+    let found = corners_by_depth(&depth, &mask, &harris()).unwrap();
+    let at: Vec<[f64; 2]> = found.iter().map(|corner| corner.at).collect();
+    let expected = [
+        [132.80567932128906, 183.932861328125],
+        [37.067047119140625, 111.80559539794922],
+        [186.93295288085938, 112.19440460205078],
+        [91.19432067871094, 40.067134857177734],
+    ];
+    assert_eq!(at, expected);
+    let rectangle = rectangle_around(&mask).unwrap().unwrap();
+    let numbers = [rectangle.center, rectangle.along, rectangle.sides];
+    let expected = [
+        [112.0, 112.0],
+        [0.8, 0.6],
+        [120.80000000000001, 90.80000000000001],
+    ];
+    assert_eq!(numbers, expected);
+}
+
 #[test]
 fn corners_are_scaled_back_without_a_drift() {
     let depth = DepthImage::from_fn(224, 224, |column, row| {
@@ -249,7 +281,7 @@ fn settings_and_sizes_out_of_range_are_refused() {
     let other_mask = Mask::from_fn(99, 80, |_, _| true);
     assert!(matches!(
         corners_by_depth(&depth, &other_mask, &harris()),
-        Err(VisionError::MaskSize { .. })
+        Err(VisionError::OtherSize { .. })
     ));
     let nothing = DepthImage::new(0, 0);
     let no_mask = depth_mask(&nothing, 1.0);
@@ -263,16 +295,23 @@ fn settings_and_sizes_out_of_range_are_refused() {
     ));
 }
 
+fn dots(at: Vec<PixelPoint>, rgb: [u8; 3], radius_px: u32) -> DrawnLayer {
+    let shape = DrawnShape::Dots { at, radius_px };
+    DrawnLayer { rgb, shape }
+}
+
 #[test]
 fn arrows_that_are_not_finite_are_left_out_and_far_ones_cut_off() {
     let mut picture = RgbImage::from_pixel(64, 64, Rgb([200; 3]));
     draw_arrow(&mut picture, [f64::NAN, 3.0], [40.0, 40.0]).unwrap();
     assert!(picture.pixels().all(|pixel| pixel.0 == [200; 3]));
     draw_arrow(&mut picture, [32.0, 32.0], [f64::INFINITY, 32.0]).unwrap();
+    assert!(picture.pixels().all(|pixel| pixel.0 == [200; 3]));
+    draw_arrow(&mut picture, [32.0, 32.0], [1e9, 32.0]).unwrap();
     assert_eq!(picture.get_pixel(63, 32).0, [0; 3]);
     let far = PixelPoint::new(i32::MIN, i32::MAX);
     draw_action(&mut picture, far, PixelPoint::new(10, 10)).unwrap();
-    draw_points(&mut picture, &[far], [255, 0, 0], u32::MAX).unwrap();
+    draw_layers(&picture, &[dots(vec![far], [255, 0, 0], u32::MAX)]).unwrap();
 }
 
 #[test]
@@ -290,9 +329,41 @@ fn an_action_has_a_green_pick_and_a_purple_place() {
 }
 
 #[test]
+fn marks_leave_the_corner_in_their_rings_visible() {
+    let white = RgbImage::from_pixel(224, 224, Rgb([255; 3]));
+    let untouched = |picture: &RgbImage, u: u32, v: u32| {
+        let mut inside = (u - 1..=u + 1).flat_map(|u| (v - 1..=v + 1).map(move |v| (u, v)));
+        inside.all(|(u, v)| picture.get_pixel(u, v).0 == [255; 3])
+    };
+    let (pick, place) = (PixelPoint::new(40, 50), PixelPoint::new(150, 90));
+    let (mut subgoal, mut action) = (white.clone(), white);
+    draw_arrow(&mut subgoal, [40.0, 50.0], [150.0, 90.0]).unwrap();
+    draw_action(&mut action, pick, place).unwrap();
+    assert!(untouched(&subgoal, 40, 50));
+    assert!(untouched(&action, 40, 50) && untouched(&action, 150, 90));
+}
+
+#[test]
+fn edges_are_smooth_and_the_middle_of_a_stroke_is_full() {
+    let mut picture = RgbImage::from_pixel(64, 64, Rgb([200; 3]));
+    draw_arrow(&mut picture, [10.0, 20.0], [50.0, 33.0]).unwrap();
+    let column = (10..44).map(|row| picture.get_pixel(40, row).0[0]);
+    let inked: Vec<u8> = column.filter(|&level| level != 200).collect();
+    // The line is at row 29.75 here: one row is covered, and a part of each of its neighbours.
+    let [above, middle, below] = inked[..] else {
+        panic!("{inked:?}");
+    };
+    assert!(
+        middle == 0 && (40..100).contains(&above) && (140..190).contains(&below),
+        "{inked:?}"
+    );
+}
+
+#[test]
 fn points_and_labels_appear_in_their_colour() {
     let mut picture = RgbImage::new(200, 40);
-    draw_points(&mut picture, &[PixelPoint::new(5, 6)], [10, 20, 30], 0).unwrap();
+    let dot = dots(vec![PixelPoint::new(5, 6)], [10, 20, 30], 0);
+    picture = draw_layers(&picture, &[dot]).unwrap();
     assert_eq!(
         picture
             .pixels()
@@ -319,6 +390,51 @@ fn points_and_labels_appear_in_their_colour() {
         (14..=18).contains(&top) && (28..=36).contains(&bottom),
         "rows {top} to {bottom}"
     );
+}
+
+#[test]
+fn residuals_have_a_ring_and_an_arrow_many_times_as_long() {
+    let table = RgbImage::from_pixel(640, 480, Rgb([120; 3]));
+    let mut picture = table.clone();
+    let nowhere = [f64::NAN, f64::INFINITY];
+    let lost = [(nowhere, Some([9.0; 2])), (nowhere, None)];
+    draw_residuals(&mut picture, &lost, 10.0).unwrap();
+    assert_eq!(picture, table);
+    let places = [
+        ([100.2, 90.9], Some([102.2, 90.9])),
+        ([300.0, 90.0], Some(nowhere)),
+    ];
+    draw_residuals(&mut picture, &places, 10.0).unwrap();
+    for ring in [94, 294] {
+        assert_eq!(picture.get_pixel(ring, 90).0, [255, 220, 0]);
+    }
+    assert_eq!(picture.get_pixel(119, 90).0, [255, 60, 60]);
+    // The black stroke below is wider.
+    assert!(picture.get_pixel(110, 88).0[0] < 100);
+    assert_eq!(picture.get_pixel(124, 90).0, [120; 3]);
+    assert_eq!(picture.get_pixel(310, 90).0, [120; 3]);
+}
+
+/// Returns where the marks of one colour lie in only one of two drawings on the same ground, more than 2 px from the
+/// other's.
+fn apart(ground: &RgbImage, drawings: [&RgbImage; 2], rgb: [u8; 3]) -> Vec<PixelPoint> {
+    let marks = drawings.map(|drawing| {
+        Mask::from_fn(ground.width(), ground.height(), |column, row| {
+            let pixel = drawing.get_pixel(column, row);
+            let mut off = pixel.0.iter().zip(rgb).map(|(&a, b)| a.abs_diff(b));
+            pixel != ground.get_pixel(column, row) && off.all(|off| off <= 24)
+        })
+    });
+    assert!(marks.iter().all(|mark| !mark.is_empty()), "{rgb:?}");
+    let lone = [(0, 1), (1, 0)].map(|(own, other)| {
+        let pixels = marks[own].columns_and_rows();
+        pixels
+            .filter(|&(column, row)| !marks[other].is_within(2, column, row))
+            .collect()
+    });
+    let lone = lone.into_iter().flat_map(|pixels: Vec<_>| pixels);
+    lone.map(|(column, row)| PixelPoint::new(column as i32, row as i32))
+        .collect()
 }
 
 proptest! {

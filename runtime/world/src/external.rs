@@ -13,7 +13,7 @@ use fab_base::child::{Child, ChildError, CommandLine};
 use fab_base::interrupt::Interrupt;
 use fab_base::{files, npy};
 use fab_picture::observation::Observation;
-use fab_picture::{DepthImage, png};
+use fab_picture::{DepthImage, dropouts, png};
 use fab_program as program;
 use fab_program::{Cloth, ClothStart, MANNERS, Picker, manner_field};
 use serde::Deserialize;
@@ -372,17 +372,20 @@ impl World for ExternalWorld {
             ));
         }
         let depths = depths.into_iter().map(|depth| depth as f32).collect();
+        let depth_m = DepthImage::from_raw(side, side, depths).expect("as many depths as pixels");
+        let (depth_m, note) = dropouts::closed(&depth_m);
         if !seen.time_s.is_finite() {
             return Err(self.wrong(format!("its `time_s` is {}", seen.time_s)));
         }
         Ok(Observation {
             rgb,
-            depth_m: DepthImage::from_raw(side, side, depths).expect("as many depths as pixels"),
+            depth_m,
             camera: seen
                 .camera
                 .camera([side; 2])
                 .map_err(|why| self.wrong(why))?,
             time_s: seen.time_s,
+            notes: note.into_iter().collect(),
         })
     }
 

@@ -168,6 +168,7 @@ impl World for SimulatedWorld {
             depth_m,
             camera: self.camera.clone(),
             time_s: cloth.time_s(),
+            notes: Vec::new(),
         })
     }
 

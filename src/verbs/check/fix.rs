@@ -192,10 +192,10 @@ fn real(path: impl AsRef<Path>) -> Option<PathBuf> {
 }
 
 /// Compiles a file, and calls an edit certain only if `--fix` would make it.
-pub fn judged(file: &str) -> Result<Compiled, Failure> {
-    let mut compiled = sources::compile_looking(file)?;
+pub fn judged(file: &str) -> Result<(Compiled, Vec<String>), Failure> {
+    let (mut compiled, notes) = sources::compile_looking(file)?;
     fix::demote(file, &Disk::beside(file), &mut compiled);
-    Ok(compiled)
+    Ok((compiled, notes))
 }
 
 /// Counts the findings with certain edits in each file.

@@ -3,7 +3,7 @@
 //! In: files, and what `fab_agent::draft` finds in them. Out: a [`Draft`]; `page` writes its text and its guesses.
 
 use super::page::Page;
-use super::pictures;
+use super::pictures::{self, Brought};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::sources;
@@ -18,20 +18,18 @@ use std::path::{Path, PathBuf};
 
 /// Looks at the pictures and writes the task.
 pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Draft, Failure> {
-    let paths = arguments.pictures.from_images.iter();
-    let pictures: Vec<NamedPicture> = paths
-        .map(|path| pictures::load(path))
-        .collect::<Result<_, _>>()?;
+    let brought = pictures::load(&arguments.pictures.from_images, io)?;
+    let pictures = &brought.pictures;
     let stated = StatedMeasures {
         height_m: arguments.pictures.height,
         longer_m: arguments.pictures.cloth,
     };
-    let found = look(&pictures, &stated, io)?;
-    let (places, brought) = places(arguments, &pictures);
+    let found = look(pictures, &stated, io)?;
+    let (places, copies) = places(arguments, &brought);
     let page = Page {
         name: &arguments.task.name,
         stated: &stated,
-        pictures: &pictures,
+        pictures,
         places: &places,
         found: &found,
     };
@@ -40,7 +38,7 @@ pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Draft, Failure> {
     Ok(Draft {
         text: page.text(),
         library: FOLDING,
-        pictures: brought,
+        pictures: copies,
         guesses: page.guesses(),
         next: vec![
             format!("fabc subgoals {file} --sheet {}", shown(&sheet)),
@@ -70,36 +68,34 @@ fn look(
     found.map_err(|error| match error {
         DraftError::World(WorldError::Interrupted) => Failure::interrupted(),
         DraftError::Count { .. } => Failure::usage(error.to_string()),
-        DraftError::Size { ref name, .. } => {
-            Failure::environment(&error).saying(&pictures::conversion(name))
-        }
         error => Failure::environment(error),
     })
 }
 
 /// Returns the path under which the task names each picture, and the pictures to copy beside it.
 ///
-/// A picture that is already there is named in its place.
+/// A picture that is already there is named in its place, unless it was cut.
 fn places(
     arguments: &NewFoldArguments,
-    pictures: &[NamedPicture],
+    brought: &Brought,
 ) -> (Vec<String>, Vec<(PathBuf, Vec<u8>)>) {
     let folder = folder_of(&arguments.task);
-    let mut brought = Vec::new();
+    let mut copies = Vec::new();
     let numbered = arguments
         .pictures
         .from_images
         .iter()
-        .zip(pictures)
+        .zip(&brought.pictures)
         .enumerate();
     let places = numbered.map(|(number, (path, named))| {
-        beside(&folder, path).unwrap_or_else(|| {
+        let there = beside(&folder, path).filter(|_| !brought.are_cut);
+        there.unwrap_or_else(|| {
             let place = format!("{}.images/{number}.png", arguments.task.name);
-            brought.push((PathBuf::from(&place), png::encode(&named.picture)));
+            copies.push((PathBuf::from(&place), png::encode(&named.picture)));
             place
         })
     });
-    (places.collect(), brought)
+    (places.collect(), copies)
 }
 
 /// Returns a picture's path relative to the task's folder, if it lies inside under a name that a task can state.

@@ -1,72 +1,49 @@
-//! Loads the user's pictures, or rejects them and says how to convert them.
+//! Loads the user's pictures for a draft, as squares of one size.
+//!
+//! In: files. Out: pictures with their names, and whether they differ from their files.
 
 use crate::exit::Failure;
+use crate::io::Io;
 use crate::verbs::new::shown;
-use fab_agent::draft::NamedPicture;
-use fab_picture::png;
-use fab_picture::png::PictureError;
-use image::ImageFormat;
-use std::fs::File;
-use std::io::Read;
-use std::path::Path;
+use fab_agent::draft::{NamedPicture, SIDE_PX};
+use fab_picture::{cut, png};
+use std::path::PathBuf;
 
-/// How many bytes of a file are read to recognize its format.
-const HEAD_BYTES: u64 = 32;
+/// The longest side of a picture that is cut, pixels; smaller ones are not enlarged.
+const CUT_PX: u32 = 480;
 
-/// Reads a PNG picture.
-pub fn load(path: &Path) -> Result<NamedPicture, Failure> {
-    let name = shown(path);
-    match png::load(path) {
-        Ok(picture) => Ok(NamedPicture { name, picture }),
-        Err(error @ PictureError::TooLarge { .. }) => {
-            Err(Failure::environment(error).saying(&conversion(&name)))
+/// The user's pictures.
+pub struct Brought {
+    /// The pictures, in their order.
+    pub pictures: Vec<NamedPicture>,
+    /// Whether they were cut and scaled, so that the files do not hold them.
+    pub are_cut: bool,
+}
+
+/// Reads pictures; if they are not squares of one size, as phones take none, the middle square of each is scaled.
+pub fn load(paths: &[PathBuf], io: &Io) -> Result<Brought, Failure> {
+    let mut pictures = Vec::with_capacity(paths.len());
+    for path in paths {
+        let opened = png::open(path).map_err(Failure::environment)?;
+        if let Some(note) = opened.note {
+            io.talk(&format!("note: {note}"));
         }
-        Err(error @ PictureError::NotAPicture { .. }) => Err(match other_format(path) {
-            Some("empty") => {
-                Failure::environment(format!("`{name}` is empty; right is a PNG picture"))
-            }
-            Some(format) => {
-                Failure::environment(format!("`{name}` is a {format} picture; fabc reads PNG"))
-                    .saying(&conversion(&name))
-            }
-            None => Failure::environment(error),
-        }),
-        Err(error) => Err(Failure::environment(error)),
+        let (name, picture) = (shown(path), opened.rgb);
+        pictures.push(NamedPicture { name, picture });
     }
-}
-
-/// Returns the command that makes a picture square, small enough, and PNG.
-pub fn conversion(name: &str) -> String {
-    let is_plain = |letter: char| letter.is_alphanumeric() || "._-/".contains(letter);
-    let quoted = match name.chars().all(is_plain) {
-        true => name.to_owned(),
-        false => format!("'{}'", name.replace('\'', r"'\''")),
-    };
-    format!(
-        "ImageMagick cuts it around its middle: `magick {quoted} -resize 480x480^ -gravity center -extent 480x480 out.png`"
-    )
-}
-
-/// Names the format of a file that is not PNG; `empty` if it has no bytes.
-fn other_format(path: &Path) -> Option<&'static str> {
-    let mut head = Vec::new();
-    let file = File::open(path).ok()?;
-    file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
-    if head.is_empty() {
-        return Some("empty");
+    let sides = pictures.iter().map(|named| named.picture.dimensions());
+    let sides: Vec<u32> = sides.flat_map(|(width, height)| [width, height]).collect();
+    let least = sides.iter().copied().min().unwrap_or(0);
+    let are_cut = least > *SIDE_PX.end() || sides.iter().any(|side| *side != least);
+    if are_cut {
+        let side = least.min(CUT_PX);
+        for NamedPicture { picture, .. } in &mut pictures {
+            *picture = cut::colours(picture, cut::middle(picture.dimensions()), side);
+        }
+        io.talk(&format!(
+            "note: the pictures are not squares of one size up to {CUT_PX} px: the middle square of each is taken, scaled \
+             to {side} x {side} px"
+        ));
     }
-    // Phones write this format.
-    if head.get(4..8) == Some(b"ftyp") && matches!(head.get(8..11), Some(b"hei" | b"mif")) {
-        return Some("HEIC");
-    }
-    match image::guess_format(&head).ok()? {
-        ImageFormat::Jpeg => Some("JPEG"),
-        ImageFormat::Gif => Some("GIF"),
-        ImageFormat::WebP => Some("WebP"),
-        ImageFormat::Tiff => Some("TIFF"),
-        ImageFormat::Bmp => Some("BMP"),
-        ImageFormat::Avif => Some("AVIF"),
-        ImageFormat::Pnm => Some("PNM"),
-        _ => None,
-    }
+    Ok(Brought { pictures, are_cut })
 }

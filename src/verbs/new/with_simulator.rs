@@ -23,7 +23,7 @@ pub const NEXT: [&str; 3] = ["render", "test", "run"];
 pub struct PictureArguments {
     /// Pictures of your own, the flat cloth first and then one after each step: the steps are found in them. Arrows that
     /// they carry are found where they are black, with a ring at the tail and a head at the tip; others are proposed.
-    #[arg(long, value_name = "PNG", num_args = 1.., value_hint = ValueHint::FilePath)]
+    #[arg(long, value_name = "PICTURE", num_args = 1.., value_hint = ValueHint::FilePath)]
     pub from_images: Vec<PathBuf>,
     /// The flat cloth's longer side, such as `340mm`; without `--height` the camera's height follows from it.
     #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = cloth)]

@@ -21,8 +21,8 @@ impl SceneFile {
                 path.display()
             ))
         };
-        let bytes = sources::read_bounded(path).map_err(wrong)?;
-        let points: BTreeMap<String, Vec<PixelPoint>> = serde_json::from_slice(&bytes)
+        let text = sources::read_text(path).map_err(wrong)?;
+        let points: BTreeMap<String, Vec<PixelPoint>> = serde_json::from_str(&text)
             .map_err(|error| wrong(format!("{error}; right would be {{\"corners\": [[12, 34], [56, 78]], \"center\": [[40, 50]]}}")))?;
         for keypoint in &program.keypoints {
             let name = keypoint.name.as_str();

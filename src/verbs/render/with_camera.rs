@@ -8,7 +8,7 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::sources;
 use crate::verbs::render::RenderArguments;
-use crate::verbs::runtime::run::say_origin;
+use crate::verbs::runtime::run::say_pictures;
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::StartArguments;
 use crate::verbs::runtime::setting::catalogue;
@@ -140,8 +140,8 @@ impl DisplayedScene {
         let folder = sources::folder_of(&arguments.task.file);
         let subgoals = SubgoalSet::obtain(declared, &folder, world.as_mut(), &interrupt)
             .map_err(Failure::environment)?;
-        say_origin(subgoals.origin, &arguments.task.file, io);
         let examples = Examples::load(program, &folder).map_err(Failure::environment)?;
+        say_pictures(&subgoals, &examples, &arguments.task.file, io);
         let start = setting::start(
             program,
             &folder,

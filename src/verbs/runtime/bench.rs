@@ -16,6 +16,7 @@ use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::arm::ArmArguments;
 use crate::verbs::runtime::setting::arm::ArmMode;
 use crate::verbs::runtime::setting::model_arguments::ModelArguments;
+use crate::verbs::runtime::setting::model_arguments::OmitArgument;
 use crate::verbs::runtime::setting::model_arguments::PolicyArguments;
 use crate::verbs::runtime::setting::model_arguments::SpendArguments;
 use crate::verbs::runtime::setting::models::{self, Answering};
@@ -28,7 +29,7 @@ use fab_agent::rollout::FirstQuestion;
 use fab_bench::on_arm::{Cloths, OnArm};
 use fab_bench::play;
 use fab_bench::play::{Phase, Results, StopReason};
-use fab_bench::{Answers, Bench, BenchError, Entry, OtherWorld, first_questions_of, rows};
+use fab_bench::{Answers, Bench, Entry, OtherWorld, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_providers::catalogue::Profile;
@@ -121,7 +122,8 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let begun = Instant::now();
     arguments.arm.check_world(&arguments.world)?;
     let found = suites::find(&arguments.suite)?;
-    let suite = suites::narrowed(found.suite, arguments.variant.as_deref());
+    let mut suite = suites::narrowed(found.suite, arguments.variant.as_deref());
+    suite.structured &= !arguments.model.reach.omit.contains(&OmitArgument::Schema);
     if suite.vary.is_some() && arguments.world != WorldChoice::Sim {
         return Err(Failure::environment(format!(
             "the suite varies its worlds (`[vary]`), which only the bundled simulator can, not `--world {}`: leave the option out, or run a suite without that table",
@@ -240,7 +242,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     };
     let asks = asks_a_provider(&deciding) || arguments.spend.estimate;
     let questions = match asks {
-        true => first_questions_of(&bench).map_err(failure)?,
+        true => first_questions_of(&bench).map_err(Failure::environment)?,
         false => Vec::new(),
     };
     for (entry, questions) in bench.entries.iter().zip(&questions) {
@@ -256,7 +258,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         show(phase, done, of, &budget, io)
     });
     io.progress("");
-    let results = results.map_err(failure)?;
+    let results = results.map_err(Failure::environment)?;
     let rows = rows::rows(&bench, &results);
     let report = report::Report {
         name: &found.name,
@@ -380,10 +382,6 @@ impl SharedQuestions {
         });
         fresh.collect()
     }
-}
-
-fn failure(error: BenchError) -> Failure {
-    Failure::environment(error)
 }
 
 fn show(phase: Phase, done: usize, of: usize, budget: &Budget, io: &Io) {

@@ -9,7 +9,7 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::sources;
 use crate::sources::TaskArguments;
-use crate::verbs::runtime::run::{prepare, say_origin};
+use crate::verbs::runtime::run::{prepare, say_pictures};
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::StartArguments;
 use crate::verbs::runtime::setting::worlds::WorldChoice;
@@ -231,7 +231,7 @@ impl Shared<'_> {
             return Ok(Searched::Not(None));
         };
         if number == 0 {
-            say_origin(subgoals.origin, &arguments.task.file, io);
+            say_pictures(&subgoals, self.examples, &arguments.task.file, io);
         }
         let world = make_world().map_err(Failure::environment)?;
         let identity = Identity {

@@ -16,13 +16,13 @@ use clap::Args;
 use clap::ValueHint;
 use fab_agent::arm_sight::draw_errors;
 use fab_arm::calibration::{
-    Calibration, LIMIT_MM, Pair, Refusal, Terms, ToolReader, place_at_rest, read_pairs,
+    Calibration, LIMIT_MM, Pair, Refusal, SeenTags, Terms, ToolReader, place_at_rest, read_pairs,
 };
 use fab_arm::directory::{PictureSelection, last_picture};
 use fab_arm::rgbd::Intrinsics;
 use fab_arm::settings::{CameraSource, Settings};
 use fab_arm::world;
-use fab_picture::{Tag, png};
+use fab_picture::png;
 use image::RgbImage;
 use std::path::{Path, PathBuf};
 
@@ -193,11 +193,13 @@ fn pairs(
     io: &Io,
 ) -> Result<Vec<Pair>, Failure> {
     let tags = match seen {
-        Some(seen) => fab_vision::tags(seen).map_err(Failure::environment)?,
-        None => Vec::new(),
+        Some(seen) => fab_vision::tags(seen).map_err(|why| why.to_string()),
+        None => Ok(Vec::new()),
     };
+    // It matters only to points that name a tag.
+    let tags = tags.as_deref().map_err(String::as_str);
     let given = match &arguments.pairs {
-        Some(file) => read(file, &tags)?,
+        Some(file) => read(file, tags)?,
         None => Vec::new(),
     };
     if arguments.pairs.is_some() && !arguments.more {
@@ -207,12 +209,12 @@ fn pairs(
         grid: arguments.grid,
         path,
         seen,
-        tags: &tags,
+        tags,
     };
     io.read(|stdin| typing::type_points(terms, given, tool, &asked, stdin, io))
 }
 
-fn read(file: &Path, tags: &[Tag]) -> Result<Vec<Pair>, Failure> {
+fn read(file: &Path, tags: SeenTags<'_>) -> Result<Vec<Pair>, Failure> {
     read_pairs(file, tags).map_err(|why| {
         let file = file.display();
         Failure::environment(format!("the points in `{file}` cannot be used: {why}"))

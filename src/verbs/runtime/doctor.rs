@@ -134,13 +134,24 @@ pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
 }
 
 fn versions() -> Vec<Finding> {
-    let library = match fab_vision::library() {
-        Ok(version) => Finding::ready(About::Version, "OpenCV", version),
-        Err(error) => Finding::broken(About::Version, "OpenCV", error.to_string()),
+    let detectors = match fab_vision::detectors() {
+        Ok(whose) => Finding::ready(About::Version, "keypoints", format!("found by {whose}")),
+        Err(error) => Finding::broken(About::Version, "keypoints", error.to_string()),
+    };
+    let tags = if cfg!(feature = "tags") {
+        Finding::ready(About::Version, "AprilTags", "found by this build")
+    } else {
+        Finding::missing(
+            About::Version,
+            "AprilTags",
+            "not found by this build; only `fabc calibrate` looks for them",
+            "cargo install --path . --features tags",
+        )
     };
     vec![
         Finding::ready(About::Version, "fabc", env!("CARGO_PKG_VERSION")),
-        library,
+        detectors,
+        tags,
     ]
 }
 

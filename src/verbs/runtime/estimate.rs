@@ -5,8 +5,7 @@ use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::models::Answering;
 use fab_agent::habits::{Recorded, Setting};
 use fab_agent::rollout::FirstQuestion;
-use fab_model::Request;
-use fab_program::Program;
+use fab_program::{Program, Read};
 use fab_providers::estimate::{Correction, Estimate, Fresh, Plan, Question, Rehearsed, Typical};
 use std::path::Path;
 
@@ -48,7 +47,7 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
             models.text.name().to_owned(),
         ],
     };
-    let typical = |stage: &str, request: &Request| match asking.recorded.stage(&setting, stage) {
+    let typical = |stage: &str| match asking.recorded.stage(&setting, stage) {
         Some(habit) => Typical {
             calls_per_step: habit.calls_per_step,
             steps_share: habit.steps_share,
@@ -56,11 +55,11 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
             output_tokens: habit.output_tokens,
             recorded_calls: habit.calls,
         },
-        // Only a stage that reads the action has a schema.
         None => {
-            let answer_tokens = match request.schema.is_some() {
-                true => Typical::ACTION_TOKENS,
-                false => Typical::TEXT_TOKENS,
+            let declared = program.stages.iter().find(|it| it.name == stage);
+            let answer_tokens = match declared.map(|it| &it.read) {
+                Some(Read::Text { .. }) => Typical::TEXT_TOKENS,
+                Some(Read::Action) | None => Typical::ACTION_TOKENS,
             };
             Typical::shipped(answer_tokens, program.actions_per_step())
         }
@@ -76,7 +75,7 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
                 max_tokens: lengths.visible,
                 hidden_tokens: lengths.hidden,
                 rehearsed: rehearsed(program, stage),
-                typical: typical(stage, request),
+                typical: typical(stage),
                 fresh: *fresh,
             })
         },

@@ -80,9 +80,9 @@ fn begun(folder: &Path, named: &Path) -> Result<Begun, Failure> {
             named.display()
         ))
     };
-    let bytes = sources::read_bounded(&path);
-    let bytes = bytes.map_err(|why| wrong(format!("its {RUN_FILE} cannot be read ({why})")))?;
-    let begun = serde_json::from_slice(&bytes);
+    let text = sources::read_text(&path);
+    let text = text.map_err(|why| wrong(format!("its {RUN_FILE} cannot be read ({why})")))?;
+    let begun = serde_json::from_str(&text);
     begun.map_err(|error| wrong(format!("its {RUN_FILE} is damaged ({error})")))
 }
 

@@ -191,7 +191,7 @@ pub fn play(
             .as_ref()
             .is_some_and(|settings| setting::arm::has_operator(&arguments.arm, settings, io));
     let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
-    say_origin(subgoals.origin, &arguments.task.file, io);
+    say_pictures(&subgoals, &examples, &arguments.task.file, io);
     let who = deciding.make().description();
     let stand_in = match who.is_stand_in() {
         true => " (a stand-in, no vision-language model)",
@@ -371,9 +371,12 @@ pub fn prepare(
     }
 }
 
-/// Reports the origin of subgoal pictures if it is unusual.
-pub fn say_origin(origin: Origin, file: &str, io: &Io) {
-    match origin {
+/// Reports the origin of subgoal pictures if it is unusual, and pictures that were changed to be shown.
+pub fn say_pictures(subgoals: &SubgoalSet, examples: &Examples, file: &str, io: &Io) {
+    for note in subgoals.notes.iter().chain(&examples.notes) {
+        io.talk(&format!("note: {note}"));
+    }
+    match subgoals.origin {
         Origin::Author | Origin::Pinned | Origin::Absent => {}
         Origin::PinnedByOther => io.talk(&format!(
             "note: the pinned subgoal pictures were drawn with other simulator parameters, colours or manners; `fabc subgoals {file}` draws them again"

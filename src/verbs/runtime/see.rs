@@ -20,10 +20,10 @@ use std::path::{Path, PathBuf};
 pub struct SeeArguments {
     #[command(flatten)]
     pub task: TaskArguments,
-    /// The picture, of the size that the task's camera takes.
-    #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
+    /// The picture, PNG or JPEG; of another size than the camera's, its middle square is scaled.
+    #[arg(long, value_name = "PICTURE", value_hint = ValueHint::FilePath)]
     pub image: PathBuf,
-    /// Its depth, in grey: 255 levels a metre in 8 bits, or millimetres in 16; 0 is no reading.
+    /// Its depth, aligned, in grey: 255 levels a metre in 8 bits, or millimetres in 16; 0 is no reading.
     #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
     pub depth: Option<PathBuf>,
     /// Where the action before this one placed the cloth, for layers that show it.
@@ -43,10 +43,10 @@ pub struct SeeArguments {
 /// Analyses the picture, writes pictures if `--out` is given, and lists the keypoints.
 pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
-    let rgb = png::load(&arguments.image).map_err(Failure::environment)?;
+    let opened = png::open(&arguments.image).map_err(Failure::environment)?;
     let depth_m = arguments.depth.as_deref().map(png::load_depth);
     let brought = SeeInput {
-        rgb,
+        rgb: opened.rgb,
         depth_m: depth_m.transpose().map_err(Failure::environment)?,
         last: arguments.last_place.map(|place| LastAction {
             pick: arguments.last_pick,
@@ -54,6 +54,9 @@ pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
         }),
     };
     let seen = see(&program, brought).map_err(failure)?;
+    for note in opened.note.iter().chain(&seen.notes) {
+        io.talk(&format!("note: {note}"));
+    }
     say_doubts(&seen, io);
     let files = match &arguments.out {
         Some(folder) => write(folder, &seen).map_err(|error| {
@@ -86,7 +89,7 @@ fn failure(error: SeeError) -> Failure {
     match error {
         SeeError::NeedsDepth { .. } => Failure::usage(format!("{error}; `--depth PNG` brings it")),
         SeeError::NeedsPick { .. } => Failure::usage(format!("{error}; `--last-pick U,V` says it")),
-        SeeError::Size(_) | SeeError::Scene(_) => Failure::environment(error),
+        SeeError::NotAligned(_) | SeeError::Scene(_) => Failure::environment(error),
     }
 }
 

@@ -198,8 +198,8 @@ impl Walk<'_> {
         }
         for test in &compiled.tests {
             let mut programs = compiled.programs.iter();
-            let program =
-                programs.find(|program| program.task == test.task && program.variant.is_none());
+            let program = programs
+                .find(|program| program.task == test.task && program.variant == test.variant);
             let trial = fab_program::test::run(program.unwrap(), test);
             if !trial.is_expected {
                 return Err(format!("test `{}`: {}", test.name, trial.finding));

@@ -2,7 +2,7 @@
 
 use super::server::{Server, send};
 use super::{CHAT, data_url};
-use crate::suite::support::{Trial, fabc, finish, project, small_task};
+use crate::suite::support::{Trial, fabc, finish, interrupt, project, small_task};
 use fab_model::Models;
 use fab_model::calls::Calls;
 use fab_model::{Model, ModelError, ModelKind, Part, Reply, Request};
@@ -133,11 +133,7 @@ fn the_command_says_where_it_listens_and_ends_on_an_interrupt() {
         "{}",
         taken.stderr
     );
-    let killed = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    assert!(killed.success());
+    interrupt(child.id());
     assert_eq!(child.wait().unwrap().code(), Some(0));
     let mut rest = String::new();
     stdout.read_to_string(&mut rest).unwrap();

@@ -125,7 +125,7 @@ pub fn dependencies(manifest: &str) -> Vec<Dependency> {
 /// paths through `left_out`.
 ///
 /// A lock file does not separate tests from builds, so the list may hold more than a build needs.
-pub fn reached(lock: &str, package: &str, left_out: &str) -> Vec<String> {
+pub fn reached(lock: &str, package: &str, left_out: &[&str]) -> Vec<String> {
     let mut found = BTreeSet::new();
     let mut pending = vec![package.to_owned()];
     while let Some(name) = pending.pop() {
@@ -139,7 +139,7 @@ pub fn reached(lock: &str, package: &str, left_out: &str) -> Vec<String> {
             for other in list.split('"').skip(1).step_by(2) {
                 // `"name version"` if several versions are locked.
                 let other = other.split(' ').next().unwrap_or_default();
-                if other != left_out && found.insert(other.to_owned()) {
+                if !left_out.contains(&other) && found.insert(other.to_owned()) {
                     pending.push(other.to_owned());
                 }
             }

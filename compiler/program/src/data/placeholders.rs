@@ -76,6 +76,13 @@ pub enum Placeholder {
         /// The direction.
         to: Heading,
     },
+    /// Where a point lies, seen from another: a word of [`QUADRANTS`](crate::measures::QUADRANTS).
+    Quadrant {
+        /// The point.
+        point: Point,
+        /// The point that it is seen from.
+        about: Point,
+    },
 }
 
 /// The format of a number: a factor, a number of decimals without trailing zeros, and a unit.
@@ -118,6 +125,10 @@ impl Depends for Placeholder {
             Placeholder::LastField { field } => uses.add_last_field(field),
             Placeholder::Unreachable => uses.reach = true,
             Placeholder::Nearest { to, .. } => to.add_uses(uses),
+            Placeholder::Quadrant { point, about } => {
+                point.add_uses(uses);
+                about.add_uses(uses);
+            }
         }
     }
 }

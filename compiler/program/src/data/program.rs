@@ -13,26 +13,25 @@ use super::files::SourceStamp;
 use super::folds::Sequence;
 use super::goal::Goal;
 use super::keypoints::Keypoint;
-use super::manner::{Manner, manner_field};
+use super::manner::Manner;
 use super::picker::Picker;
 use super::rehearse::Rehearsal;
 use super::stage::{Reasoning, Stage, Template};
 use super::subgoals::Subgoals;
 use super::uses::Depends;
 use super::verify::Verify;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Version of the format of [`Program`]; it changes whenever an older reader would misread the data.
-pub const PROGRAM_FORMAT: u32 = 8;
-
-/// The version of programs without what version 8 brought: materials and manners.
-const BEFORE_MATERIALS: u32 = 7;
+/// Version of the format of [`Program`]. A program of another version is refused: it has to be compiled again.
+pub const PROGRAM_FORMAT: u32 = 9;
 
 /// Everything a rollout needs to know about one task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Program {
-    /// The oldest version of the format whose readers do not misread the program; see [`Program::oldest_format`].
+    /// The version of the format, always [`PROGRAM_FORMAT`].
+    #[serde(deserialize_with = "this_format")]
     pub format: u32,
     /// Version of the compiler, e.g. `0.1.0`.
     pub compiler: String,
@@ -88,20 +87,6 @@ impl Program {
         let bytes = serde_json::to_vec(&self.without_notes())
             .expect("a program has string keys and finite numbers");
         hex(&Sha256::digest(bytes))[..16].to_owned()
-    }
-
-    /// Returns the oldest version of the format whose readers do not misread the program.
-    ///
-    /// An older reader leaves out a material and a manner: it would simulate the recorded cloth, and carry it in the
-    /// default manner. Programs that state neither keep the version, and so the hash, that they had before.
-    pub fn oldest_format(&self) -> u32 {
-        let states_manner = !self.manner.is_default();
-        let mut fields = self.actions.iter();
-        let offers_manner = fields.any(|field| manner_field(&field.name).is_some());
-        match states_manner || offers_manner || self.cloth.material.is_some() {
-            true => PROGRAM_FORMAT,
-            false => BEFORE_MATERIALS,
-        }
     }
 
     /// Returns the task's notes for readers, each with its name; no model sees them.
@@ -213,6 +198,16 @@ impl Program {
     pub fn actions_per_step(&self) -> u32 {
         let retries = self.verify.result.as_ref();
         1 + retries.map_or(0, |result| result.retries)
+    }
+}
+
+/// Reads the version of a program; fails for any other than this one.
+fn this_format<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+    match u32::deserialize(deserializer)? {
+        PROGRAM_FORMAT => Ok(PROGRAM_FORMAT),
+        other => Err(D::Error::custom(format!(
+            "the program has format {other}, and this version reads format {PROGRAM_FORMAT}; compile the task again"
+        ))),
     }
 }
 

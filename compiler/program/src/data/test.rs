@@ -1,15 +1,17 @@
-//! The tests of a task: an answer and the expected result.
+//! The tests of a task or of a variant: an answer and the expected result.
 
 use crate::data::camera::PixelPoint;
 use serde::{Deserialize, Serialize};
 
-/// One `test` of a task.
+/// One `test`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Test {
     /// Its name.
     pub name: String,
     /// The task that it belongs to.
     pub task: String,
+    /// The variant that states it; `None` for the task itself.
+    pub variant: Option<String>,
     /// What the scene shows, and what happened before.
     pub given: Given,
     /// The stage that is answered, by its index.

@@ -200,11 +200,6 @@ impl Notation {
         self.frame().unit
     }
 
-    /// Returns the size of the picture that the model works on, pixels, if it is known.
-    pub(crate) fn sent_px(&self) -> Option<[u32; 2]> {
-        Some(self.frame().sent).filter(|size| *size != [1, 1])
-    }
-
     pub(crate) fn order(&self) -> Order {
         self.frame().order
     }

@@ -7,7 +7,7 @@ use crate::data::stage::Read;
 use crate::data::verify::OVERLAP;
 use crate::eval::{Eval, rounded};
 use crate::facts::Facts;
-use crate::measures::Length;
+use crate::measures::{self, Length};
 use crate::pointing::{Notation, Pointing};
 use crate::scene::{Missing, SceneView};
 use crate::space;
@@ -70,6 +70,9 @@ pub(super) fn known(
         Placeholder::Nearest { field, to } => {
             let deg = eval.nearest_deg(field, to)?;
             of_field(field, Some(&Value::Direction { deg }))
+        }
+        Placeholder::Quadrant { point, about } => {
+            Ok(measures::quadrant(eval.point(point)?, eval.point(about)?).to_owned())
         }
         Placeholder::Unreachable => Ok(unreachable(facts.scene, &notation)),
         Placeholder::Format | Placeholder::PointForm => Err(Missing::of("actions")),
@@ -141,6 +144,7 @@ pub(super) fn typed(program: &Program, name: &str, shown: &Placeholder) -> Strin
         Placeholder::LastField { .. } => "the value in the action before".to_owned(),
         Placeholder::Choices { .. } => "what it may be".to_owned(),
         Placeholder::Nearest { .. } => "the nearest choice".to_owned(),
+        Placeholder::Quadrant { .. } => "upper or lower, and left or right".to_owned(),
         Placeholder::Unreachable => "points out of reach, each with why".to_owned(),
         Placeholder::Format | Placeholder::PointForm => "words".to_owned(),
     };

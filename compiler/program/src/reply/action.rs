@@ -1,18 +1,18 @@
 //! Reads an action: one value for each field.
 //!
-//! For each field, an answer states a set of values. One value is read. None, or two different ones, are refused, and
-//! the message names both. What an answer takes back, with words such as `no wait`, counts only if nothing replaces it.
+//! For each field, an answer states a set of values. One value is read. None, two different ones, or one that cannot be
+//! read are refused, and the message names what was found. No correction is interpreted.
 
-use super::chosen;
-use super::claim::{Claim, Claimed};
-use super::claims::{self, Claims};
-use super::corners;
-use super::point::{self, PointFound};
+use super::aside::{self, Standing, standing};
+use super::claim::{Claim, Claimed, Reader};
+use super::data;
+use super::names::Names;
+use super::phrases;
+use super::point;
 use super::reading::{Malformed, Reading, Stated, bounded, quoted, with_marks};
-use super::sentences::Reader;
-use super::words;
-use crate::data::actions::Proposal;
-use crate::data::actions::{ActionField, Choices, Value};
+use super::statements;
+use super::structured;
+use crate::data::actions::{ActionField, Proposal, Value};
 use crate::data::program::Program;
 use crate::pointing::{Notation, Pointing};
 use crate::space;
@@ -20,7 +20,7 @@ use std::ops::Range;
 
 /// Reads every field of the action, with points in pixels of the camera's picture.
 ///
-/// Fails if a field is missing or has two different values, or if the answer is longer than
+/// Fails if a field is missing, unreadable or has two different values, or if the answer is longer than
 /// [`super::MAX_REPLY_BYTES`].
 pub fn read_action(program: &Program, reply: &str) -> Result<Reading<Proposal>, Malformed> {
     read_action_in(program, &Notation::pixels_of(&program.camera), reply)
@@ -45,94 +45,210 @@ pub fn read_fields(
     reply: &str,
 ) -> Result<Reading<Proposal>, Malformed> {
     bounded("action", reply)?;
+    let standing = standing(reply);
     let reader = Reader {
         fields: actions,
+        names: Names::of(actions),
         edge_m,
         notation,
     };
-    let found = claims::of(&reader, reply);
-    let mut proposal = Proposal {
-        fields: Vec::with_capacity(actions.len()),
+    if let Some(reading) = structured(&reader, reply, &standing) {
+        return Ok(reading);
+    }
+    let claims = claims(&reader, &standing.text);
+    let refused = |field: &ActionField, why: &str, stated| Malformed {
+        field: field.name.clone(),
+        message: complaint(why, actions, field, notation),
+        stated,
     };
-    let (mut repairs, mut stated, mut unreadable) = (Vec::new(), Vec::new(), None);
+    if let (true, Some(first)) = (standing.is_cut_off, actions.first()) {
+        let why = "Your answer ends inside of its thoughts.";
+        return Err(refused(first, why, Vec::new()));
+    }
+    let mut proposal = Proposal::default();
+    let (mut repairs, mut stated, mut wrong) = (Vec::new(), Vec::new(), None);
     for (index, declared) in actions.iter().enumerate() {
         let field = Field {
-            index,
             declared,
             reply,
             notation,
         };
-        let taken = match field.value(&found) {
-            Ok(taken) => taken,
-            Err(why) => {
-                unreadable.get_or_insert((declared, why));
-                continue;
+        let own = claims.iter().filter(|claim| claim.field == index);
+        match field.value(&own.collect::<Vec<_>>()) {
+            Ok((value, span, own)) => {
+                stated.push(Stated::new(&declared.name, reply, span, &own));
+                repairs.extend(own);
+                proposal.fields.push((declared.name.clone(), value));
             }
+            Err(why) => {
+                wrong.get_or_insert((declared, why));
+            }
+        }
+    }
+    // An offered word may be such a phrase.
+    let is_word = |it: &&Claim| matches!(it.claimed, Claimed::Value(Value::Word(_), _));
+    let values = claims.iter().filter(is_word).map(|it| it.span.clone());
+    let said = phrases::unusable(&aside::blanked(&standing.text, values));
+    // In other frames, coordinates are.
+    let said = said.filter(|said| *said != "normalized" || notation.is_native());
+    let unusable = said.and_then(|said| {
+        let why = format!("Your answer cannot be used: it says `{said}`.");
+        Some((actions.first()?, why))
+    });
+    match wrong.or(unusable) {
+        Some((declared, why)) => Err(refused(declared, &why, stated)),
+        None => Ok(Reading {
+            value: proposal,
+            repairs,
+            stated,
+            asides: standing.asides,
+        }),
+    }
+}
+
+/// Reads an answer to the schema, in which each value is exactly as the schema writes it.
+fn structured(reader: &Reader<'_>, reply: &str, standing: &Standing) -> Option<Reading<Proposal>> {
+    let keys: Vec<&str> = reader.fields.iter().map(|it| it.name.as_str()).collect();
+    let rest = if standing.is_cut_off {
+        reply
+    } else {
+        &standing.text
+    };
+    let members = structured::members(reply, &keys);
+    let members = members.or_else(|| structured::members(rest, &keys))?;
+    let mut proposal = Proposal::default();
+    let mut stated = Vec::new();
+    for (index, member) in members.iter().enumerate() {
+        let Claimed::Value(value, _) = statements::whole(reader, index, &member.text) else {
+            return None;
         };
-        repairs.extend(taken.repairs.iter().cloned());
-        stated.push(Stated::new(
-            &declared.name,
-            reply,
-            taken.span,
-            taken.repairs,
-        ));
-        proposal.fields.push((declared.name.clone(), taken.value));
+        let field = &reader.fields[index];
+        if member.text != reader.notation.stated_value(field, &value) {
+            return None;
+        }
+        let span = member.span.clone();
+        stated.push(Stated::new(&field.name, reply, span, &[]));
+        proposal.fields.push((field.name.clone(), value));
     }
-    if let Some((declared, why)) =
-        unreadable.or_else(|| contradicted(actions, &found, &proposal, reply, notation))
-    {
-        return Err(Malformed {
-            field: declared.name.clone(),
-            message: complaint(&why, actions, declared, notation),
-            stated,
-        });
-    }
-    if let (Some(why), Some(first)) = (found.doubt, actions.first()) {
-        let why = format!("Your answer cannot be used: {why}.");
-        return Err(Malformed {
-            field: first.name.clone(),
-            message: complaint(&why, actions, first, notation),
-            stated,
-        });
-    }
-    Ok(Reading {
+    Some(Reading {
         value: proposal,
-        repairs,
+        repairs: Vec::new(),
         stated,
-        asides: found.cleared.asides,
+        asides: standing.asides.clone(),
     })
 }
 
-/// Returns the point that is on the other side of the other point than all the words for it.
-fn contradicted<'a>(
-    actions: &'a [ActionField],
-    found: &Claims,
-    proposal: &Proposal,
-    reply: &str,
-    notation: &Notation,
-) -> Option<(&'a ActionField, String)> {
-    let ends = [("pick", "place"), ("place", "pick")];
-    ends.into_iter().find_map(|(name, other)| {
-        let index = actions.iter().position(|field| field.name == name)?;
-        let (own, other) = (proposal.get(name)?, proposal.get(other)?);
-        let mut sides = found.claims.iter().filter_map(|claim| match claim.claimed {
-            Claimed::Side(deg) if claim.field == index => Some((deg, claim)),
-            _ => None,
-        });
-        let first = sides.clone().next()?.1;
-        if !sides.all(|(deg, _)| corners::contradicts(deg, own, other)) {
-            return None;
+/// Returns everything that an answer states, in order.
+fn claims(reader: &Reader<'_>, text: &str) -> Vec<Claim> {
+    let mut claims = Vec::new();
+    let objects = data::objects(reader, text, &mut claims);
+    let text = aside::blanked(text, objects);
+    let tables = data::tables(reader, &text, &mut claims);
+    let text = aside::blanked(&text, tables);
+    claims.extend(statements::statements(reader, &text));
+    claims.sort_by_key(|claim| claim.span.start);
+    claims
+}
+
+/// A field, and the answer that states it.
+struct Field<'a> {
+    declared: &'a ActionField,
+    reply: &'a str,
+    notation: &'a Notation,
+}
+
+/// A value, how it was read if that is not obvious, and where it stands.
+type Found<'a> = (Value, Option<&'a String>, Range<usize>);
+
+impl Field<'_> {
+    /// Returns the one value that an answer states, where, and how it deviates from the asked form.
+    fn value(&self, claims: &[&Claim]) -> Result<(Value, Range<usize>, Vec<String>), String> {
+        let noun = noun(self.declared);
+        let text = |claim: &Claim| quoted(self.reply.get(claim.span.clone()).unwrap_or_default());
+        let find = |is: fn(&Claimed) -> bool| claims.iter().find(|claim| is(&claim.claimed));
+        if let Some(claim) = find(|it| matches!(it, Claimed::Unreadable)) {
+            return Err(format!(
+                "The {noun} of your answer cannot be read: `{}`.",
+                text(claim)
+            ));
         }
-        let declared = &actions[index];
-        let why = format!(
-            "Your answer says `{}`, but its {} {} is not there, seen from its {}.",
-            quoted(reply.get(first.span.clone()).unwrap_or_default()),
-            noun(declared),
-            notation.stated_value(declared, own),
-            notation.stated_value(declared, other)
-        );
-        Some((declared, why))
-    })
+        let is_own = claims
+            .iter()
+            .any(|claim| claim.is_own && !matches!(claim.claimed, Claimed::Vague));
+        let mut found: Vec<Found<'_>> = claims
+            .iter()
+            .filter_map(|claim| match &claim.claimed {
+                Claimed::Value(value, note) => {
+                    Some((value.clone(), note.as_ref(), claim.span.clone()))
+                }
+                _ => None,
+            })
+            .collect();
+        found.extend(self.joined(claims)?);
+        let Some((value, note, span)) = found.first().filter(|_| is_own) else {
+            return Err(match find(|it| matches!(it, Claimed::Vague)) {
+                Some(claim) => format!(
+                    "Your answer states no {noun} that can be read: `{}`.",
+                    text(claim)
+                ),
+                None => format!("Your answer states no {noun}."),
+            });
+        };
+        let written = self.notation.stated_value(self.declared, value);
+        if let Some((other, ..)) = found.iter().find(|(other, ..)| other != value) {
+            let values = match self.declared.is_point() {
+                true => format!("{noun}s"),
+                false => format!("values for the {noun}"),
+            };
+            return Err(format!(
+                "Your answer states two different {values}, {written} and {}. State only the one that you choose.",
+                self.notation.stated_value(self.declared, other)
+            ));
+        }
+        let said = &self.reply[with_marks(self.reply, span.clone())];
+        let repair = match note {
+            Some(note) => Some(format!("{}: {note}", self.declared.name)),
+            None if self.reply[span.clone()] == space::statement(self.declared, &written) => None,
+            None => Some(format!("read `{}` as the {noun} {written}", quoted(said))),
+        };
+        Ok((value.clone(), span.clone(), repair.into_iter().collect()))
+    }
+
+    /// Joins the coordinates of a point that are stated apart: `pick_x = 10`, `pick_y = 20`.
+    fn joined(&self, claims: &[&Claim]) -> Result<Option<Found<'_>>, String> {
+        let of = |wanted: char| -> Vec<(f64, &Range<usize>)> {
+            let own = claims.iter().filter(|claim| claim.is_own);
+            own.filter_map(|claim| match claim.claimed {
+                Claimed::Axis(axis, value) if axis == wanted => Some((value, &claim.span)),
+                _ => None,
+            })
+            .collect()
+        };
+        let is_one = |axis: &[(f64, &Range<usize>)]| axis.iter().all(|it| it.0 == axis[0].0);
+        match (&of('x')[..], &of('y')[..]) {
+            ([], []) => Ok(None),
+            (xs @ [x, ..], ys @ [y, ..])
+                if is_one(xs) && is_one(ys) && !self.notation.is_of_marks() =>
+            {
+                let span = x.1.start.min(y.1.start)..x.1.end.max(y.1.end);
+                let point = point::at(x.0, y.0, self.notation);
+                Ok(point.map(|(point, _)| (Value::Point(point), None, span)))
+            }
+            _ => Err(format!(
+                "The coordinates of your answer's {} are not one point.",
+                noun(self.declared)
+            )),
+        }
+    }
+}
+
+/// Returns a field's name in messages: `pick point`, `direction`.
+fn noun(field: &ActionField) -> String {
+    let name = space::spoken(field);
+    match field.is_point() {
+        true => format!("{name} point"),
+        false => name,
+    }
 }
 
 fn complaint(
@@ -155,322 +271,17 @@ fn complaint(
         Pointing::Frame(_) => "numbers for x and y",
         Pointing::Marks(_) => "the number of a listed point",
     };
-    let with = if n_points == actions.len() {
-        format!(", with {points}")
-    } else if n_points > 0 {
-        format!(", with {points} and one of the values between the bars")
-    } else {
-        ", with one of the values between the bars".to_owned()
-    };
+    let mut with = Vec::new();
+    with.extend((n_points > 0).then_some(points));
+    with.extend((n_points < actions.len()).then_some("one of the values between the bars"));
+    let with = with.join(" and ");
     let counted = if notation.is_native() || n_points == 0 {
         String::new()
     } else {
         format!(" A point is written {}.", pointing.phrase())
     };
     format!(
-        "{why}{choose}{counted} Answer again and state the action in exactly this format{with}:\n{}",
+        "{why}{choose}{counted} Answer again and state the action in exactly this format, with {with}:\n{}",
         space::format_with(pointing.form(), actions)
     )
-}
-
-/// A field, and the answer that states it.
-struct Field<'a> {
-    index: usize,
-    declared: &'a ActionField,
-    reply: &'a str,
-    notation: &'a Notation,
-}
-
-/// The value of a field.
-struct Taken {
-    value: Value,
-    span: Range<usize>,
-    repairs: Vec<String>,
-}
-
-/// A value, how it was read if that is not obvious, and where it stands.
-type Statement = (Value, Option<String>, Range<usize>);
-
-impl Field<'_> {
-    /// Returns the one value that an answer states.
-    fn value(&self, found: &Claims) -> Result<Taken, String> {
-        let noun = noun(self.declared);
-        let mut claims: Vec<&Claim> = found
-            .claims
-            .iter()
-            .filter(|claim| claim.field == self.index)
-            .collect();
-        let mut repairs = Vec::new();
-        if !self.agree(&claims)
-            && let Some(turn) = found
-                .turns
-                .iter()
-                .rev()
-                .find(|turn| claims.last().is_some_and(|claim| claim.span.start > **turn))
-            && claims[0].span.start < *turn
-        {
-            claims.retain(|claim| claim.span.start > *turn);
-            repairs.push(format!("left out the {noun} that the answer takes back"));
-        }
-        if let Some(exact) = claims.iter().rposition(|claim| self.is_exact(claim)) {
-            // `Grip: between soft and firm I was undecided`, above the value in the asked form.
-            let n_claims = claims.len();
-            let mut at = 0;
-            claims.retain(|claim| {
-                at += 1;
-                at > exact || !claim.claimed.is_unclear()
-            });
-            if claims.len() < n_claims {
-                repairs.push(format!(
-                    "left out what is not clear above the {noun} in the asked form"
-                ));
-            }
-        }
-        if let Some(why) = claims.iter().find_map(|claim| match &claim.claimed {
-            Claimed::Bad(why) | Claimed::Unclear(why) => Some(why.as_str()),
-            Claimed::Torn => Some("its words and its angle differ"),
-            _ => None,
-        }) {
-            return Err(format!("The {noun} of your answer cannot be used: {why}."));
-        }
-        if found.cleared.is_cut_off {
-            return Err(format!(
-                "Your answer ends inside of its thoughts, so that its {noun} is missing."
-            ));
-        }
-        let stated = self.stated(&claims)?;
-        let stated = match stated.is_empty() {
-            true => self.course(&claims),
-            false => stated,
-        };
-        let prose = claims.iter().find_map(|claim| match &claim.claimed {
-            Claimed::Prose(why, named) => {
-                let tells = |(value, ..): &Statement| named.iter().all(|it| it.may_mean(value));
-                (stated.is_empty() || !stated.iter().all(tells)).then_some(why)
-            }
-            _ => None,
-        });
-        if let Some(why) = prose {
-            return Err(format!("The {noun} of your answer cannot be used: {why}."));
-        }
-        let Some((value, note, span)) = stated.first() else {
-            return Err(format!("Your answer states no {noun}."));
-        };
-        let written = self.notation.stated_value(self.declared, value);
-        if let Some((other, ..)) = stated.iter().find(|(other, ..)| other != value) {
-            return Err(format!(
-                "Your answer states two different {}, {written} and {}. State only the one that you choose.",
-                plural(self.declared),
-                self.notation.stated_value(self.declared, other)
-            ));
-        }
-        // Thinking aloud before the answer is no doubt; after it, it is.
-        if let Some(other) = claims.iter().find_map(|claim| match &claim.claimed {
-            Claimed::Hedge(other) if other != value && claim.span.start > span.start => Some(other),
-            _ => None,
-        }) {
-            let other = self.notation.stated_value(self.declared, other);
-            return Err(format!(
-                "Your answer leaves two {} open, {written} and {other}. State only the one that you choose.",
-                plural(self.declared)
-            ));
-        }
-        let is_unfit = claims.iter().any(|claim| {
-            matches!(&claim.claimed, Claimed::Unfit(unfit) if unfit == value)
-                && claim.span.start > span.start
-        });
-        if is_unfit {
-            return Err(format!(
-                "Your answer calls its own {noun}, {written}, unfit."
-            ));
-        }
-        let last_turn = found.turns.iter().rfind(|turn| **turn < span.start);
-        let is_taken_back = |claim: &Claim| last_turn.is_some_and(|turn| claim.span.start < *turn);
-        // `carry it down and to the left` is no 45 deg, and `the shortest pull` not the longest.
-        let (chosen, said): (Vec<&Claim>, Vec<&Claim>) = claims
-            .iter()
-            .copied()
-            .filter(|claim| !is_taken_back(claim))
-            .partition(|claim| matches!(claim.claimed, Claimed::Chosen(_)));
-        let said = said
-            .into_iter()
-            .filter(|claim| matches!(claim.claimed, Claimed::Course(_) | Claimed::OneOf(_)));
-        for words in [said.collect(), chosen] {
-            self.agree_with(value, &words, &written)?;
-        }
-        let text = self.reply.get(span.clone()).unwrap_or_default();
-        if let (Value::Point(_), Some(taken)) = (value, note) {
-            repairs.push(format!("{}: {taken}", self.declared.name));
-        } else if text != space::statement(self.declared, &written) {
-            let taking = note.as_ref().map(|note| format!(", taking {note}"));
-            repairs.push(format!(
-                "read `{}` as the {noun} {written}{}",
-                quoted(&self.reply[with_marks(self.reply, span.clone())]),
-                taking.unwrap_or_default()
-            ));
-        }
-        Ok(Taken {
-            value: value.clone(),
-            span: span.clone(),
-            repairs,
-        })
-    }
-
-    /// Fails if all that an answer says of its value in its own words excludes it.
-    fn agree_with(&self, value: &Value, said: &[&Claim], written: &str) -> Result<(), String> {
-        let differs = |claim: &&Claim| match (&claim.claimed, value) {
-            (Claimed::Course(course), Value::Direction { deg }) => {
-                words::apart_deg(*course, *deg) >= 90.0
-            }
-            (Claimed::OneOf(values), value) => !values.contains(value),
-            (Claimed::Chosen(values), value) => {
-                !values.iter().any(|it| chosen::may_mean(it, value))
-            }
-            _ => false,
-        };
-        let Some(first) = said.first().filter(|_| said.iter().all(differs)) else {
-            return Ok(());
-        };
-        let noun = noun(self.declared);
-        let said = self.reply.get(first.span.clone()).unwrap_or_default();
-        Err(match said.is_empty() {
-            true => format!("The reasons of your answer contradict its {noun}, {written}."),
-            false => format!(
-                "Your answer says both `{}` and {written}. State only the {noun} that you choose.",
-                quoted(said)
-            ),
-        })
-    }
-
-    /// Returns whether a claim has the asked form, `Grip = soft`, on a line of its own, and is no alternative.
-    fn is_exact(&self, claim: &Claim) -> bool {
-        let Claimed::Value(value, None) = &claim.claimed else {
-            return false;
-        };
-        let mark = [' ', '\t', '*', '`'];
-        let above = self.reply[..claim.span.start].trim_end_matches(mark);
-        let below = self.reply[claim.span.end..].trim_start_matches(mark);
-        let has_own_line = (above.is_empty() || above.ends_with('\n'))
-            && (below.is_empty() || below.starts_with(['\n', '\r']));
-        let is_other = |above: &str| {
-            let letters = above
-                .trim_end()
-                .bytes()
-                .rev()
-                .take_while(|it| !it.is_ascii_whitespace());
-            let word: Vec<u8> = letters
-                .filter(u8::is_ascii_alphabetic)
-                .map(|it| it.to_ascii_lowercase())
-                .take(16)
-                .collect();
-            [b"ro".as_slice(), b"esiwrehto", b"ylevitanretla"].contains(&word.as_slice())
-        };
-        if !has_own_line || is_other(above) {
-            return false;
-        }
-        let written = self.notation.stated_value(self.declared, value);
-        let text = self.reply.get(claim.span.clone()).unwrap_or_default();
-        text.eq_ignore_ascii_case(&space::statement(self.declared, &written))
-    }
-
-    /// Returns the direction in which something is moved, where only words state it: `pull it up and to the right`.
-    fn course(&self, claims: &[&Claim]) -> Vec<Statement> {
-        let Choices::Directions { choices } = &self.declared.choices else {
-            return Vec::new();
-        };
-        let courses = claims.iter().filter_map(|claim| match claim.claimed {
-            Claimed::Course(deg) => Some((deg, claim.span.clone())),
-            _ => None,
-        });
-        courses
-            .filter(|(deg, _)| choices.iter().any(|choice| choice.deg == *deg))
-            .map(|(deg, span)| (Value::Direction { deg }, None, span))
-            .collect()
-    }
-
-    /// Returns whether all claims state the same value.
-    fn agree(&self, claims: &[&Claim]) -> bool {
-        let is_bad = |claim: &&Claim| {
-            matches!(
-                claim.claimed,
-                Claimed::Bad(_) | Claimed::Unclear(_) | Claimed::Torn | Claimed::Prose(..)
-            )
-        };
-        !claims.iter().any(is_bad)
-            && self
-                .stated(claims)
-                .is_ok_and(|stated| stated.windows(2).all(|pair| pair[0].0 == pair[1].0))
-    }
-
-    /// Returns the values that claims state; coordinates that were stated one by one make one point.
-    fn stated(&self, claims: &[&Claim]) -> Result<Vec<Statement>, String> {
-        let noun = noun(self.declared);
-        let mut stated = Vec::new();
-        let mut axes: [Option<(f64, Range<usize>)>; 2] = [None, None];
-        for claim in claims {
-            match &claim.claimed {
-                Claimed::Value(value, note) => {
-                    stated.push((value.clone(), note.clone(), claim.span.clone()))
-                }
-                Claimed::Axis(name, number) => {
-                    let axis = &mut axes[usize::from(*name == 'y')];
-                    if let Some((other, _)) = axis.as_ref().filter(|(other, _)| other != number) {
-                        return Err(format!(
-                            "Your answer states two different {name} coordinates of the {noun}, {other} and {number}."
-                        ));
-                    }
-                    axis.get_or_insert((*number, claim.span.clone()));
-                }
-                Claimed::Bad(_)
-                | Claimed::Unclear(_)
-                | Claimed::Torn
-                | Claimed::Prose(..)
-                | Claimed::Course(_)
-                | Claimed::Side(_)
-                | Claimed::OneOf(_)
-                | Claimed::Chosen(_)
-                | Claimed::Unfit(_)
-                | Claimed::Hedge(_)
-                | Claimed::Nothing => {}
-            }
-        }
-        match axes {
-            [Some((x, first)), Some((y, last))] => match point::at(x, y, self.notation) {
-                PointFound::Pixel(point, note) => {
-                    let span = first.start.min(last.start)..first.end.max(last.end);
-                    stated.push((Value::Point(point), note, span));
-                }
-                PointFound::Bad(why) => {
-                    return Err(format!("The {noun} of your answer cannot be used: {why}."));
-                }
-                PointFound::Nothing => {}
-            },
-            [None, None] => {}
-            _ => {
-                return Err(format!(
-                    "Your answer states only one coordinate of the {noun}."
-                ));
-            }
-        }
-        Ok(stated)
-    }
-}
-
-/// Returns the noun for a field's value in a sentence.
-fn noun(field: &ActionField) -> String {
-    let name = space::spoken(field);
-    if field.is_point() {
-        format!("{name} point")
-    } else {
-        name
-    }
-}
-
-fn plural(field: &ActionField) -> String {
-    let name = space::spoken(field);
-    if field.is_point() {
-        format!("{name} points")
-    } else {
-        format!("values for the {name}")
-    }
 }

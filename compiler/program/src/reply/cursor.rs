@@ -10,10 +10,6 @@ pub(super) struct Cursor<'a, 't> {
 }
 
 impl<'a, 't> Cursor<'a, 't> {
-    pub fn new(tokens: &'a [Token<'t>]) -> Cursor<'a, 't> {
-        Cursor::at(tokens, 0)
-    }
-
     pub fn at(tokens: &'a [Token<'t>], at: usize) -> Cursor<'a, 't> {
         Cursor { tokens, at }
     }
@@ -46,12 +42,8 @@ impl<'a, 't> Cursor<'a, 't> {
         signs.iter().copied().find(|sign| self.eat_sign(*sign))
     }
 
-    pub fn eat_word(&mut self, word: &str) -> bool {
-        self.eat_any(&[word])
-    }
-
     /// Skips one word if it is among these.
-    pub fn eat_any(&mut self, words: &[&str]) -> bool {
+    pub fn eat_any(&mut self, words: &str) -> bool {
         let is_there = self.peek().is_some_and(|token| token.is_any(words));
         self.at += usize::from(is_there);
         is_there
@@ -59,20 +51,9 @@ impl<'a, 't> Cursor<'a, 't> {
 
     /// Skips words and signs that are among these, but no more than any sentence has in a row: a reader that tries it at
     /// every token stays linear.
-    pub fn skip(&mut self, words: &[&str], signs: &[char]) {
-        const MOST: usize = 40;
-        let most = self.at + MOST;
+    pub fn skip(&mut self, words: &str, signs: &[char]) {
+        let most = self.at + 40;
         while self.at < most && (self.eat_any(words) || self.eat_signs(signs).is_some()) {}
-    }
-
-    /// Skips these words if all follow one another.
-    pub fn eat_words(&mut self, words: &str) -> bool {
-        let mut ahead = *self;
-        let all = words.split(' ').all(|word| ahead.eat_word(word));
-        if all {
-            *self = ahead;
-        }
-        all
     }
 
     /// Skips a number and returns its text.
@@ -80,14 +61,5 @@ impl<'a, 't> Cursor<'a, 't> {
         let token = self.peek().filter(|token| token.kind == Kind::Number)?;
         self.at += 1;
         Some(token.text)
-    }
-
-    /// Returns the text from a token to the one before this position.
-    pub fn text_in<'w>(&self, first: usize, whole: &'w str) -> &'w str {
-        let last = self.at.max(first + 1) - 1;
-        match (self.tokens.get(first), self.tokens.get(last)) {
-            (Some(first), Some(last)) => &whole[first.at..last.end()],
-            _ => "",
-        }
     }
 }

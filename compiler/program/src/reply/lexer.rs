@@ -3,8 +3,6 @@
 //! Markdown, LaTeX, quotation marks and full-width forms disappear here, so that nothing after it has to know them.
 //! Bytes keep their places: a token says where it stands in the answer.
 
-use super::wordlist::{self, words};
-
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
@@ -12,6 +10,8 @@ pub(super) enum Kind {
     Word,
     /// Digits with at most one decimal point, without a sign: `10`, `.5`.
     Number,
+    /// An opening tag, `<pick>`, `<parameter=pick>`; its text is what stands between the brackets.
+    Tag,
     /// Anything else, in its plain form: `(` for `（`, `→` for `->`, `⊣` for the end of a tagged part.
     Sign(char),
 }
@@ -47,14 +47,9 @@ impl Token<'_> {
         self.at + self.text.len()
     }
 
-    /// Returns whether it is this word, in any case.
-    pub fn is(&self, word: &str) -> bool {
-        self.kind == Kind::Word && self.text.eq_ignore_ascii_case(word)
-    }
-
     /// Returns whether it is one of these words.
-    pub fn is_any(&self, words: &[&str]) -> bool {
-        self.kind == Kind::Word && wordlist::is_any(self.text, words)
+    pub fn is_any(&self, words: &str) -> bool {
+        self.kind == Kind::Word && is_any(self.text, words)
     }
 
     /// Returns whether it is this sign.
@@ -63,11 +58,19 @@ impl Token<'_> {
     }
 }
 
+/// Returns whether a word is in a list, in any case.
+///
+/// - `words`: with blanks between them.
+pub(super) fn is_any(word: &str, words: &str) -> bool {
+    words.split(' ').any(|it| word.eq_ignore_ascii_case(it))
+}
+
 /// The end of a tagged part, `</pick>`.
 pub(super) const TAG_END: char = '⊣';
 
 /// Signs of several characters, and the sign that they mean; longer ones first.
-const JOINED: [(&str, char); 9] = [
+const JOINED: [(&str, char); 10] = [
+    ("//", '#'),
     ("-->", '→'),
     ("==>", '→'),
     ("->", '→'),
@@ -79,27 +82,16 @@ const JOINED: [(&str, char); 9] = [
     ("..", '…'),
 ];
 
-/// LaTeX commands that mean a sign or a word.
-const COMMANDS: [(&str, &str); 15] = [
-    ("circ", "°"),
-    ("degree", "°"),
-    ("times", "*"),
-    ("cdot", "*"),
-    ("div", "/"),
-    ("rightarrow", "→"),
-    ("Rightarrow", "→"),
-    ("longrightarrow", "→"),
-    ("to", "→"),
+/// LaTeX commands that mean a sign or a word; the others only format.
+const COMMANDS: [(&str, &str); 7] = [
+    ("circ degree", "°"),
+    ("times cdot", "*"),
+    ("rightarrow Rightarrow longrightarrow to", "→"),
     ("approx", "≈"),
     ("pm", "±"),
     ("pi", "pi"),
-    ("frac", "frac"),
-    ("dfrac", "frac"),
-    ("tfrac", "frac"),
+    ("frac dfrac tfrac", "frac"),
 ];
-
-/// Abbreviations with points inside.
-const ABBREVIATIONS: [&str; 2] = ["i.e.", "e.g."];
 
 /// Returns the tokens of a text.
 pub(super) fn tokens(text: &str) -> Vec<Token<'_>> {
@@ -115,9 +107,6 @@ pub(super) fn tokens(text: &str) -> Vec<Token<'_>> {
     }
     lexer.found
 }
-
-/// How much of a line is looked at for its marks, bytes.
-const MAX_MARKS: usize = 120;
 
 struct Lexer<'t> {
     text: &'t str,
@@ -166,16 +155,11 @@ impl<'t> Lexer<'t> {
             let lines = rest.len() - rest.trim_start_matches(['\r', '\n', ' ', '\t']).len();
             let is_empty_line = rest[..lines].matches('\n').count() > 1;
             self.skip(lines, if is_empty_line { Gap::Block } else { Gap::Line });
-        } else if first.is_whitespace() || is_invisible(first) || is_emoji(first) {
+        } else if first.is_whitespace() || is_invisible(first) {
             self.skip(width, Gap::Space);
-        } else if digit(first).is_some() || (first == '.' && self.begins_decimals(rest)) {
+        } else if digit(first).is_some() || (number_length(rest) > 0 && !self.is_in_word()) {
             let length = number_length(rest);
             self.push(Kind::Number, length);
-        } else if let Some(word) = ABBREVIATIONS.iter().find(|word| {
-            rest.get(..word.len())
-                .is_some_and(|start| start.eq_ignore_ascii_case(word))
-        }) {
-            self.push(Kind::Word, word.len());
         } else if first.is_alphabetic() {
             self.push(Kind::Word, word_length(rest));
         } else if let Some((joined, sign)) =
@@ -189,255 +173,196 @@ impl<'t> Lexer<'t> {
 
     /// Skips what marks a line: a bullet, a number of a list, a heading, a ruler, a code fence.
     fn marks_line(&mut self, rest: &str) -> bool {
-        let mut most = rest.len().min(MAX_MARKS);
-        while !rest.is_char_boundary(most) {
-            most -= 1;
-        }
-        let line = &rest[..rest[..most].find('\n').unwrap_or(most)];
-        let trimmed = line.trim();
-        let is_ruler = trimmed.len() >= 3
-            && ['-', '=', '_', '*']
-                .iter()
-                .any(|sign| trimmed.chars().all(|letter| letter == *sign));
-        if is_ruler || trimmed.starts_with("```") || trimmed.starts_with("~~~") {
-            self.skip(line.len(), Gap::Block);
-            return true;
-        }
+        // No mark is longer.
+        let line = &rest[..rest.floor_char_boundary(120)];
+        let line = &line[..line.find('\n').unwrap_or(line.len())];
+        let is_ruler =
+            |sign: char| line.trim().len() > 2 && line.trim().chars().all(|it| it == sign);
+        let is_fence = line.starts_with("```") || line.starts_with("~~~");
         let heading = line.len() - line.trim_start_matches('#').len();
-        if heading > 0 && line[heading..].starts_with(' ') {
-            self.skip(heading, Gap::Block);
-            return true;
+        let digits = line.bytes().take_while(u8::is_ascii_digit).count();
+        let is_number = (1..=2).contains(&digits) && line[digits..].starts_with(['.', ')']);
+        let bullet = line.chars().next().filter(|it| "-*+•·–◦▪".contains(*it));
+        let (length, gap) = match bullet {
+            _ if is_fence || ['-', '=', '_', '*'].into_iter().any(is_ruler) => {
+                self.skip(line.len(), Gap::Block);
+                return true;
+            }
+            _ if heading > 0 => (heading, Gap::Block),
+            _ if is_number => (digits + 1, Gap::Item),
+            Some(bullet) => (bullet.len_utf8(), Gap::Item),
+            None => return false,
+        };
+        let is_apart = line[length..].starts_with(char::is_whitespace);
+        if is_apart {
+            self.skip(length, gap);
         }
-        // A ticked box; those that are not ticked are set aside.
-        if ["[x] ", "[X] ", "[✓] ", "[✔] "]
-            .iter()
-            .any(|mark| line.starts_with(mark))
-        {
-            self.skip(line.find(' ').unwrap_or(3), Gap::Item);
-            return true;
-        }
-        let mut letters = line.chars();
-        let (first, second) = (letters.next(), letters.next());
-        let blank = |letter: Option<char>| letter.is_some_and(char::is_whitespace);
-        if matches!(first, Some('-' | '*' | '+' | '•' | '·' | '–' | '◦' | '▪')) && blank(second)
-        {
-            self.skip(first.map_or(0, char::len_utf8), Gap::Item);
-            return true;
-        }
-        let digits = line.len()
-            - line
-                .trim_start_matches(|letter: char| letter.is_ascii_digit())
-                .len();
-        let behind = &line[digits..];
-        let is_number = (1..=2).contains(&digits) && behind.starts_with(['.', ')']);
-        let is_letter =
-            digits == 0 && first.is_some_and(|it| it.is_ascii_lowercase()) && second == Some(')');
-        if (is_number && blank(behind.chars().nth(1))) || (is_letter && blank(line.chars().nth(2)))
-        {
-            self.skip(digits.max(1) + 1, Gap::Item);
-            return true;
-        }
-        false
+        is_apart
     }
 
-    fn begins_decimals(&self, rest: &str) -> bool {
-        let is_joined = self.gap == Gap::None && self.before().is_some_and(char::is_alphanumeric);
-        !is_joined
-            && rest
-                .chars()
-                .nth(1)
-                .is_some_and(|next| next.is_ascii_digit())
+    fn is_in_word(&self) -> bool {
+        self.gap == Gap::None && self.before().is_some_and(char::is_alphanumeric)
     }
 
     fn sign(&mut self, first: char, rest: &'t str) {
         let width = first.len_utf8();
-        if let Some((length, gap)) = formatting(rest) {
-            return self.skip(length, gap);
-        }
         match first {
             '\\' => self.command(rest),
+            '*' => self.star(rest),
             // LaTeX aligns at it.
-            '&' if rest[1..].trim_start().starts_with('=') => self.skip(1, Gap::Space),
-            '*' | '＊' => self.star(rest),
-            '·' | '•' if self.separates(&rest[width..]) => self.push(Kind::Sign('|'), width),
-            '{' | '｛' => {
+            '&' => self.skip(width, Gap::Space),
+            '{' => {
                 self.braces.push(false);
                 self.push(Kind::Sign('{'), width);
             }
-            '}' | '｝' => {
-                if self.braces.pop() == Some(true) {
-                    self.skip(width, Gap::None);
-                } else {
-                    self.push(Kind::Sign('}'), width);
-                }
-            }
+            '}' if self.braces.pop() == Some(true) => self.skip(width, Gap::None),
             '^' => {
-                let circle = rest[1..].trim_start_matches(['{', '\\']);
-                let opened = rest.len() - circle.len();
-                let length = ["circ", "∘", "°", "degree"]
-                    .iter()
-                    .find(|word| circle.starts_with(**word))
-                    .map(|word| opened + word.len());
-                match length {
-                    Some(length) => {
-                        let close = usize::from(rest[length..].starts_with('}'));
-                        self.push(Kind::Sign('°'), length + close);
-                    }
-                    None => self.push(Kind::Sign('^'), width),
-                }
-            }
-            '<' if rest.starts_with("</") => {
-                let length = rest.bytes().take(60).position(|byte| byte == b'>');
-                self.push(Kind::Sign(TAG_END), length.map_or(2, |length| length + 1));
-            }
-            '/' if rest.starts_with("/>") => self.push(Kind::Sign(TAG_END), 2),
-            '_' | '`' | '"' | '\'' | '“' | '”' | '‘' | '’' | '„' | '«' | '»' | '「' | '」'
-            | '『' | '』' | '$' => {
                 self.skip(width, Gap::None);
+                self.wrap();
+            }
+            '<' => match tag(rest) {
+                Some((inside, length)) => self.tag(inside, length),
+                None => self.push(Kind::Sign('<'), width),
+            },
+            _ if "_`\"'“”‘’„«»「」『』$".contains(first) => {
+                self.skip(width, Gap::None)
             }
             _ => self.push(Kind::Sign(plain(first)), width),
         }
     }
 
-    /// A dot between blanks separates fields if a word is behind it: `(10, 20) · Direction: 45 deg`.
-    fn separates(&self, after: &str) -> bool {
-        let behind = after.trim_start_matches([' ', '*', '_', '`']);
-        // `3 · π`, `0.5 · edge`
-        let is_number = { self.found.last() }.is_some_and(|last| last.kind == Kind::Number);
-        let multiplies = is_number && behind.starts_with(char::is_lowercase);
-        self.before() == Some(' ')
-            && after.starts_with(' ')
-            && behind.starts_with(char::is_alphabetic)
-            && !multiplies
-    }
-
-    /// `*` multiplies between two operands; otherwise it is Markdown.
-    fn star(&mut self, rest: &str) {
-        let run = rest.len() - rest.trim_start_matches('*').len();
-        let run = run.max(rest.chars().next().map_or(1, char::len_utf8));
-        let after = rest[run..].chars().next();
-        let joins = |letter: Option<char>| {
-            letter.is_some_and(|it| it.is_alphanumeric() || matches!(it, '(' | 'π'))
-        };
-        let blank = |letter: Option<char>| letter.is_some_and(|it| it == ' ');
-        let before = self.before();
-        let is_between = (blank(before) && blank(after))
-            || (before.is_some_and(|it| it.is_ascii_digit() || it == ')' || it == 'π')
-                && joins(after));
-        if is_between && run <= 2 {
-            self.push(Kind::Sign(if run == 1 { '*' } else { '^' }), run);
+    fn tag(&mut self, inside: &'t str, length: usize) {
+        let name = inside.trim_start_matches('/');
+        let name_length = name.find(|it: char| !it.is_ascii_alphanumeric());
+        let name = &name[..name_length.unwrap_or(name.len())];
+        if let Some((_, gap)) = FORMATTING.iter().find(|(tags, _)| is_any(name, tags)) {
+            self.skip(length, *gap);
+        } else if inside.starts_with('/') {
+            self.push(Kind::Sign(TAG_END), length);
         } else {
-            self.skip(run, Gap::None);
+            self.push(Kind::Tag, length);
+            if let Some(last) = self.found.last_mut() {
+                (last.text, last.at) = (inside, last.at + 1);
+            }
         }
     }
 
-    fn command(&mut self, rest: &'t str) {
-        let name = &rest[1..];
-        let length = name
-            .find(|letter: char| !letter.is_ascii_alphabetic())
-            .unwrap_or(name.len());
-        if length == 0 {
-            // `\(`, `\[`, `\,`, `\%`, `\_`
-            let next = name.chars().next();
-            match next {
-                Some('%' | '#' | '&' | '{' | '}') | None => self.skip(1, Gap::None),
-                Some('\\') => self.skip(2, Gap::Line),
-                Some(next) if next.is_whitespace() => self.skip(1, Gap::Space),
-                Some(next) => self.skip(1 + next.len_utf8(), Gap::None),
-            }
-            return;
-        }
-        // `\begin{aligned}`
-        if let ("begin" | "end", Some(environment)) =
-            (&name[..length], name[length..].strip_prefix('{'))
-        {
-            let letters = environment
-                .find(|letter: char| !(letter.is_ascii_alphabetic() || letter == '*'))
-                .unwrap_or(environment.len());
-            if environment[letters..].starts_with('}') {
-                return self.skip("\\{}".len() + length + letters, Gap::Line);
-            }
-        }
-        if let Some((_, meaning)) = COMMANDS
-            .iter()
-            .find(|(command, _)| *command == &name[..length])
-        {
-            let first = meaning.chars().next().unwrap_or(' ');
-            self.at += 1;
-            if first.is_alphabetic() {
-                // `\dfrac` is `frac`.
-                self.at += length - meaning.len();
-                self.push(Kind::Word, meaning.len());
-            } else {
-                self.push(Kind::Sign(first), length);
-            }
-            return;
-        }
-        if name[..length].starts_with('n') && length != 2 && !name[length..].starts_with('{') {
-            // A line break that was escaped twice: `\nPlace`.
-            self.skip(2, Gap::Line);
-            return;
-        }
-        self.skip(1 + length, Gap::None);
+    /// Skips an opening brace that only wraps: `\text{`.
+    fn wrap(&mut self) {
         if self.rest().starts_with('{') {
             self.braces.push(true);
             self.skip(1, Gap::None);
         }
     }
+
+    /// `*` multiplies between two operands; otherwise it is Markdown.
+    fn star(&mut self, rest: &str) {
+        let run = rest.len() - rest.trim_start_matches('*').len();
+        let after = rest[run..].chars().next().unwrap_or(' ');
+        let before = self.before().unwrap_or(' ');
+        let is_between = (before == ' ' && after == ' ')
+            || ((before.is_ascii_digit() || before == ')')
+                && (after.is_alphanumeric() || after == '('));
+        match is_between && run == 1 {
+            true => self.push(Kind::Sign('*'), 1),
+            false => self.skip(run, Gap::None),
+        }
+    }
+
+    fn command(&mut self, rest: &'t str) {
+        let name = &rest[1..];
+        let length = name.bytes().take_while(u8::is_ascii_alphabetic).count();
+        let (name, behind) = name.split_at(length);
+        // `\(`, `\,`, `\%`
+        if name.is_empty() {
+            let next = behind.chars().next().unwrap_or(' ');
+            let is_line = next == '\\' || next == '\n';
+            let is_kept = "%#&{}".contains(next);
+            let width = if is_kept { 0 } else { next.len_utf8() };
+            let length = (1 + width).min(rest.len());
+            return self.skip(length, if is_line { Gap::Line } else { Gap::None });
+        }
+        let known = COMMANDS
+            .iter()
+            .find(|(names, _)| names.split(' ').any(|it| it == name));
+        if let Some((_, meaning)) = known {
+            self.skip(1, Gap::None);
+            let first = meaning.chars().next().unwrap_or(' ');
+            match first.is_alphabetic() {
+                // `\dfrac` is `frac`.
+                true => {
+                    self.skip(length - meaning.len(), Gap::None);
+                    self.push(Kind::Word, meaning.len());
+                }
+                false => self.push(Kind::Sign(first), length),
+            }
+        } else if name.starts_with('n') && !behind.starts_with('{') {
+            // A line break that was escaped twice: `\nPlace`.
+            self.skip(2, Gap::Line);
+        } else {
+            let is_block = name == "begin" || name == "end" || name == "item";
+            // `\begin{aligned}`
+            let named = if is_block {
+                behind.strip_prefix('{')
+            } else {
+                None
+            };
+            let environment = named.and_then(|it| it.bytes().take(40).position(|it| it == b'}'));
+            let length = length + 1 + environment.map_or(0, |length| length + 2);
+            self.skip(length, if is_block { Gap::Line } else { Gap::None });
+            self.wrap();
+        }
+    }
 }
 
 /// Tags that only format text, and what they put before the next token.
-const FORMATTING: &[(&[&str], Gap)] = &[
+const FORMATTING: [(&str, Gap); 3] = [
     (
-        words!("dl table pre hr h1 h2 h3 h4 details body"),
-        Gap::Block,
+        "dl table pre hr h1 h2 h3 h4 details body li dt tbody tr p br div ul ol center",
+        Gap::Line,
     ),
-    (words!("dt tbody tr p br div ul ol center"), Gap::Line),
-    (words!("dd th td"), Gap::Space),
-    (
-        words!("b strong i em u code kbd mark span font sub"),
-        Gap::None,
-    ),
-    (words!("li"), Gap::Item),
+    ("dd th td", Gap::Space),
+    ("b strong i em u code kbd mark span font sub", Gap::None),
 ];
 
-/// Returns the length of a tag that only formats text.
-fn formatting(text: &str) -> Option<(usize, Gap)> {
-    let inside = text.strip_prefix('<')?.trim_start_matches('/');
-    let opened = text.len() - inside.len();
-    let name = inside.find(|letter: char| !letter.is_ascii_alphanumeric())?;
-    let (_, gap) = FORMATTING
-        .iter()
-        .find(|(tags, _)| wordlist::is_any(&inside[..name], tags))?;
-    let end = inside.bytes().take(80).position(|byte| byte == b'>')?;
-    Some((opened + end + 1, *gap))
+/// The longest tag, bytes.
+const MAX_TAG: usize = 120;
+
+/// Returns what stands between the brackets of a tag at the start of a text, and the length of the whole.
+fn tag(text: &str) -> Option<(&str, usize)> {
+    let inside = text.strip_prefix('<')?;
+    let length = inside.bytes().take(MAX_TAG).position(|it| it == b'>')?;
+    let inside = &inside[..length];
+    let name = inside.trim_start_matches('/');
+    let is_tag = name.starts_with(|it: char| it.is_ascii_alphabetic()) && !inside.contains('\n');
+    is_tag.then_some((inside, length + 2))
+}
+
+/// Returns the plain form of a character of full width: `(` for `（`.
+fn narrow(letter: char) -> char {
+    match letter {
+        '！'..='～' => char::from_u32(u32::from(letter) - 0xfee0).unwrap_or(letter),
+        _ => letter,
+    }
 }
 
 /// Returns a decimal digit, of normal or full width.
 pub(super) fn digit(letter: char) -> Option<char> {
-    match letter {
-        '0'..='9' => Some(letter),
-        '０'..='９' => char::from_u32(u32::from(letter) - u32::from('０') + u32::from('0')),
-        _ => None,
-    }
+    Some(narrow(letter)).filter(char::is_ascii_digit)
 }
 
 fn number_length(text: &str) -> usize {
     let digits = |text: &str| {
-        text.find(|letter| digit(letter).is_none())
-            .unwrap_or(text.len())
+        let length = text.find(|letter| digit(letter).is_none());
+        length.unwrap_or(text.len())
     };
     let whole = digits(text);
-    match text[whole..].chars().next() {
-        Some(point @ ('.' | '．')) => {
-            let decimals = digits(&text[whole + point.len_utf8()..]);
-            if decimals == 0 {
-                whole
-            } else {
-                whole + point.len_utf8() + decimals
-            }
-        }
-        _ => whole,
+    let Some(behind) = text[whole..].strip_prefix(['.', '．']) else {
+        return whole;
+    };
+    match digits(behind) {
+        0 => whole,
+        decimals => text.len() - behind.len() + decimals,
     }
 }
 
@@ -461,41 +386,22 @@ fn is_invisible(letter: char) -> bool {
         || letter.is_control()
 }
 
-/// Returns whether a character is a picture that says nothing; crosses and arrows do.
-fn is_emoji(letter: char) -> bool {
-    matches!(letter, '\u{fe0f}' | '\u{2600}'..='\u{27bf}' | '\u{1f300}'..='\u{1faff}')
-        && !matches!(
-            letter,
-            '✗' | '✘' | '❌' | '➔' | '➜' | '➡' | '🚫' | '❨' | '❩'
-        )
-}
-
 /// Returns the plain form of a sign.
 fn plain(sign: char) -> char {
-    match sign {
-        '（' | '❨' => '(',
-        '）' | '❩' => ')',
-        '［' | '【' | '⟦' => '[',
-        '］' | '】' | '⟧' => ']',
-        '〈' | '⟨' | '＜' => '<',
-        '〉' | '⟩' | '＞' => '>',
-        '，' | '、' => ',',
-        '：' | '∶' => ':',
-        '；' => ';',
-        '。' | '．' => '.',
-        '＝' => '=',
-        '－' | '−' | '﹣' | '‐' | '‑' => '-',
+    match narrow(sign) {
+        '【' => '[',
+        '】' => ']',
+        '⟨' => '<',
+        '⟩' => '>',
+        '、' => ',',
+        '。' => '.',
+        '−' | '‐' | '‑' => '-',
         '—' | '―' | '‒' => '–',
-        '＋' => '+',
-        '／' | '÷' | '∕' | '⁄' => '/',
+        '÷' | '∕' | '⁄' => '/',
         '×' | '·' | '⋅' | '∗' => '*',
-        '％' => '%',
-        '｜' => '|',
         '⇒' | '⟶' | '➜' | '➔' | '➡' | '⟹' => '→',
-        '≃' | '≅' | '～' | '~' => '≈',
+        '≃' | '≅' | '~' => '≈',
         'º' | '˚' | '∘' => '°',
-        '！' => '!',
-        '？' => '?',
-        _ => sign,
+        narrow => narrow,
     }
 }

@@ -1,40 +1,30 @@
-//! Reads the answers of models by the task's declarations.
+//! Reads the answers of models by the task's declarations, and by their form alone.
 //!
 //! In: an answer. Out: its values and every tolerated deviation, or a message to the model about what is wrong. An
-//! answer that contradicts itself is rejected, never guessed at. [`crate::verify`] decides whether the values are
-//! allowed.
+//! answer to a schema is read exactly; another one by its objects and labelled statements. One that states two values
+//! is rejected, never guessed at, and prose is not read. [`crate::verify`] decides whether the values are allowed.
 
 mod action;
-mod around;
 mod aside;
-mod candidates;
-mod choice;
-mod chosen;
 mod claim;
-mod claims;
-mod corners;
 mod cursor;
 mod data;
-mod doubt;
 mod lexer;
 mod names;
 mod object;
+mod phrases;
 mod point;
 mod quantity;
 mod reading;
-mod remarks;
 mod schema;
-mod sentences;
-mod sizes;
+mod statements;
+mod structured;
 mod text;
 mod value;
-mod ways;
-mod wordlist;
-mod words;
 
 pub use action::{read_action, read_action_in, read_fields};
-pub use aside::Aside;
-pub use claims::{Standing, standing};
+pub use aside::{Aside, Standing, standing};
 pub use reading::{MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed, Reading, Stated};
-pub use schema::{schema, schema_in, static_schema};
+pub use schema::{for_stage, schema_in, static_schema, text_schema};
 pub use text::read_text;
+pub use value::SAME_DEG;

@@ -1,502 +1,241 @@
-//! Finds where an answer names the fields of an action.
+//! Finds where an answer labels a field: `Pick Point =`, `**Direction (deg):**`, `<parameter=pick>`.
 //!
-//! In: the fields and the tokens of an answer. Out: each mention, in order. A name inside a longer one (`angle` in
-//! `Tip angle`) belongs to the longer one.
+//! In: the fields and the tokens of an answer. Out: the label at a token, if there is one. A name inside a longer one
+//! (`angle` in `Tip angle`) belongs to the longer one.
 
 use super::cursor::Cursor;
-use super::lexer::{self, Gap, Token};
-use super::quantity;
-use super::words;
+use super::lexer::{self, Gap, Kind, TAG_END, Token};
 use crate::data::actions::{ActionField, Choices};
 
-/// How a field is mentioned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Form {
-    /// By its name.
-    Name,
-    /// By a verb: `grasp` for `pick`.
-    Verb,
-    /// By a verb that needs `to` before the point: `move it to`.
-    VerbTo,
-    /// By a verb after `be`: `should be grasped at`.
-    Passive,
-    /// By a word for both points, `pull the corner at`, `my choice is`, where there is no field `place`.
-    VerbAt,
-    /// The same after `be`: `should be pulled`.
-    PassiveAt,
+/// Words that may follow a field's name, by its kind.
+const POINT_NOUNS: &str =
+    "point points position location coord coords coordinate coordinates pixel xy";
+const ANGLE_NOUNS: &str = "angle value deg degrees";
+const LENGTH_NOUNS: &str = "length value fraction";
+const WORD_NOUNS: &str = "strength type value force";
+
+/// The most tokens of a remark in brackets between a name and its sign, `(x, y)`.
+const MAX_REMARK: usize = 14;
+
+/// The names of an action's fields.
+pub(super) struct Names {
+    names: Vec<Name>,
 }
 
-/// A place where a field is named.
+/// A field, by its index, and `x` or `y` if one coordinate is named.
+pub(super) type Key = (usize, Option<char>);
+
+struct Name {
+    field: usize,
+    words: Vec<String>,
+    /// Nouns that may follow it, and its own unit.
+    nouns: String,
+    is_point: bool,
+}
+
+/// A label, and what follows it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Mention {
+pub(super) struct Label {
     /// The field, by its index.
     pub field: usize,
-    pub form: Form,
-    /// Its first token.
-    pub at: usize,
+    /// `x` or `y` if it labels one coordinate: `pick_x`.
+    pub axis: Option<char>,
     /// The token after it.
     pub end: usize,
+    /// Whether the sign is the asked form's, `=`, or an arrow.
+    pub is_exact: bool,
 }
 
-/// Words for the fields `pick` and `place`.
-const VERBS: [(&str, &[&str], Form); 8] = [
-    (
-        "pick",
-        &[
-            "picking", "picks", "grasp", "grasps", "grasping", "grab", "grabs", "grabbing",
-            "pickup", "pinch", "pinches", "seize", "seizes", "catch", "snatch", "clutch", "clamp",
-            "pluck",
-        ],
-        Form::Verb,
-    ),
-    (
-        "place",
-        &[
-            "placing",
-            "places",
-            "put",
-            "puts",
-            "putting",
-            "drop",
-            "drops",
-            "dropping",
-            "release",
-            "releases",
-            "releasing",
-            "lay",
-            "lays",
-            "laying",
-            "deposit",
-            "deposits",
-        ],
-        Form::Verb,
-    ),
-    (
-        "place",
-        &[
-            "move", "moves", "moving", "drag", "drags", "dragging", "bring", "brings", "bringing",
-            "carry", "carries", "fold", "folds", "folding", "pull",
-        ],
-        Form::VerbTo,
-    ),
-    ("pick", &["choice"], Form::VerbAt),
-    (
-        "pick",
-        &["picked", "grasped", "grabbed", "gripped", "pinched"],
-        Form::Passive,
-    ),
-    (
-        "place",
-        &["placed", "dropped", "released", "put"],
-        Form::Passive,
-    ),
-    (
-        "pick",
-        &[
-            "pull", "pulls", "pulling", "drag", "drags", "dragging", "move", "moves", "moving",
-        ],
-        Form::VerbAt,
-    ),
-    ("pick", &["pulled", "dragged", "moved"], Form::PassiveAt),
-];
-
-/// The same of two words, `take hold of the cloth at`, `let go of it at`: the first one's forms, and the second one.
-const PAIRS: [(&str, &[&str], &str); 2] = [
-    ("pick", &["take", "takes", "taking", "get"], "hold"),
-    ("place", &["let", "lets", "letting"], "go"),
-];
-
-/// Other labels that models give to a field, read only where its value follows: `Target: (30, 40)`.
-///
-/// The first word is a field's name, or the kind of which there is one field.
-const LABELS: [(&str, &[&str]); 4] = [
-    (
-        "pick",
-        &[
-            "from",
-            "source",
-            "start",
-            "pick up",
-            "take",
-            "take from",
-            "take hold at",
-            "grip at",
-            "begin",
-            "begin at",
-            "start at",
-            "pick up location",
-            "where to pick",
-            "where to pinch",
-            "where to grasp",
-        ],
-    ),
-    (
-        "place",
-        &[
-            "to",
-            "target",
-            "destination",
-            "end",
-            "drop off",
-            "put down",
-            "put to",
-            "let go",
-            "let go at",
-            "goes to",
-            "end at",
-            "finish",
-            "finish at",
-            "drop off location",
-            "where to place",
-        ],
-    ),
-    (
-        "angle",
-        &[
-            "angle",
-            "direction",
-            "pull direction",
-            "pull angle",
-            "approach angle",
-            "heading",
-            "dir",
-            "which way",
-            "towards",
-        ],
-    ),
-    (
-        "length",
-        &[
-            "pull length",
-            "pull distance",
-            "travel distance",
-            "dist",
-            "how far",
-        ],
-    ),
-];
-
-/// Words that may follow the name of a field that is a point.
-pub(super) const POINT_NOUNS: [&str; 8] = [
-    "point",
-    "pixel",
-    "position",
-    "location",
-    "coordinates",
-    "coordinate",
-    "coords",
-    "pt",
-];
-
-/// Words that may follow the name of any other field.
-pub(super) const NOUNS: [&str; 6] = ["angle", "value", "choice", "length", "type", "magnitude"];
-
-/// Returns whether a field is a direction that may lead to every side of the picture.
-pub(super) fn is_compass(field: &ActionField) -> bool {
-    match &field.choices {
-        Choices::Directions { choices } => [0.0, 90.0, 180.0, 270.0]
-            .iter()
-            .all(|deg| choices.iter().any(|choice| choice.deg == *deg)),
-        _ => false,
-    }
-}
-
-/// Returns each mention of a field, in the order of the answer.
-pub(super) fn mentions(fields: &[ActionField], tokens: &[Token<'_>]) -> Vec<Mention> {
-    let names: Vec<Vec<Token<'_>>> = fields
-        .iter()
-        .map(|field| lexer::tokens(&field.name))
-        .collect();
-    let mut found: Vec<Mention> = Vec::new();
-    let mut labels: Vec<usize> = Vec::new();
-    let mut at = 0;
-    while at < tokens.len() {
-        let mut longest: Option<Mention> = None;
-        let mut equal: Vec<Mention> = Vec::new();
-        for (field, name) in names.iter().enumerate() {
-            let mut cursor = Cursor::at(tokens, at);
-            if !words::eat(&mut cursor, name)
-                || is_part(tokens, at, cursor.at)
-                || is_qualifier(tokens, cursor.at)
-            {
-                continue;
-            }
-            // `Direction Point` is the point of that name, where both are fields.
-            let mut claimed = cursor.at;
-            if fields[field].is_point() && cursor.eat_word("point") {
-                claimed = cursor.at;
-            }
-            let mention = Mention {
-                field,
-                form: Form::Name,
-                at,
-                end: at + name_length(name, tokens, at),
+impl Names {
+    pub fn of(fields: &[ActionField]) -> Names {
+        let mut names = Vec::new();
+        for (field, declared) in fields.iter().enumerate() {
+            let nouns = match declared.choices {
+                Choices::Points { .. } | Choices::Region { .. } => POINT_NOUNS.to_owned(),
+                Choices::Directions { .. } => ANGLE_NOUNS.to_owned(),
+                Choices::Lengths { unit, .. } => {
+                    let words: Vec<&str> = unit.words().collect();
+                    format!("{LENGTH_NOUNS} {}", words.join(" ").replace('/', " "))
+                }
+                Choices::Words { .. } => WORD_NOUNS.to_owned(),
             };
-            match longest {
-                Some(known) if claimed_end(fields, tokens, &known) > claimed => {}
-                Some(known) if claimed_end(fields, tokens, &known) == claimed => {
-                    equal.push(mention)
-                }
-                _ => {
-                    longest = Some(mention);
-                    equal.clear();
-                }
-            }
+            let words = declared.name.split('_').filter(|word| !word.is_empty());
+            names.push(Name {
+                field,
+                words: words.map(str::to_owned).collect(),
+                nouns,
+                is_point: declared.is_point(),
+            });
         }
-        if longest.is_none() {
-            let label =
-                other_label(fields, tokens, at).or_else(|| misspelt(fields, &names, tokens, at));
-            labels.extend(label.map(|mention| mention.at));
-            longest = label.or_else(|| verb(fields, tokens, at));
-        }
-        match longest {
-            Some(mention) => {
-                let end = claimed_end(fields, tokens, &mention);
-                found.push(mention);
-                // Fields that are named alike are kept, for the proof to find.
-                found.extend(equal);
-                at = end.max(at + 1);
-            }
-            None => at += 1,
-        }
+        names.sort_by_key(|name| std::cmp::Reverse(name.words.len()));
+        Names { names }
     }
-    // `From: (10, 20)` may tell of a crease where the field has its own line.
-    let is_other = |mention: &Mention| labels.binary_search(&mention.at).is_ok();
-    let mut is_named = vec![false; fields.len()];
-    for mention in found
-        .iter()
-        .filter(|it| it.form == Form::Name && !is_other(it))
-    {
-        is_named[mention.field] = true;
+
+    /// Returns the field that a text names, and the coordinate: `pick_x`, `Pick Point`.
+    pub fn key(&self, key: &str) -> Option<Key> {
+        let tokens = lexer::tokens(key);
+        let mut cursor = Cursor::at(&tokens, 0);
+        let (name, axis) = self.name(&mut cursor)?;
+        skip_remark(&mut cursor, name);
+        cursor.rest().is_empty().then_some((name.field, axis))
     }
-    found.retain(|mention| !(is_other(mention) && is_named[mention.field]));
-    found
-}
 
-fn name_length(name: &[Token<'_>], tokens: &[Token<'_>], at: usize) -> usize {
-    let mut cursor = Cursor::at(tokens, at);
-    words::eat(&mut cursor, name);
-    cursor.at - at
-}
-
-fn claimed_end(fields: &[ActionField], tokens: &[Token<'_>], mention: &Mention) -> usize {
-    let mut cursor = Cursor::at(tokens, mention.end);
-    if fields[mention.field].is_point() {
-        cursor.eat_word("point");
-    }
-    cursor.at
-}
-
-/// Returns whether these tokens are only a part of a longer word: `non-grip`.
-fn is_part(tokens: &[Token<'_>], at: usize, end: usize) -> bool {
-    let joins = |index: usize| {
-        tokens
-            .get(index)
-            .is_some_and(|token| token.is_sign('-') && token.gap == Gap::None)
-            && tokens
-                .get(index + 1)
-                .is_some_and(|token| token.gap == Gap::None && token.kind == lexer::Kind::Word)
-    };
-    let follows = tokens.get(end).is_some_and(|next| next.is_sign('-'))
-        && joins(end)
-        && !tokens
-            .get(end + 1)
-            .is_some_and(|next| next.is_any(&POINT_NOUNS) || next.is_any(&["x", "y", "and"]));
-    (at >= 2 && joins(at - 1) && tokens[at].gap == Gap::None && !tokens[at - 2].is("and"))
-        || follows
-}
-
-/// Returns whether a name only qualifies the word after it: `Grip.SOFT`.
-fn is_qualifier(tokens: &[Token<'_>], end: usize) -> bool {
-    let is_point = tokens
-        .get(end)
-        .is_some_and(|next| next.is_sign('.') && next.gap == Gap::None);
-    is_point
-        && tokens.get(end + 1).is_some_and(|next| {
-            next.gap == Gap::None
-                && next.kind == lexer::Kind::Word
-                && !next.is_any(&["x", "y", "u", "v"])
+    /// Returns the field whose name is among a key's words: `alternative_pick`, `pick_2`.
+    pub fn within(&self, key: &str) -> Option<usize> {
+        let tokens = lexer::tokens(key);
+        (0..tokens.len()).find_map(|at| {
+            let name = self.name(&mut Cursor::at(&tokens, at))?.0;
+            Some(name.field)
         })
-}
-
-/// Returns the field that a line's label means by another name, if its sign and a number follow.
-fn other_label(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Mention> {
-    if tokens[at].gap < Gap::Line {
-        return None;
     }
-    let mut cursor = Cursor::at(tokens, at);
-    let field = eat_label(fields, &mut cursor)?;
-    let end = cursor.at;
-    skip_nouns(&mut cursor, &fields[field]);
-    let is_signed = cursor.eat_signs(&[':', '=']).is_some();
-    (is_signed && quantity::begins(cursor)).then_some(Mention {
-        field,
-        form: Form::Name,
-        at,
-        end,
-    })
-}
 
-/// Returns the field whose name begins a line with a slip in one of its words, if its sign follows: `Tip Angel = `.
-fn misspelt(
-    fields: &[ActionField],
-    names: &[Vec<Token<'_>>],
-    tokens: &[Token<'_>],
-    at: usize,
-) -> Option<Mention> {
-    if tokens[at].gap < Gap::Line {
-        return None;
-    }
-    (0..fields.len()).find_map(|field| {
-        let end = at + names[field].len();
-        let written = tokens.get(at..end)?.iter().zip(&names[field]);
-        let mut n_slips = 0;
-        for (word, meant) in written {
-            if !word.is(meant.text) {
-                n_slips += 1;
-                if !is_slip(&word.text.to_lowercase(), meant.text) {
-                    return None;
-                }
-            }
+    /// Returns the label that begins at a token.
+    pub fn label(&self, tokens: &[Token<'_>], at: usize) -> Option<Label> {
+        let first = tokens.get(at)?;
+        if first.kind == Kind::Tag {
+            let (field, axis) = self.key(tag_name(first.text))?;
+            return Some(Label {
+                field,
+                axis,
+                // The point of `<point x="61.5" y="40.6" alt="pick point">` is in the tag itself.
+                end: at + usize::from(!first.text.starts_with("point")),
+                is_exact: true,
+            });
         }
-        let mut cursor = Cursor::at(tokens, end);
-        skip_nouns(&mut cursor, &fields[field]);
-        let is_signed = cursor.eat_signs(&[':', '=']).is_some();
-        (n_slips == 1 && is_signed).then_some(Mention {
-            field,
-            form: Form::Name,
-            at,
-            end,
-        })
-    })
-}
-
-/// The fewest letters of a word of which one may be wrong.
-const MIN_SLIP: usize = 5;
-
-/// Returns whether one letter of a word is missing, added, changed, or exchanged with the next one.
-fn is_slip(word: &str, meant: &str) -> bool {
-    meant.chars().count() >= MIN_SLIP && strsim::osa_distance(word, meant) == 1
-}
-
-/// Moves past one of [`LABELS`], and returns its field.
-pub(super) fn eat_label(fields: &[ActionField], cursor: &mut Cursor<'_, '_>) -> Option<usize> {
-    let start = *cursor;
-    LABELS.iter().find_map(|(means, labels)| {
-        let longest = labels
-            .iter()
-            .filter_map(|label| {
-                let mut ahead = start;
-                words::eat(&mut ahead, &lexer::tokens(label)).then_some(ahead.at)
-            })
-            .max()?;
-        let field = match *means {
-            "angle" => only(fields, |it| {
-                matches!(it.choices, Choices::Directions { .. })
-            }),
-            "length" => only(fields, |it| {
-                matches!(it.choices, Choices::Lengths { .. }) && it.name == "distance"
-            }),
-            name => only(fields, |it| it.name == name && it.is_point()),
-        }?;
-        cursor.at = longest;
-        Some(field)
-    })
-}
-
-/// Returns the index of the only field of a kind.
-pub(super) fn only(
-    fields: &[ActionField],
-    is_wanted: impl Fn(&ActionField) -> bool,
-) -> Option<usize> {
-    let mut found = (0..fields.len()).filter(|field| is_wanted(&fields[*field]));
-    found.next().filter(|_| found.next().is_none())
-}
-
-fn verb(fields: &[ActionField], tokens: &[Token<'_>], at: usize) -> Option<Mention> {
-    // `for the first fold`
-    let is_noun = at > 0
-        && tokens[at - 1].is_any(&[
-            "the", "a", "this", "that", "each", "every", "first", "second", "third", "next",
-            "last", "has", "have", "had",
-        ]);
-    if is_noun {
-        return None;
-    }
-    // `which puts the crease at (10, 20)`
-    let is_effect = at > 0
-        && tokens[at - 1].is_any(&["which", "that", "this"])
-        && tokens[at].is_any(&[
-            "puts", "drops", "releases", "moves", "brings", "drags", "pulls",
-        ]);
-    if is_effect {
-        return None;
-    }
-    let is_passive = at > 0 && tokens[at - 1].is_any(&["be", "is"]);
-    let has = |wanted: &str| {
-        fields
-            .iter()
-            .position(|field| field.name == wanted && field.is_point())
-    };
-    let pair = PAIRS
-        .iter()
-        .find(|(_, verbs, behind)| at > 0 && tokens[at].is(behind) && tokens[at - 1].is_any(verbs));
-    // `It lets go once the line from (10, 20) is vertical.`
-    let is_time = tokens.get(at + 1).is_some_and(|next| {
-        next.is_any(&["once", "when", "after", "until", "from", "before", "as"])
-    });
-    if let Some(field) = pair.filter(|_| !is_time).and_then(|(name, ..)| has(name)) {
-        return Some(Mention {
-            field,
-            form: Form::Verb,
-            at,
-            end: at + 1,
+        let is_inside = at.checked_sub(1).is_some_and(|before| {
+            first.gap == Gap::None
+                && matches!(
+                    tokens[before].kind,
+                    Kind::Word | Kind::Number | Kind::Sign('-')
+                )
         });
-    }
-    let (name, _, form) = VERBS.iter().find(|(name, verbs, form)| {
-        let is_shared = matches!(form, Form::VerbAt | Form::PassiveAt);
-        tokens[at].is_any(verbs)
-            && matches!(form, Form::Passive | Form::PassiveAt) == is_passive
-            && has(name).is_some()
-            && !(is_shared && has("place").is_some())
-    })?;
-    Some(Mention {
-        field: has(name)?,
-        form: *form,
-        at,
-        end: at + 1,
-    })
-}
-
-/// Returns the field that a label names, and the tokens after its name and noun.
-pub(super) fn labelled<'a, 't>(
-    fields: &[ActionField],
-    label: &'a [Token<'t>],
-) -> Option<(usize, &'a [Token<'t>])> {
-    let mut cursor = Cursor::new(label);
-    cursor.skip(&["the", "my", "final", "chosen", "selected"], &[]);
-    let mention = mentions(fields, &label[cursor.at..]).into_iter().next()?;
-    if mention.at != 0 || mention.form != Form::Name {
-        return None;
-    }
-    cursor.at += mention.end;
-    skip_nouns(&mut cursor, &fields[mention.field]);
-    Some((mention.field, cursor.rest()))
-}
-
-/// Skips nouns after a field's name.
-pub(super) fn skip_nouns(cursor: &mut Cursor<'_, '_>, field: &ActionField) {
-    let nouns = if field.is_point() {
-        &POINT_NOUNS[..]
-    } else {
-        &NOUNS
-    };
-    loop {
-        let before = *cursor;
-        cursor.eat_sign('-');
-        if !cursor.eat_any(nouns) {
-            *cursor = before;
-            return;
+        if is_inside {
+            return None;
         }
+        let mut cursor = Cursor::at(tokens, at);
+        let (name, axis) = self.name(&mut cursor)?;
+        skip_remark(&mut cursor, name);
+        let is_alone =
+            first.gap >= Gap::Item && cursor.peek().is_some_and(|next| next.gap >= Gap::Line);
+        let behind = cursor.at;
+        let has_sign = is_alone || sign(&mut cursor);
+        // `Pick Point = (x, y) = (10, 20)`
+        let mut repeated = cursor;
+        skip_remark(&mut repeated, name);
+        if has_sign && repeated.at > cursor.at && sign(&mut repeated) {
+            cursor = repeated;
+        }
+        if !has_sign && !is(&mut cursor) {
+            return None;
+        }
+        let is_exact = tokens[behind..cursor.at]
+            .iter()
+            .any(|it| it.is_sign('=') || it.is_sign('→') || it.is_sign(TAG_END));
+        Some(Label {
+            field: name.field,
+            axis,
+            end: cursor.at,
+            is_exact,
+        })
     }
+
+    /// Reads the longest name with its nouns, and moves past it.
+    fn name(&self, cursor: &mut Cursor<'_, '_>) -> Option<(&Name, Option<char>)> {
+        let first = cursor.peek().filter(|it| it.kind == Kind::Word)?;
+        self.names.iter().find_map(|name| {
+            if !first.is_any(&name.words[0]) {
+                return None;
+            }
+            let mut ahead = *cursor;
+            let joins = |ahead: &mut Cursor<'_, '_>| {
+                let _ = ahead.at > cursor.at
+                    && ahead.is_joined()
+                    && ahead.eat_signs(&['-', '.']).is_some();
+                ahead.peek().is_some_and(|it| it.gap < Gap::Line)
+            };
+            let mut words = name.words.iter();
+            if !words
+                .all(|word| (ahead.at == cursor.at || joins(&mut ahead)) && ahead.eat_any(word))
+            {
+                return None;
+            }
+            let _ = (0..MAX_REMARK).all(|_| joins(&mut ahead) && ahead.eat_any(&name.nouns));
+            let mut axis = None;
+            if name.is_point && joins(&mut ahead) {
+                axis = ['x', 'y']
+                    .into_iter()
+                    .find(|it| ahead.eat_any(it.encode_utf8(&mut [0; 4])));
+            }
+            *cursor = ahead;
+            Some((name, axis))
+        })
+    }
+}
+
+/// Returns the name in a tag: `pick` of `parameter=pick`, `arg name="pick"` and `pick`.
+fn tag_name(inside: &str) -> &str {
+    let is_mark = |letter: char| matches!(letter, '"' | '\'' | ' ' | '/');
+    match inside.rsplit_once('=') {
+        Some((_, name)) => name.trim_matches(is_mark),
+        None => inside.trim_end_matches(is_mark),
+    }
+}
+
+/// Skips `(x, y)`, `[mm]` and the like after a name; what may change a value is not skipped.
+fn skip_remark(cursor: &mut Cursor<'_, '_>, name: &Name) {
+    /// What may change a value, if it is not the field's own unit.
+    const CHANGING: &str =
+        "clockwise not old previous alternative wrong % rad radians percent mm cm m edge edges";
+    let mut ahead = *cursor;
+    let Some(open) = ahead.eat_signs(&['(', '[']) else {
+        return;
+    };
+    let mut inside = ahead.rest().iter().take(MAX_REMARK);
+    let Some(length) = inside.position(|it| it.is_sign(super::point::closing(open))) else {
+        return;
+    };
+    let inside = &ahead.rest()[..length];
+    let changes = |it: &Token<'_>| {
+        matches!(it.kind, Kind::Number | Kind::Tag)
+            || it.gap >= Gap::Line
+            || (lexer::is_any(it.text, CHANGING) && !it.is_any(&name.nouns))
+    };
+    let mut axes = inside
+        .iter()
+        .filter(|it| it.is_any("x u col column y v row"));
+    let is_swapped = name.is_point && axes.next().is_some_and(|it| it.is_any("y v row"));
+    if !is_swapped && !inside.iter().any(changes) {
+        cursor.at = ahead.at + length + 1;
+    }
+}
+
+/// Skips the sign between a name and its value.
+fn sign(cursor: &mut Cursor<'_, '_>) -> bool {
+    let start = *cursor;
+    // `<arg_key>pick</arg_key><arg_value>`
+    let is_value = |it: &Token<'_>| it.kind == Kind::Tag && !it.text.starts_with("point");
+    if cursor.eat_sign(TAG_END) && cursor.peek().is_some_and(is_value) {
+        cursor.at += 1;
+        return true;
+    }
+    *cursor = start;
+    while cursor.peek().is_some_and(|it| it.gap < Gap::Line)
+        && cursor.eat_signs(&['=', ':', '→', '≈']).is_some()
+    {}
+    if cursor.at > start.at {
+        return true;
+    }
+    let is_apart = |cursor: &Cursor<'_, '_>| cursor.peek().is_some_and(|it| it.gap >= Gap::Space);
+    if is_apart(cursor) && cursor.eat_signs(&['-', '–']).is_some() && is_apart(cursor) {
+        return true;
+    }
+    *cursor = start;
+    false
+}
+
+/// Skips `is`, `is at`.
+fn is(cursor: &mut Cursor<'_, '_>) -> bool {
+    let found = cursor.eat_any("is");
+    cursor.eat_any("at");
+    found && !cursor.peek().is_some_and(|it| it.is_any("not"))
 }

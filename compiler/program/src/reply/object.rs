@@ -42,36 +42,48 @@ pub(super) fn objects(text: &str) -> Vec<Node> {
     let mut at = 0;
     while let Some(length) = text[at..].find(['{', '[']) {
         let start = at + length;
-        let mut parser = Parser {
-            text,
-            at: start,
-            deepest: start,
-        };
-        match parser.value(0) {
+        let (node, deepest) = parse(text, start);
+        at = match node {
             Some(node) if holds_members(&node) => {
-                at = node.span.end;
+                let end = node.span.end;
                 found.push(node);
+                end
             }
-            Some(_) => at = start + 1,
+            Some(_) => start + 1,
             // What was looked at and is no object is not looked at again.
-            None => at = parser.deepest.max(start + 1),
-        }
-        while !text.is_char_boundary(at) {
-            at += 1;
-        }
+            None => text.ceil_char_boundary(deepest.max(start + 1)),
+        };
     }
     found
 }
 
 /// Parses a whole text as one object.
-pub(super) fn whole(text: &str) -> Option<Node> {
+fn whole(text: &str) -> Option<Node> {
     let start = text.len() - text.trim_start().len();
+    parse(text, start).0.filter(holds_members)
+}
+
+/// Parses a value; returns it, and how far an object was recognised before it turned out to be none.
+fn parse(text: &str, start: usize) -> (Option<Node>, usize) {
     let mut parser = Parser {
         text,
         at: start,
         deepest: start,
     };
-    parser.value(0).filter(holds_members)
+    (parser.value(0), parser.deepest)
+}
+
+/// Moves a value, with all that is in it, to another place.
+fn move_to(node: &mut Node, span: &Range<usize>) {
+    node.span = span.clone();
+    match &mut node.shape {
+        Shape::Object(members) => members.iter_mut().for_each(|member| {
+            member.at = span.start;
+            move_to(&mut member.value, span);
+        }),
+        Shape::List(items) => items.iter_mut().for_each(|item| move_to(item, span)),
+        Shape::Text(_) | Shape::Bare(_) => {}
+    }
 }
 
 fn holds_members(node: &Node) -> bool {
@@ -85,12 +97,11 @@ fn holds_members(node: &Node) -> bool {
 struct Parser<'t> {
     text: &'t str,
     at: usize,
-    /// How far an object was recognised before it turned out to be none.
     deepest: usize,
 }
 
-impl Parser<'_> {
-    fn rest(&self) -> &str {
+impl<'t> Parser<'t> {
+    fn rest(&self) -> &'t str {
         &self.text[self.at..]
     }
 
@@ -98,21 +109,22 @@ impl Parser<'_> {
         self.rest().chars().next()
     }
 
+    fn eat(&mut self, letter: char) -> bool {
+        let is_there = self.rest().starts_with(letter);
+        self.at += if is_there { letter.len_utf8() } else { 0 };
+        is_there
+    }
+
+    /// Skips white space and comments.
     fn blanks(&mut self) {
         loop {
-            let rest = self.rest();
-            let trimmed = rest.trim_start();
-            let comment = trimmed.starts_with("//") || trimmed.starts_with("# ");
-            let skipped = rest.len() - trimmed.len();
-            let line = if comment {
-                trimmed.find('\n').unwrap_or(trimmed.len())
-            } else {
-                0
-            };
-            self.at += skipped + line;
-            if line == 0 {
+            let rest = self.rest().trim_start();
+            self.at = self.text.len() - rest.len();
+            if !rest.starts_with("//") && !rest.starts_with("# ") {
                 return;
             }
+            self.at += rest.find('\n').unwrap_or(rest.len());
+            self.deepest = self.at;
         }
     }
 
@@ -125,7 +137,17 @@ impl Parser<'_> {
             '{' => self.object(depth)?,
             '[' => self.list(']', depth)?,
             '(' => self.list(')', depth)?,
-            mark @ ('"' | '\'' | '“') => Shape::Text(self.string(mark)?),
+            mark @ ('"' | '\'' | '“') => {
+                let text = self.string(mark)?;
+                // The arguments of a call are often an object in a string, which says where they stand.
+                match whole(&text) {
+                    Some(mut inner) => {
+                        move_to(&mut inner, &(start..self.at));
+                        inner.shape
+                    }
+                    None => Shape::Text(text),
+                }
+            }
             _ => self.bare()?,
         };
         Some(Node {
@@ -139,47 +161,41 @@ impl Parser<'_> {
         let mut members = Vec::new();
         loop {
             self.blanks();
-            match self.peek()? {
-                '}' => {
-                    self.at += 1;
-                    return Some(Shape::Object(members));
-                }
-                ',' => {
-                    self.at += 1;
-                    continue;
-                }
-                _ => {}
+            if self.eat('}') {
+                return Some(Shape::Object(members));
+            }
+            if self.eat(',') {
+                continue;
             }
             let at = self.at;
-            let key = match self.peek()? {
-                mark @ ('"' | '\'' | '“') => self.string(mark)?,
-                _ => {
-                    let is_key = |letter: char| {
-                        letter.is_alphanumeric() || matches!(letter, '_' | '-' | '.')
-                    };
-                    let length = self.rest().find(|letter| !is_key(letter))?;
-                    if length == 0 {
-                        return None;
-                    }
-                    let key = self.rest()[..length].to_owned();
-                    self.at += length;
-                    key
-                }
-            };
+            let key = self.key()?;
             self.blanks();
-            if !matches!(self.peek()?, ':' | '：' | '=') {
+            if !self.eat(':') && !self.eat('：') && !self.eat('=') {
                 return None;
             }
-            self.at += self.peek()?.len_utf8();
             self.blanks();
             let value = self.value(depth + 1)?;
             members.push(Member { key, at, value });
             self.deepest = self.at;
-            self.blanks();
-            if !matches!(self.peek()?, ',' | '}') {
-                return None;
-            }
+            self.ends_item('}')?;
         }
+    }
+
+    fn key(&mut self) -> Option<String> {
+        if let mark @ ('"' | '\'' | '“') = self.peek()? {
+            return self.string(mark);
+        }
+        let is_key = |letter: char| letter.is_alphanumeric() || "_-.".contains(letter);
+        let length = self.rest().find(|letter| !is_key(letter))?;
+        let key = self.rest()[..length].to_owned();
+        self.at += length;
+        (length > 0).then_some(key)
+    }
+
+    /// Checks that an item ends here: with a comma, or with what closes its list.
+    fn ends_item(&mut self, close: char) -> Option<()> {
+        self.blanks();
+        (self.rest().starts_with(',') || self.rest().starts_with(close)).then_some(())
     }
 
     fn list(&mut self, close: char, depth: usize) -> Option<Shape> {
@@ -187,20 +203,12 @@ impl Parser<'_> {
         let mut items = Vec::new();
         loop {
             self.blanks();
-            match self.peek()? {
-                found if found == close => {
-                    self.at += 1;
-                    return Some(Shape::List(items));
-                }
-                ',' => self.at += 1,
-                _ => {
-                    items.push(self.value(depth + 1)?);
-                    self.blanks();
-                    let next = self.peek()?;
-                    if next != ',' && next != close {
-                        return None;
-                    }
-                }
+            if self.eat(close) {
+                return Some(Shape::List(items));
+            }
+            if !self.eat(',') {
+                items.push(self.value(depth + 1)?);
+                self.ends_item(close)?;
             }
         }
     }
@@ -227,6 +235,8 @@ impl Parser<'_> {
                     self.at += index + letter.len_utf8();
                     return Some(text);
                 }
+                // An opening mark that repeats without an end would be looked at again from each.
+                _ if letter == mark => return None,
                 _ => text.push(letter),
             }
         }

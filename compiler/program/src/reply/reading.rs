@@ -37,75 +37,27 @@ pub struct Stated {
 }
 
 impl Stated {
-    pub(super) fn new(
-        field: &str,
-        reply: &str,
-        span: Range<usize>,
-        repairs: Vec<String>,
-    ) -> Stated {
+    pub(super) fn new(field: &str, reply: &str, span: Range<usize>, repairs: &[String]) -> Stated {
         let span = with_marks(reply, span);
         Stated {
             field: field.to_owned(),
             text: reply.get(span.clone()).unwrap_or_default().to_owned(),
             at: span.start,
-            repairs,
+            repairs: repairs.to_owned(),
         }
     }
 }
 
-/// Adds the other half of the marks that a piece of an answer has: `**Pick**`, `\text{…}`, `\(…\)`, quotes, and a tag.
+/// Adds the marks around a piece of an answer: `**Pick Point**`, `\boxed{…}`.
 pub(super) fn with_marks(reply: &str, span: Range<usize>) -> Range<usize> {
-    let is_mark = |letter: char| matches!(letter, '*' | '_' | '`' | '$');
-    let (Some(before), Some(text), Some(after)) = (
-        reply.get(..span.start),
-        reply.get(span.clone()),
-        reply.get(span.end..),
-    ) else {
-        return span;
-    };
-    let count = |brace: char| text.matches(brace).count();
-    let unopened = count('}').saturating_sub(count('{'));
-    let start = (0..unopened).fold(before.len(), |start, _| {
-        opened(&before[..start]).unwrap_or(start)
-    });
-    let start = before[..start].trim_end_matches(is_mark).len();
-    let open = count('{').saturating_sub(count('}'));
-    let closes = after.chars().take_while(|letter| *letter == '}').take(open);
-    let end = span.end + closes.count();
-    let is_quoted = text.matches('"').count() % 2 == 1 && reply[end..].starts_with('"');
-    let end = end + usize::from(is_quoted);
-    let is_formula = text.contains("\\(") && !text.contains("\\)");
-    let closed = reply[end..]
-        .strip_prefix("\\)")
-        .or(reply[end..].strip_prefix(")\\)"));
-    let end = closed
-        .filter(|_| is_formula)
-        .map_or(end, |rest| reply.len() - rest.len());
-    let marks = reply[end..].chars().take_while(|letter| is_mark(*letter));
-    let end = end + marks.map(char::len_utf8).sum::<usize>();
-    match before[..start].strip_suffix('<') {
-        Some(before) => before.len()..end + tag_end(&reply[end..]),
-        None => start..end,
+    let is_mark = |letter: char| "*_`$\"".contains(letter);
+    let start = reply[..span.start].trim_end_matches(is_mark).len();
+    let (text, mut behind) = (&reply[span.clone()], &reply[span.end..]);
+    if text.matches('{').count() > text.matches('}').count() {
+        behind = behind.strip_prefix('}').unwrap_or(behind);
     }
-}
-
-/// Returns how long the rest of a tag is at the start of a text: `</pick>`, `/>`.
-fn tag_end(rest: &str) -> usize {
-    /// The longest rest of a tag, bytes.
-    const MOST: usize = 80;
-    let inside = { rest.bytes().take(MOST) }.take_while(|it| !matches!(it, b'>' | b'\n'));
-    let length = inside.count();
-    match rest.as_bytes().get(length) {
-        Some(b'>') if rest.trim_start().starts_with(['<', '/']) => length + 1,
-        _ => 0,
-    }
-}
-
-/// Returns where an open brace at the end of a text begins, with its command: `\text{`.
-fn opened(before: &str) -> Option<usize> {
-    let command = before.strip_suffix('{')?;
-    let name = command.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
-    Some(name.strip_suffix('\\').map_or(command.len(), str::len))
+    behind = behind.trim_start_matches(is_mark);
+    start..reply.len() - behind.len()
 }
 
 /// Why an answer cannot be read.

@@ -1,10 +1,10 @@
 //! The JSON Schema of an answer, for models with structured output.
 
-use super::wordlist::words;
+use super::lexer::is_any;
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::data::manner::manner_field;
 use crate::data::program::Program;
-use crate::data::stage::Read;
+use crate::data::stage::{Read, Stage};
 use crate::pointing::{CoordinateUnit, Notation, Order, Pointing};
 use crate::space;
 use crate::units::Dimension;
@@ -19,19 +19,48 @@ const DECIMAL_POINT: &str = r"^\(-?[0-9]{1,6}(\.[0-9]{1,9})?, -?[0-9]{1,6}(\.[0-
 /// The same as a list.
 const DECIMAL_LIST: &str = r"^\[-?[0-9]{1,6}(\.[0-9]{1,9})?, -?[0-9]{1,6}(\.[0-9]{1,9})?\]$";
 
-/// Returns a schema that accepts exactly the offered values, as strings that [`space::text`] writes; for a region,
-/// every point.
-///
-/// - `offered`: the values of each field in the scene. For a field that is not listed, the declared ones, and for
-///   points none.
-///
-/// Values are strings because every provider's structured output can enumerate those, and the reader of answers
-/// understands them.
-pub fn schema(program: &Program, offered: &[(String, Vec<Value>)]) -> Json {
-    schema_in(program, &Notation::pixels(), offered)
+/// The property for the reasons that a prompt asks for; the reader does not read it.
+pub(super) const REASON: &str = "reason";
+
+/// The longest reason, characters: about 150 tokens, which fit into the answers of the shipped stages. llama.cpp refuses
+/// more than 2,000 repetitions in a grammar.
+const MAX_REASON_CHARS: u32 = 600;
+
+/// Returns the schema of the answer to a stage: of its text, or of the action with the values that are offered.
+pub fn for_stage(
+    program: &Program,
+    stage: &Stage,
+    notation: &Notation,
+    offered: &[(String, Vec<Value>)],
+) -> Json {
+    match &stage.read {
+        Read::Text { before, .. } => text_schema(before),
+        Read::Action => schema_in(program, notation, offered),
+    }
 }
 
-/// Returns the same with points written as in a scene: in another frame, or as numbers.
+/// Returns the schema of a text: one property, named after the words before it.
+pub fn text_schema(before: &str) -> Json {
+    let text = json!({ "type": "string", "description": format!("what stands after `{before}`") });
+    strict(Map::from_iter([(text_key(before), text)]))
+}
+
+/// Returns the property of a text, named after the words before it: `Instructions:` gives `instructions`.
+pub(super) fn text_key(before: &str) -> String {
+    let spelt = |c: char| if c.is_alphanumeric() { c } else { '_' };
+    let name: String = before.to_lowercase().chars().map(spelt).collect();
+    match name.trim_matches('_') {
+        "" => "text".to_owned(),
+        name => name.to_owned(),
+    }
+}
+
+/// Returns a schema that accepts exactly the offered values, as strings that the reader of answers understands; for a
+/// region, every point.
+///
+/// - `notation`: how points are written in the scene.
+/// - `offered`: the values of each field in the scene. For a field that is not listed, the declared ones, and for
+///   points none.
 pub fn schema_in(program: &Program, notation: &Notation, offered: &[(String, Vec<Value>)]) -> Json {
     object(program, |field| {
         if let Choices::Region { .. } = field.choices {
@@ -52,18 +81,26 @@ pub fn static_schema(program: &Program) -> Json {
     })
 }
 
+/// Returns the schema of an action. A reason comes first, so that a model without hidden reasoning thinks before it
+/// decides.
 fn object(program: &Program, property: impl Fn(&ActionField) -> Json) -> Json {
-    let mut properties: Map<String, Json> = program
-        .actions
-        .iter()
-        .map(|field| (field.name.clone(), property(field)))
-        .collect();
+    let mut properties = Map::new();
     if asks_for_reasons(program) && program.field(REASON).is_none() {
-        // Without it, a model that answers with this schema could not reason where the prompt asks it to.
-        let reason = json!({ "type": "string", "description": "the reason for this action" });
+        let reason = json!({
+            "type": "string",
+            "description": "the reason for this action",
+            "maxLength": MAX_REASON_CHARS,
+        });
         properties.insert(REASON.to_owned(), reason);
     }
-    let names: Vec<&str> = properties.keys().map(String::as_str).collect();
+    let fields = program.actions.iter();
+    properties.extend(fields.map(|field| (field.name.clone(), property(field))));
+    strict(properties)
+}
+
+/// Returns the schema of an object with these properties and no others.
+fn strict(properties: Map<String, Json>) -> Json {
+    let names: Vec<String> = properties.keys().cloned().collect();
     json!({
         "type": "object",
         "properties": properties,
@@ -72,51 +109,31 @@ fn object(program: &Program, property: impl Fn(&ActionField) -> Json) -> Json {
     })
 }
 
-/// The property for the reasons that a prompt asks for; the reader does not read it.
-const REASON: &str = "reason";
-
 /// Words with which a prompt asks for reasons.
-const ASKING: &[&str] = words!(
-    "reason reasons reasoning why explain explains explanation explanations justify justification rationale step-by-step"
-);
+const ASKING: &str = "reason reasons reasoning why explain explains explanation explanations justify justification rationale step-by-step";
 
 /// Words with which it wants none, or means something else.
-const NOT_ASKING: &[&str] = words!("no not don't don’t never without this that");
+const NOT_ASKING: &str = "no not don't don’t never without this that";
 
 /// Returns whether a question for an action asks for reasons.
 fn asks_for_reasons(program: &Program) -> bool {
-    let stages = program
-        .stages
-        .iter()
-        .filter(|stage| matches!(stage.read, Read::Action));
-    let mut names = stages.flat_map(|stage| stage.system.iter().chain(&stage.say));
-    names.any(|name| {
-        let template = program
-            .templates
-            .iter()
-            .find(|template| template.name == *name);
-        template.is_some_and(|template| {
-            let text = template
-                .text
-                .to_lowercase()
-                .replace("step by step", "step-by-step");
-            text.split(['.', '!', '?', ';', ':']).any(wants_reasons)
-        })
-    })
+    let is_action = |stage: &&Stage| matches!(stage.read, Read::Action);
+    let stages = program.stages.iter().filter(is_action);
+    let names = stages.flat_map(|stage| stage.system.iter().chain(&stage.say));
+    let mut texts = names.filter_map(|name| {
+        let template = program.templates.iter().find(|it| it.name == *name)?;
+        Some(template.text.replace("step by step", "step-by-step"))
+    });
+    texts.any(|text| text.split(['.', '!', '?', ';', ':']).any(wants_reasons))
 }
 
 /// Returns whether a sentence asks for reasons: `then give your reason`, not `give no reason`, `for this reason`.
 fn wants_reasons(sentence: &str) -> bool {
     let is_part = |letter: char| letter.is_alphabetic() || "'’-".contains(letter);
-    let words: Vec<&str> = sentence
-        .split(|letter: char| !is_part(letter))
-        .filter(|word| !word.is_empty())
-        .collect();
+    let words: Vec<&str> = sentence.split(|letter: char| !is_part(letter)).collect();
     words.iter().enumerate().any(|(at, word)| {
-        ASKING.contains(word)
-            && !words[at.saturating_sub(3)..at]
-                .iter()
-                .any(|before| NOT_ASKING.contains(before))
+        let mut before = words[at.saturating_sub(3)..at].iter();
+        is_any(word, ASKING) && !before.any(|it| is_any(it, NOT_ASKING))
     })
 }
 
@@ -167,29 +184,5 @@ fn what(notation: &Notation, field: &ActionField) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::wants_reasons;
-
-    #[test]
-    fn a_prompt_asks_for_reasons_in_many_words_and_wants_none_in_others() {
-        for asking in [
-            "then give your reason",
-            "explain your choice",
-            "state your rationale first",
-            "think step-by-step",
-            "say why you chose it",
-        ] {
-            assert!(wants_reasons(asking), "{asking}");
-        }
-        for other in [
-            "give no reason",
-            "do not explain",
-            "for this reason stay on the cloth",
-            "there is no reason to hurry",
-            "without explanations",
-            "begin your answer with these two lines",
-        ] {
-            assert!(!wants_reasons(other), "{other}");
-        }
-    }
-}
+#[path = "schema_tests.rs"]
+mod tests;

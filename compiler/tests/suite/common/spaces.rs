@@ -1,6 +1,6 @@
-//! Programs that declare only an action space, read from `tests/fixtures/spaces`.
+//! Programs that declare only an action space, read from the answers that the tests of `fab-program` collect.
 //!
-//! One field per line: `NAME points KEYPOINT…`, `NAME region MASK`, `NAME directions DEGREES…`,
+//! A space begins with `= NAME`. One field per line: `NAME points KEYPOINT…`, `NAME region MASK`, `NAME directions DEGREES…`,
 //! `NAME lengths UNIT NUMBER…`, `NAME words WORD | WORD…`. The cloth's longer side is 625 mm.
 
 #![allow(dead_code, clippy::unwrap_used)]
@@ -14,11 +14,13 @@ use std::sync::LazyLock;
 /// The cloth's longer side, metres.
 pub const EDGE_M: f64 = 0.625;
 
-/// Reads an action space of the fixtures.
+/// Reads an action space.
 pub fn space(name: &str) -> Program {
-    let file = super::common::workspace().join(format!("tests/fixtures/spaces/{name}.txt"));
-    let text = std::fs::read_to_string(&file).unwrap_or_else(|_| panic!("no space `{name}`"));
-    program(text.lines().map(field).collect())
+    let file = super::common::workspace().join("compiler/program/tests/answers/spaces.txt");
+    let spaces = std::fs::read_to_string(&file).unwrap();
+    let (_, space) = spaces.split_once(&format!("= {name}\n")).expect(name);
+    let lines = space.lines().take_while(|line| !line.starts_with("= "));
+    program(lines.map(field).collect())
 }
 
 /// Reads one line.

@@ -30,33 +30,23 @@ const THOUSANDTHS: &[Row] = &[
         HERE,
     ),
     ("[{\"pick\": {\"x\": 185, \"y\": 748}}]", HERE),
-    ("Pick Point = (41 px, 167 px)", Err("given in pixels")),
-    ("Pick Point = (185)", Err("one number instead of two")),
-    (
-        "Pick Point = (18.5%, 74.8%)",
-        Err("`%` between its brackets"),
-    ),
+    ("Pick Point = (41 px, 167 px)", Err("cannot be read")),
+    ("Pick Point = (185)", Err("cannot be read")),
+    ("Pick Point = (18.5%, 74.8%)", Err("cannot be read")),
 ];
 
 const THOUSANDTHS_Y_FIRST: &[Row] = &[
     ("Pick Point = [748, 185]", HERE),
     ("pick: {\"point\": [748, 185]}", HERE),
     (
-        "\"pick\": {\"point\": [748, 185], \"label\": \"corner\"}",
-        HERE,
-    ),
-    (
         "```json\n[{\"point\": [748, 185], \"label\": \"pick\"}]\n```",
         HERE,
     ),
     ("Pick Point: x=185, y=748", HERE),
     ("Pick Point = (y: 748, x: 185)", HERE),
-    ("Pick Point = (748, 185)", Err("either can be x")),
-    ("Pick Point = 748, 185", Err("either can be x")),
-    (
-        "Pick Point = [y: 748, 185]",
-        Err("only one of its coordinates is named"),
-    ),
+    ("Pick Point = (748, 185)", Err("cannot be read")),
+    ("Pick Point = 748, 185", Err("cannot be read")),
+    ("Pick Point = [y: 748, 185]", Err("cannot be read")),
 ];
 
 const PERCENT: &[Row] = &[
@@ -77,7 +67,7 @@ const FRACTIONS: &[Row] = &[
     ("Pick Point: x = 0.185 and y = 0.748.", HERE),
     ("Pick Point = (.185, 0.748)", HERE),
     ("Pick Point = y=0.748, x=0.185", HERE),
-    ("Pick Point = x=0.185, x=0.748", Err("named twice")),
+    ("Pick Point = x=0.185, x=0.748", Err("cannot be read")),
 ];
 
 const MARKS: &[Row] = &[
@@ -91,18 +81,15 @@ const MARKS: &[Row] = &[
     ("The pick point is number 3.", Ok([57, 58])),
     ("Pick Point = 1 at (41, 167)", HERE),
     ("Pick Point = 1: (41, 167)", HERE),
-    ("Pick Point = 1 at (57, 58)", Err("say another place")),
-    ("Pick Point = (41, 167)", Err("its number is asked for")),
-    ("Pick Point = 41, 167", Err("its number is asked for")),
-    ("Pick Point = 6", Err("they are numbered 1 to 5")),
-    ("Pick Point = 0", Err("they are numbered 1 to 5")),
-    (
-        "Pick Point = 99999999999999999999",
-        Err("they are numbered 1 to 5"),
-    ),
-    ("Pick Point = 3.5", Err("not one whole number")),
-    ("Pick Point = 1 or 2", Err("it has both 1 and 2")),
-    ("Pick Point = 1/2", Err("not one whole number")),
+    ("Pick Point = 1 at (57, 58)", Err("cannot be read")),
+    ("Pick Point = (41, 167)", Err("cannot be read")),
+    ("Pick Point = 41, 167", Err("cannot be read")),
+    ("Pick Point = 6", Err("cannot be read")),
+    ("Pick Point = 0", Err("cannot be read")),
+    ("Pick Point = 99999999999999999999", Err("cannot be read")),
+    ("Pick Point = 3.5", Err("cannot be read")),
+    ("Pick Point = 1 or 2", Err("cannot be read")),
+    ("Pick Point = 1/2", Err("cannot be read")),
     ("Pick Point:\n1. Look at it.", Err("states no pick point")),
     ("Pick Point = number", Err("states no pick point")),
     ("Let us pick 3.", Err("states no pick point")),

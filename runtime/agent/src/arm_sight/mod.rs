@@ -7,7 +7,7 @@ pub use errors::draw_errors;
 
 use fab_arm::sight::Sight;
 
-/// Finds marks again, and draws plans, with OpenCV.
+/// Finds marks again, and draws plans.
 pub const SIGHT: Sight = Sight {
     marks: |picture| fab_vision::marks(picture).map_err(|error| error.to_string()),
     find_again: |first, marks, second| {

@@ -136,9 +136,9 @@ impl Demonstrations {
             path: path.clone(),
             why,
         };
-        let bytes = files::read(&path, MAX_BYTES).map_err(unreadable)?;
-        let text = String::from_utf8(bytes).map_err(|error| unreadable(error.to_string()))?;
-        let mut lines = text.lines().zip(1..);
+        let text = files::read_text(&path, MAX_BYTES).map_err(unreadable)?;
+        let lines = text.lines().zip(1..);
+        let mut lines = lines.filter(|(line, _)| !line.trim().is_empty());
         let wrong = |line: usize, why: String| DemosError::Line {
             path: path.clone(),
             line,

@@ -34,7 +34,7 @@ impl StepResult {
     /// - `first`: the rollout's first scene, in which the cloth lies as in the first subgoal picture.
     ///
     /// `None` if the task does not compare, there is no such picture, or one of them shows no cloth; the next step
-    /// reports a cloth out of view. Fails if a picture is too large or OpenCV fails.
+    /// reports a cloth out of view. Fails if a picture is too large.
     pub fn of(
         program: &Program,
         subgoals: &SubgoalSet,

@@ -40,7 +40,7 @@ enum Sides {
 impl Alignment {
     /// Aligns an unfolded cloth with the unfolded cloth of the subgoal pictures.
     ///
-    /// `None` if either is empty. Fails if a mask is larger than a picture may be, or OpenCV fails.
+    /// `None` if either is empty. Fails if a mask is larger than a picture may be.
     pub fn of(cloth: &Mask, shown: &Mask) -> Result<Option<Alignment>, VisionError> {
         let (Some(from), Some(onto)) = (
             fab_vision::rectangle_around(cloth)?,

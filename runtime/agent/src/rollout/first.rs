@@ -57,7 +57,10 @@ pub fn first_questions(job: &Job<'_>, models: Models<'_>) -> Result<Vec<FirstQue
                 top_p: stage.top_p,
                 max_tokens: stage.max_tokens,
                 reasoning: stage.reasoning,
-                schema: matches!(stage.read, Read::Action).then(|| reply::static_schema(program)),
+                schema: Some(match &stage.read {
+                    Read::Text { before, .. } => reply::text_schema(before),
+                    Read::Action => reply::static_schema(program),
+                }),
                 ..Request::new(stage.model, asked.messages)
             },
         })

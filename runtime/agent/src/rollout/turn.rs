@@ -20,6 +20,7 @@ use fab_program::facts::ExecutedAction;
 use fab_program::{Arrow, Proposal, SubgoalStep, space};
 use fab_world::metrics::cloth_moved;
 use fab_world::{Motion, World, WorldError, WorldPoint};
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 /// State passed from one step to the next.
@@ -34,6 +35,8 @@ pub(super) struct Memory {
     pub(super) crossings: usize,
     /// The twins of the cloth, if the task rehearses.
     pub(super) twins: Option<Twins>,
+    /// What was said about pictures, without its numbers.
+    said: BTreeSet<String>,
 }
 
 impl Memory {
@@ -45,7 +48,14 @@ impl Memory {
             last: None,
             crossings: 0,
             twins: None,
+            said: BTreeSet::new(),
         }
+    }
+
+    /// Returns whether nothing was said yet that differs from a note only in its numbers.
+    fn is_new(&mut self, note: &str) -> bool {
+        self.said
+            .insert(note.replace(|letter: char| letter.is_numeric(), ""))
     }
 }
 
@@ -139,6 +149,11 @@ impl<'j> Turn<'j> {
             }
         };
         self.line.scene = scene.to_json();
+        let mut notes = observation.notes.clone();
+        notes.extend(scene.beyond_the_picture());
+        for note in notes.into_iter().filter(|note| memory.is_new(note)) {
+            progress(Event::Note(format!("before step {step}: {note}")));
+        }
         let mut rehearsing = Duration::ZERO;
         if let Some(twins) = &mut memory.twins {
             let looked = twins.look(step, &observation, scene.cloth(), job.interrupt);

@@ -14,7 +14,7 @@ impl Scene {
     /// Returns the camera's picture with the task's layers on it, later ones over earlier ones.
     ///
     /// A layer that needs the previous action is omitted if there is none. Fails if a keypoint is missing, which
-    /// happens only in a hand-edited program, or OpenCV fails.
+    /// happens only in a hand-edited program.
     pub fn annotated(
         &self,
         program: &Program,

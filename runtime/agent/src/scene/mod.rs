@@ -85,7 +85,7 @@ impl Scene {
     ///
     /// Keypoints of the start are taken from `first`, the rollout's first scene; without one, this scene is the first.
     /// Fails if the first mask (the cloth) or one that something is taken from is empty, a field has nothing to choose
-    /// from, or OpenCV fails.
+    /// from.
     pub fn of(
         program: &Program,
         observation: &Observation,
@@ -206,6 +206,19 @@ impl Scene {
     /// and `largest`.
     pub fn cloth(&self) -> Option<&Mask> {
         self.mask(self.cloth.as_deref()?).ok()
+    }
+
+    /// Says that the cloth leaves the picture, where its mask reaches a border.
+    pub fn beyond_the_picture(&self) -> Option<String> {
+        let name = self.cloth.as_deref()?;
+        let borders = self.mask(name).ok()?.reached_borders();
+        let plural = if borders.len() > 1 { "s" } else { "" };
+        (!borders.is_empty()).then(|| {
+            format!(
+                "`{name}` reaches the picture's {} border{plural}: its corners and center are those of its visible part",
+                borders.join(", ")
+            )
+        })
     }
 
     /// Returns the pixel of a mask closest to another pixel; `None` for other keypoints and for an empty mask.

@@ -32,6 +32,9 @@ struct Pins {
 
 const PINS_FORMAT: u32 = 2;
 
+/// The longest file of pins accepted, bytes.
+const MAX_PINS_BYTES: u64 = 1 << 22;
+
 /// The result of looking for pinned pictures.
 pub(super) enum Pinned {
     Fitting(SubgoalSet),
@@ -56,7 +59,7 @@ pub(super) fn load(program: &Program, folds: &[Fold], folder: &Path, world: &dyn
 }
 
 fn of_folder(program: &Program, folds: &[Fold], source: &Path, world: &dyn World) -> Pinned {
-    let Ok(text) = fs::read_to_string(source.join(PINS_FILE)) else {
+    let Ok(text) = files::read_text(&source.join(PINS_FILE), MAX_PINS_BYTES) else {
         return Pinned::Absent;
     };
     let Ok(pins) = serde_json::from_str::<Pins>(&text) else {
@@ -96,6 +99,7 @@ fn of_folder(program: &Program, folds: &[Fold], source: &Path, world: &dyn World
             true => Origin::Pinned,
             false => Origin::PinnedByOther,
         },
+        notes: Vec::new(),
     })
 }
 

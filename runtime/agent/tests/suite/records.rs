@@ -64,8 +64,8 @@ fn a_record_that_cannot_be_read_says_why() {
         (format!("{header}\n{header}\n"), "it has two headers"),
         (format!("{header}\n{{}}\n{step}\n"), "line 2 is damaged"),
         (
-            header.replace("\"schema\":3", "\"schema\":9") + "\n",
-            "its lines have version 9, and this program reads version 3",
+            header.replace("\"schema\":4", "\"schema\":9") + "\n",
+            "its lines have version 9, and this program reads version 4",
         ),
     ] {
         std::fs::write(&file, text).unwrap();

@@ -30,7 +30,7 @@ pub use fit::tilt_deg;
 pub use moved::Moved;
 pub use pairs::{MAX_PAIRS, PairError, csv_line, parse_pairs, read_pairs};
 pub use session::{LineOutcome, Session, ToolReader, grid};
-pub use tags::TagName;
+pub use tags::{SeenTags, TagName};
 pub use touch::place_at_rest;
 pub use view::Window;
 

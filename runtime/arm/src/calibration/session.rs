@@ -7,8 +7,7 @@
 use super::fit::{error, fit, sightings};
 use super::judge::{check_point, check_terms};
 use super::pairs::typed_pair;
-use super::{MAX_PAIRS, Pair, Terms, Window};
-use fab_picture::Tag;
+use super::{MAX_PAIRS, Pair, SeenTags, Terms, Window};
 
 /// Returns the tool's position with the arm at rest, metres, base frame, or says why there is none.
 pub type ToolReader<'a> = dyn FnMut() -> Result<[f64; 3], String> + 'a;
@@ -19,7 +18,7 @@ const MIN_FITTED: usize = 5;
 /// The points entered so far.
 pub struct Session<'a> {
     terms: &'a Terms,
-    seen: &'a [Tag],
+    seen: SeenTags<'a>,
     tool: Option<Box<ToolReader<'a>>>,
     pairs: Vec<Pair>,
 }
@@ -47,7 +46,7 @@ impl<'a> Session<'a> {
     pub fn new(
         terms: &'a Terms,
         pairs: Vec<Pair>,
-        seen: &'a [Tag],
+        seen: SeenTags<'a>,
         tool: Option<Box<ToolReader<'a>>>,
     ) -> Self {
         Session {

@@ -1,12 +1,15 @@
 //! Printed tags that stand for pixels.
 //!
-//! In: the tags found in the camera's picture, and a name such as `tag7`. Out: the pixel of that tag's middle. Finding
-//! tags is left to `fab-vision`.
+//! In: the tags found in the camera's picture, or why none were looked for, and a name such as `tag7`. Out: the pixel of
+//! that tag's middle. Finding tags is left to `fab-vision`.
 
 use fab_picture::Tag;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
+
+/// The tags in the camera's picture, or why nobody could look for them.
+pub type SeenTags<'a> = Result<&'a [Tag], &'a str>;
 
 /// The middle of a tag, written `tag7`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -15,7 +18,8 @@ pub struct TagName(pub usize);
 
 impl TagName {
     /// Returns the tag's pixel; fails if the picture does not show the tag, or shows it twice.
-    pub(super) fn pixel(&self, seen: &[Tag]) -> Result<[f64; 2], String> {
+    pub(super) fn pixel(&self, seen: SeenTags<'_>) -> Result<[f64; 2], String> {
+        let seen = seen.map_err(|why| format!("`{self}` is unknown: {why}"))?;
         let mut same = seen.iter().filter(|tag| tag.id == self.0);
         match (same.next(), same.next()) {
             (Some(tag), None) => Ok(tag.middle_px),

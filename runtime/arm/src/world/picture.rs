@@ -9,12 +9,10 @@ use crate::calibration::{Calibration, Window};
 use crate::rgbd::Shot;
 use crate::settings::Settings;
 use crate::table::ClothTable;
-use fab_picture::DepthImage;
 use fab_picture::observation::Observation;
-use fab_picture::png;
+use fab_picture::{DepthImage, cut, dropouts, png};
 use fab_world::WorldError;
 use image::RgbImage;
-use image::imageops::{self, FilterType};
 use std::path::Path;
 
 /// The camera's own picture of the flat cloth, in the size that the calibration is for.
@@ -83,27 +81,17 @@ pub(super) fn square(parts: &Parts, shot: &Shot, time_s: f64) -> Result<Observat
             ),
         });
     }
-    let (left, top, side) = (window.left_px, window.top_px, window.side_px);
+    let square = [window.left_px, window.top_px, window.side_px];
     let image_px = parts.image_px;
-    let rgb = imageops::crop_imm(&shot.rgb, left, top, side, side).to_image();
-    let rgb = match side == image_px {
-        true => rgb,
-        false => imageops::resize(&rgb, image_px, image_px, FilterType::Triangle),
-    };
-    // Averaging a near and a far depth gives a point on neither surface, so depth is sampled from one pixel.
-    let depth_m = DepthImage::from_fn(image_px, image_px, |column, row| {
-        let raw = |at: u32| (2 * u64::from(at) + 1) * u64::from(side) / (2 * u64::from(image_px));
-        *shot
-            .depth_m
-            .get_pixel(left + raw(column) as u32, top + raw(row) as u32)
-    });
+    let (closed, note) = dropouts::closed(&shot.depth_m);
     let world_from_base = base_from_world(&parts.settings).inverse();
     Ok(Observation {
-        rgb,
-        depth_m,
+        rgb: cut::colours(&shot.rgb, square, image_px),
+        depth_m: cut::depth(&closed, square, image_px),
         camera: parts
             .calibration
             .camera(&world_from_base, &window, image_px),
         time_s,
+        notes: note.into_iter().collect(),
     })
 }

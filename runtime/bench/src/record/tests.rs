@@ -133,7 +133,7 @@ fn identity() -> Identity {
 
 fn header() -> Value {
     json!({
-        "type": "header", "schema": 3, "fabc": "0", "task": "t", "program": "p", "program_file": "program.json",
+        "type": "header", "schema": 4, "fabc": "0", "task": "t", "program": "p", "program_file": "program.json",
         "world": "sim", "params": "w", "code": "c", "vary": {"size": 1.05}, "policy": policy(),
         "start": {
             "name": "flat", "file": "start.npy", "digest": "s", "up": "z",
@@ -211,12 +211,12 @@ fn folders_are_read_for_what_they_hold() {
     let lost = end("horizon_reached", Some("gone.npy"));
     assert_eq!(find(&[header(), step, lost]), FolderContents::Unfinished);
     let mut newer = header();
-    newer["schema"] = json!(4);
+    newer["schema"] = json!(5);
     let FolderContents::Other(why) = find(&[newer]) else {
         panic!("lines of another version are not written over");
     };
     assert_eq!(
         why,
-        "its lines have version 4, and this program reads version 3"
+        "its lines have version 5, and this program reads version 4"
     );
 }

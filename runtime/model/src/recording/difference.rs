@@ -7,7 +7,7 @@ use serde_json::Value;
 /// The longest text quoted, characters.
 const MAX_QUOTED: usize = 80;
 
-/// The fields of a request beside its place, its schema and its messages, in the order in which differences are told.
+/// The fields of a request beside its place and its messages, in the order in which differences are told.
 const SETTINGS: [&str; 7] = [
     "start",
     "repetition",
@@ -51,8 +51,7 @@ fn likeness(recorded: &Value, asked: &Value) -> Likeness {
     let is_same = |name: &str| recorded[name] == asked[name];
     let (there, here) = (list(&recorded["messages"]), list(&asked["messages"]));
     let alike = there.iter().zip(here).take_while(|(a, b)| a == b).count();
-    let settings = SETTINGS.iter().chain(&["schema"]);
-    let settings = settings.filter(|name| is_same(name)).count();
+    let settings = SETTINGS.iter().filter(|name| is_same(name)).count();
     (
         is_same("role"),
         is_same("step"),
@@ -72,9 +71,6 @@ pub(super) fn differences(recorded: &Value, asked: &Value) -> Vec<String> {
             ));
         }
     }
-    if recorded["schema"] != asked["schema"] {
-        found.push(schema(&recorded["schema"], &asked["schema"]));
-    }
     let (there, here) = (list(&recorded["messages"]), list(&asked["messages"]));
     if there.len() != here.len() {
         found.push(format!(
@@ -87,23 +83,6 @@ pub(super) fn differences(recorded: &Value, asked: &Value) -> Vec<String> {
         found.extend(message(number + 1, then, now));
     }
     found
-}
-
-fn schema(then: &Value, now: &Value) -> String {
-    let fields = |schema: &Value| {
-        schema["properties"]
-            .as_object()
-            .cloned()
-            .unwrap_or_default()
-    };
-    let (there, here) = (fields(then), fields(now));
-    let changed = here
-        .iter()
-        .find(|(name, field)| there.get(*name) != Some(field));
-    match changed {
-        Some((name, _)) => format!("what the schema offers for `{name}`"),
-        None => "the schema of the answer".to_owned(),
-    }
 }
 
 fn message(number: usize, then: &Value, now: &Value) -> Option<String> {

@@ -65,6 +65,16 @@ pub struct RecordingError {
     pub why: String,
 }
 
+/// Hashes a question without its schema. The schema follows from the task and its scene, and recordings of earlier
+/// versions have another one, or none.
+fn question_key(request: &Value) -> String {
+    let mut question = request.clone();
+    if let Some(fields) = question.as_object_mut() {
+        fields.shift_remove("schema");
+    }
+    fab_base::digest::of(question.to_string())
+}
+
 /// The whole lines of a recording.
 #[derive(Debug, Default)]
 struct Lines {

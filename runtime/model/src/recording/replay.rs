@@ -1,6 +1,6 @@
 //! `replay:FILE`: answers from a recording, byte for byte, and sends nothing.
 
-use super::{Exchange, Outcome, RecordingError, difference, read};
+use super::{Exchange, Outcome, RecordingError, difference, question_key, read};
 use crate::calls::Calls;
 use crate::{Lowering, Model, ModelError, ModelKind, ModelRole, Reply, Request};
 use fab_base::cache::Cache;
@@ -23,9 +23,9 @@ pub struct Replay {
 /// How a question is matched with a recorded one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum MatchRule {
-    /// By everything: [`Request::key`].
+    /// By everything but the schema.
     Whole,
-    /// By role and messages; settings, schema, repetition and action number may differ.
+    /// By role and messages; settings, repetition and action number may differ.
     Words,
 }
 
@@ -58,8 +58,9 @@ impl Replay {
         for (index, exchange) in exchanges.iter().enumerate() {
             // If a question was asked again after a failure, the last answer counts.
             let is_failure = matches!(exchange.outcome, Outcome::Failure { .. });
-            if !is_failure || !by_key.contains_key(&exchange.key) {
-                by_key.insert(exchange.key.clone(), index);
+            let key = question_key(&exchange.request);
+            if !is_failure || !by_key.contains_key(&key) {
+                by_key.insert(key, index);
             }
         }
         Ok(Replay {
@@ -92,11 +93,11 @@ impl Replay {
     }
 
     fn key(&self, request: &Request) -> String {
+        let request =
+            serde_json::to_value(request).expect("a request holds strings and finite numbers");
         match self.matching {
-            MatchRule::Whole => request.key(),
-            MatchRule::Words => words_key(
-                &serde_json::to_value(request).expect("a request holds strings and finite numbers"),
-            ),
+            MatchRule::Whole => question_key(&request),
+            MatchRule::Words => words_key(&request),
         }
     }
 }

@@ -7,13 +7,14 @@
 use super::{MAX_TOKENS, reading};
 use crate::catalogue::{Accepted, Facts, MaxTokensField, Wire, tokens};
 use crate::remote::settings::Parameter;
+use fab_base::wording::shown;
 use fab_model::calls::{Calls, Fault, Usage, Usd};
 use fab_model::{Message, Model, ModelError, ModelRole, Part, Png, Reply, Request, Speaker};
 use fab_picture::png;
 use fab_program::reply::{Aside, standing};
 use image::{Rgb, RgbImage};
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::sync::Arc;
 
 /// The most questions that [`abilities`] asks.
@@ -24,6 +25,8 @@ const TEMPERATURE: f64 = 0.2;
 const TOP_P: f64 = 0.9;
 /// Sides of the two pictures of one colour, pixels.
 const SIDE_PX: u32 = 112;
+/// The longest answer that a remark repeats, characters.
+const MAX_ANSWER: usize = 60;
 /// Tokens beyond those of the text that are not yet taken for hidden thoughts: marks of the chat format.
 const MARKS: u64 = 20;
 
@@ -167,25 +170,39 @@ impl Prober<'_> {
         Ok(())
     }
 
-    /// Asks in words for something else than the schema allows.
+    /// Asks in words for what the schema forbids. It has the keywords of a task's schema, because llama.cpp's server answers
+    /// without any grammar, and says nothing, if it cannot parse the one that it made of the schema.
     fn schema(&mut self) -> Result<(), ModelError> {
-        let mut request = asked(vec![Part::Text(
-            "Name a tree. Answer with one word and nothing else.".to_owned(),
-        )]);
+        let words = "Name a tree. Answer with one word and nothing else.";
+        let mut request = asked(vec![Part::Text(words.to_owned())]);
+        let properties = json!({
+            "reason": { "type": "string", "maxLength": 80 },
+            "at": { "type": "string", "pattern": "^\\((0|-?[1-9][0-9]{0,5}), (0|-?[1-9][0-9]{0,5})\\)$" },
+            "colour": { "type": "string", "enum": ["green", "brown"] },
+        });
         request.schema = Some(json!({
             "type": "object",
-            "properties": { "colour": { "type": "string", "enum": ["green", "brown"] } },
-            "required": ["colour"],
+            "properties": properties,
+            "required": ["reason", "at", "colour"],
             "additionalProperties": false,
         }));
         let follows = match self.ask(&request, |facts| facts.structured_output = Some(true))? {
             Outcome::Answered(text) => {
-                let text = standing(&text).text;
-                let answer: Option<serde_json::Value> = serde_json::from_str(text.trim()).ok();
-                let colour = answer.as_ref().and_then(|answer| answer["colour"].as_str());
-                colour.is_some_and(|colour| ["green", "brown"].contains(&colour))
+                let answer = standing(&text).text;
+                let answer: Value = serde_json::from_str(answer.trim()).unwrap_or_default();
+                let follows = ["green", "brown"].iter().any(|it| answer["colour"] == **it);
+                if !follows {
+                    self.note(format!(
+                        "the server takes a schema and ignores it: to `{words}` it answers `{}`, which the schema forbids",
+                        shown(text.trim(), MAX_ANSWER)
+                    ));
+                }
+                follows
             }
-            Outcome::Refused(_) => false,
+            Outcome::Refused(_) => {
+                self.note("the server refuses a schema".to_owned());
+                false
+            }
             Outcome::Failed(_, why) => {
                 self.note(format!("whether it follows a schema is open: {why}"));
                 return Ok(());

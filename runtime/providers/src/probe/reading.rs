@@ -1,8 +1,8 @@
 //! Extracts pairs of numbers and their names from an answer.
 //!
 //! In: any text. Out: the two numbers after each name; or before it, if the answer puts numbers first, as in
-//! `[{"point": [y, x], "label": "red"}]`. The rules of `docs/answers.md` hold: thoughts and quotations state nothing, a
-//! value that is taken back does not count, and of two different values neither is read. The frame of the numbers is
+//! `[{"point": [y, x], "label": "red"}]`. The rules of `docs/answers.md` hold: thoughts and quotations state nothing, and
+//! of two different values neither is read. The frame of the numbers is
 //! unknown here, so the reader of actions cannot be used.
 
 use fab_program::reply::standing;
@@ -29,36 +29,26 @@ pub(super) fn pairs<const N: usize>(text: &str, names: &[&str; N]) -> [Option<[f
     }
     let mut found = found(&answer.text, names);
     // Numbers first, then names: read backwards, each name is followed by its numbers.
-    let backwards = matches!(found.first(), Some((_, Token::Number(_))))
-        && matches!(found.last(), Some((_, Token::Name(_))));
+    let backwards = matches!(found.first(), Some(Token::Number(_)))
+        && matches!(found.last(), Some(Token::Name(_)));
     if backwards {
         found.reverse();
     }
-    let mut stated: [Vec<(usize, [f64; 2])>; N] = std::array::from_fn(|_| Vec::new());
-    for (index, (at, token)) in found.iter().enumerate() {
+    let mut stated: [Vec<[f64; 2]>; N] = std::array::from_fn(|_| Vec::new());
+    for (index, token) in found.iter().enumerate() {
         let Token::Name(name) = *token else { continue };
-        if let [(_, Token::Number(one)), (_, Token::Number(other)), ..] = found[index + 1..] {
+        if let [Token::Number(one), Token::Number(other), ..] = found[index + 1..] {
             let pair = if backwards {
                 [other, one]
             } else {
                 [one, other]
             };
-            stated[name].push((*at, pair));
+            stated[name].push(pair);
         }
     }
-    for (pair, mut stated) in pairs.iter_mut().zip(stated) {
-        stated.sort_by_key(|(at, _)| *at);
-        if let [(first, _), .., (last, _)] = stated[..]
-            && let Some(turn) = answer
-                .turns
-                .iter()
-                .rev()
-                .find(|turn| (first..last).contains(turn))
-        {
-            stated.retain(|(at, _)| at > turn);
-        }
+    for (pair, stated) in pairs.iter_mut().zip(stated) {
         *pair = match &stated[..] {
-            [(_, only), rest @ ..] if rest.iter().all(|(_, other)| other == only) => Some(*only),
+            [only, rest @ ..] if rest.iter().all(|other| other == only) => Some(*only),
             _ => None,
         };
     }
@@ -84,8 +74,7 @@ pub(super) fn colours(text: &str) -> Option<[&'static str; 2]> {
     Some([after("first")?, after("second")?])
 }
 
-/// Returns the tokens with where they begin.
-fn found(text: &str, names: &[&str]) -> Vec<(usize, Token)> {
+fn found(text: &str, names: &[&str]) -> Vec<Token> {
     let text = text.to_ascii_lowercase();
     let bytes = text.as_bytes();
     let is_word = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_alphanumeric);
@@ -99,7 +88,7 @@ fn found(text: &str, names: &[&str]) -> Vec<(usize, Token)> {
             }
             let word = &text[begun..at];
             let name = names.iter().position(|name| *name == word);
-            found.extend(name.map(|name| (begun, Token::Name(name))));
+            found.extend(name.map(Token::Name));
         } else if bytes[at].is_ascii_digit() {
             while bytes.get(at).is_some_and(|byte| byte.is_ascii_digit())
                 || (bytes.get(at) == Some(&b'.')
@@ -116,7 +105,7 @@ fn found(text: &str, names: &[&str]) -> Vec<(usize, Token)> {
                 .parse::<f64>()
                 .ok()
                 .filter(|number| number.is_finite());
-            found.extend(number.map(|number| (begun, Token::Number(sign * number))));
+            found.extend(number.map(|number| Token::Number(sign * number)));
         } else {
             at += 1;
         }
@@ -165,17 +154,14 @@ mod tests {
     }
 
     #[test]
-    fn thoughts_quotations_and_what_is_taken_back_are_not_read() {
+    fn thoughts_and_quotations_are_not_read_and_a_correction_is_a_second_value() {
         for (text, expected) in [
             (
                 "<think>red: (9, 9), or rather (8, 8)</think>\nred: (1, 2)",
                 Some([1.0, 2.0]),
             ),
             ("> red: (9, 9)\nred: (1, 2)", Some([1.0, 2.0])),
-            (
-                "red: (9, 9)\nNo wait, correction:\nred: (1, 2)",
-                Some([1.0, 2.0]),
-            ),
+            ("red: (9, 9)\nNo wait, correction:\nred: (1, 2)", None),
             ("<think>red: (1, 2)", None),
         ] {
             assert_eq!(pairs(text, &["red"]), [expected], "{text}");

@@ -374,7 +374,9 @@ impl Model for Assumed {
         let text = match (words, pictures) {
             (words, _) if words.contains("the word yes") => "yes".to_owned(),
             (words, _) if words.contains("tree") => match sends_schema {
-                true if character.schema == Schema::Follows => "{\"colour\": \"green\"}".to_owned(),
+                true if character.schema == Schema::Follows => {
+                    r#"{"reason":"a tree","at":"(0, 0)","colour":"green"}"#.to_owned()
+                }
                 _ => "Oak".to_owned(),
             },
             (_, 2) => "first: red\nsecond: blue".to_owned(),

@@ -5,7 +5,7 @@
 //! specific to the general.
 
 use super::exchange::{Body, Exchange, Sent};
-use super::transport::{CONNECT_TIMEOUT, MAX_REPLY_BYTES, Obstacle};
+use super::transport::{CONNECT_TIMEOUT, Obstacle};
 use crate::catalogue::Wire;
 use fab_base::wording::shown;
 use fab_model::calls::Fault;
@@ -74,11 +74,6 @@ const CAUSES: &[Cause] = &[
         help: "check the spelling of the base URL `{base_url}`, and the connection",
     },
     Cause {
-        applies: |e| is(e, Obstacle::Unrouted),
-        cause: "this machine is not connected to the network of `{host}`",
-        help: "check the connection, the VPN, and the address in the base URL `{base_url}`",
-    },
-    Cause {
         applies: |e| is(e, Obstacle::ConnectTimeout),
         cause: "`{authority}` did not accept the connection within {connect_timeout} s: the machine is off, the address is wrong, or a firewall drops the call",
         help: "check the base URL `{base_url}`, and that this machine may connect to it",
@@ -94,19 +89,9 @@ const CAUSES: &[Cause] = &[
         help: "check the date here with `date`; if it is right, the certificate on the server has to be renewed",
     },
     Cause {
-        applies: |e| is(e, Obstacle::CertificateOfAnotherName),
-        cause: "the certificate was made for another name than `{host}`",
-        help: "write the name from the certificate in the base URL in place of `{host}`",
-    },
-    Cause {
         applies: |e| is(e, Obstacle::NoTls),
         cause: "the server at `{authority}` speaks plain http, and the base URL says https",
         help: "write `http://` in the base URL; a key is sent over plain http only to this machine",
-    },
-    Cause {
-        applies: |e| is(e, Obstacle::Tls),
-        cause: "`{host}` and this machine agree on no version or cipher of TLS",
-        help: "let the server offer TLS 1.2 or 1.3",
     },
     // A connection, and no reply.
     Cause {
@@ -129,19 +114,9 @@ const CAUSES: &[Cause] = &[
         cause: "the server, or a proxy before it, closed the connection; a server that runs out of memory does so",
         help: "look into the log of the server at `{authority}`",
     },
-    Cause {
-        applies: |e| is(e, Obstacle::TooLong),
-        cause: "the server sends something endless, or the address is not that of a model: an answer has at most {max_reply_bytes} bytes",
-        help: "open `{base_url}` in a browser, and check the base URL",
-    },
     // What a proxy, a gateway or another port answers.
     Cause {
-        applies: |e| e.status() == Some(407) && e.sent.proxy.is_none(),
-        cause: "what listens at `{authority}` is a proxy to other servers, and not a server of models",
-        help: "check the port in the base URL `{base_url}`",
-    },
-    Cause {
-        applies: |e| e.status() == Some(407),
+        applies: |e| e.status() == Some(407) && e.sent.proxy.is_some(),
         cause: "the proxy named by `{proxy}` wants a user name and a password",
         help: "write them into its value, `http://USER:PASSWORD@HOST:PORT`, or add `{host}` to the variable `NO_PROXY`",
     },
@@ -154,11 +129,6 @@ const CAUSES: &[Cause] = &[
         },
         cause: "the server at `{authority}` expects https",
         help: "write `https://` in the base URL",
-    },
-    Cause {
-        applies: leads_back,
-        cause: "the server redirects to `{location}`, which is the address that was asked, apart from a `/` at its end or its query",
-        help: "turn off this redirect in the server or the gateway; fabc follows none, because it would send the key along",
     },
     Cause {
         applies: |e| in_range(e, 300, 399) && location(e).is_some(),
@@ -186,11 +156,6 @@ const CAUSES: &[Cause] = &[
         help: "open `{base_url}` in a browser from here: its page says who refuses; a VPN or a proxy may be the reason",
     },
     // Keys.
-    Cause {
-        applies: |e| is_unauthorised(e) && e.says(&["unsupported_country"]),
-        cause: "the provider does not serve the country that the call comes from",
-        help: "ask a provider that does, or a model on your own machine",
-    },
     Cause {
         applies: |e| is_unauthorised(e) && e.sent.settings.key.is_none(),
         cause: "no key was sent, since {key_names} set neither in the environment nor in the file of keys",
@@ -371,16 +336,6 @@ const CAUSES: &[Cause] = &[
         help: "turn forced streaming off in the server or the gateway",
     },
     Cause {
-        applies: |e| starts(e, &[b"\x1f\x8b", b"\x28\xb5\x2f\xfd"]) || is_coded(e),
-        cause: "the reply is compressed, which was not asked for",
-        help: "turn compression off in the server or the gateway, or let it heed `Accept-Encoding`",
-    },
-    Cause {
-        applies: |e| starts(e, &[b"\xff\xfe", b"\xfe\xff"]),
-        cause: "the reply is written in UTF-16, and JSON has to be UTF-8",
-        help: "let the server or the gateway write UTF-8",
-    },
-    Cause {
         applies: |e| is_success(e) && matches!(e.body(), Some(Body::Empty)),
         cause: "the server, or a proxy before it, sent a status and nothing else",
         help: "look into the log of the server at `{authority}`, and check the base URL `{base_url}`",
@@ -424,7 +379,18 @@ const CAUSES: &[Cause] = &[
         help: "turn its tools off in the server or the gateway",
     },
     Cause {
-        applies: |e| e.problem() == Some("the answer is empty"),
+        applies: |e| {
+            e.problem()
+                .is_some_and(|problem| problem.contains("` holds: `"))
+        },
+        cause: "the server takes all that the model writes for reasoning, or the model has no tokens left after it",
+        help: "let the server leave it in the answer (llama.cpp: `--reasoning-format none`, or `--reasoning-budget 0` for no thoughts; vLLM: another `--reasoning-parser`, or none), ask with `--reasoning none`, or allow more `tokens`",
+    },
+    Cause {
+        applies: |e| {
+            e.problem()
+                .is_some_and(|problem| problem.starts_with("the answer is empty"))
+        },
         cause: "the model ended at once, or all of its text went into reasoning that is not shown",
         help: "`fabc probe {provider}:{model}` asks a simple question; the log of the server at `{authority}` may say more",
     },
@@ -505,24 +471,6 @@ fn is_stream(exchange: &Exchange<'_>) -> bool {
         && (is_kind(exchange, "text/event-stream")
             // The last begins a comment, which keeps a connection open.
             || starts(exchange, &[b"data:", b"event:", b": "]))
-}
-
-/// Returns whether the body is compressed by what its header says.
-fn is_coded(exchange: &Exchange<'_>) -> bool {
-    let is_json = matches!(exchange.body(), Some(Body::Json(_) | Body::Empty));
-    let received = exchange.received();
-    received.is_some_and(|came| came.incoming.coding.is_some()) && !is_json
-}
-
-/// Returns whether a redirect leads to the address that was asked, but for a slash at its end or the query.
-fn leads_back(exchange: &Exchange<'_>) -> bool {
-    let bare = |url: &Url| {
-        let mut url = url.clone();
-        url.set_query(None);
-        url.to_string().trim_end_matches('/').to_owned()
-    };
-    in_range(exchange, 300, 399)
-        && location(exchange).is_some_and(|location| bare(&location) == bare(&exchange.sent.url))
 }
 
 /// Returns whether the server says that it has no such model.
@@ -634,7 +582,6 @@ fn value(field: &str, exchange: &Exchange<'_>) -> String {
             .min(settings.timeout)
             .as_secs_f64()
             .to_string(),
-        "max_reply_bytes" => MAX_REPLY_BYTES.to_string(),
         "proxy" => proxy.clone().unwrap_or("HTTPS_PROXY".to_owned()),
         "key" => match &settings.key {
             Some(key) => key.name().to_owned(),

@@ -133,6 +133,7 @@ mod tests {
                 ..Usage::default()
             }),
             cut_text: Some(text.to_owned()),
+            reasoning: None,
         }
     }
 

@@ -46,7 +46,9 @@ use reqwest::header::{CONTENT_TYPE, HeaderMap, HeaderName, HeaderValue};
 use retry::{Next, QuestionCalls};
 use served::Served;
 use settings::Parameter;
+use std::borrow::Cow;
 use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use transport::{Incoming, Proxy, Transport, TransportError};
@@ -64,6 +66,8 @@ pub struct Remote {
     shared: Shared,
     /// The models that the server lists, asked once, after the first failure that the list may explain.
     served: OnceLock<Served>,
+    /// Whether the server has refused the schema of an answer; it gets none from then on.
+    refuses_schema: AtomicBool,
 }
 
 /// The common parts of a run's models.
@@ -108,6 +112,21 @@ struct FailedAttempt {
     omit: Option<Parameter>,
 }
 
+impl FailedAttempt {
+    fn of(fault: Fault, billing: Billing, came: Came) -> FailedAttempt {
+        FailedAttempt {
+            fault,
+            billing,
+            came,
+            cost: None,
+            usage: None,
+            wait: None,
+            again: None,
+            omit: None,
+        }
+    }
+}
+
 impl Remote {
     /// Makes the model; its name is `PROVIDER:NAME`. Nothing is sent.
     ///
@@ -141,6 +160,7 @@ impl Remote {
             transport,
             shared,
             served: OnceLock::new(),
+            refuses_schema: AtomicBool::new(false),
         })
     }
 
@@ -184,6 +204,11 @@ impl Remote {
         let key = request.key();
         let mut lengths = self.lengths(request);
         let mut at_most = self.at_most(request, lengths);
+        let mut request = Cow::Borrowed(request);
+        if self.refuses_schema.load(Ordering::Relaxed) {
+            request.to_mut().schema = None;
+            encoded = self.encoded_within(&request, lengths)?;
+        }
         let retry = &self.sent.settings.retry;
         let interrupt = &self.shared.interrupt;
         let mut tries = QuestionCalls::new(retry);
@@ -217,16 +242,7 @@ impl Remote {
                 },
                 Err(TransportError::Failed(nothing)) => {
                     let (fault, billing) = nothing.obstacle.fault();
-                    FailedAttempt {
-                        fault,
-                        billing,
-                        came: Came::Nothing(nothing),
-                        cost: None,
-                        usage: None,
-                        wait: None,
-                        again: None,
-                        omit: None,
-                    }
+                    FailedAttempt::of(fault, billing, Came::Nothing(nothing))
                 }
                 Err(TransportError::Interrupted) => {
                     calls.end(&CallEnd::Failed(&FailedCall {
@@ -251,6 +267,20 @@ impl Remote {
                 cost: ended.cost,
                 usage: ended.usage,
             }))?;
+            if ended.omit == Some(Parameter::Schema)
+                && request.schema.is_some()
+                && self.sent.settings.structured_output.is_none()
+            {
+                if !self.refuses_schema.swap(true, Ordering::Relaxed) {
+                    (self.shared.tell)(&format!(
+                        "{}: the server refuses the schema of the answer ({headline}); it is asked without one from here on",
+                        self.name
+                    ));
+                }
+                request.to_mut().schema = None;
+                encoded = self.encoded_within(&request, lengths)?;
+                continue;
+            }
             let next = match (ended.fault, ended.again) {
                 // The same request would be cut off again.
                 (Fault::Truncated, None) => tries.give_up(),
@@ -260,8 +290,8 @@ impl Remote {
                 Next::After(wait) => {
                     if let Some(more) = ended.again {
                         lengths = more;
-                        encoded = self.encoded_within(request, lengths)?;
-                        at_most = self.at_most(request, lengths);
+                        encoded = self.encoded_within(&request, lengths)?;
+                        at_most = self.at_most(&request, lengths);
                     }
                     let seconds = wait.as_secs_f64();
                     (self.shared.tell)(&format!(
@@ -316,20 +346,16 @@ impl Remote {
                 (Fault::BadRequest, 400 | 422) => omit::refused(&incoming.body, &sent.body),
                 _ => None,
             };
+            let wait = refusal.wait.max(incoming.wait);
+            let came = Came::reply(incoming, None);
             return Err(FailedAttempt {
-                fault: refusal.fault,
-                billing: refusal.billing,
-                cost: None,
-                usage: None,
-                wait: refusal.wait.max(incoming.wait),
-                again: None,
+                wait,
                 omit,
-                came: Came::reply(incoming, None),
+                ..FailedAttempt::of(refusal.fault, refusal.billing, came)
             });
         }
         match self.sent.settings.wire.decode(&incoming.body) {
             Ok(answer) => Ok(Answer {
-                // A key that the server split over two pieces of text is whole once they are joined.
                 text: self.transport.redactor().text(&answer.text),
                 // A text has tokens: a count of zero is no report.
                 usage: answer
@@ -340,16 +366,18 @@ impl Remote {
                 let starved = hidden::starved(&failure, lengths);
                 let again = starved.as_ref().and_then(|starved| starved.again);
                 let usage = failure.usage.filter(|it| it.input_tokens > 0);
-                let why = starved.map_or(failure.why, |starved| starved.why);
+                let mut why = starved.map_or(failure.why, |starved| starved.why);
+                if let Some(reasoning) = failure.reasoning {
+                    why.push_str(&format!("; {reasoning}"));
+                }
+                let wait = incoming.wait;
+                let came = Came::reply(incoming, Some(why));
                 Err(FailedAttempt {
-                    fault: failure.fault,
-                    billing: Billing::Possibly,
                     cost: self.cost(usage),
                     usage,
-                    wait: incoming.wait,
+                    wait,
                     again,
-                    omit: None,
-                    came: Came::reply(incoming, Some(why)),
+                    ..FailedAttempt::of(failure.fault, Billing::Possibly, came)
                 })
             }
         }

@@ -65,7 +65,7 @@ pub struct Settings {
     pub pictures: Option<bool>,
     /// Whether it accepts several pictures in one message; `None`: unknown.
     pub several_pictures: Option<bool>,
-    /// Whether it accepts a JSON Schema of its answer; the schema is sent only if it is known to.
+    /// Whether it accepts a JSON Schema of its answer; `None`: unknown, and it is sent until it is refused.
     pub structured_output: Option<bool>,
     /// How points are written for it, and how pictures are resized.
     pub lowering: Lowering,

@@ -9,7 +9,7 @@ use super::schema::Schema;
 use fab_program::data::actions::{ActionField, Choices, Direction, LengthChoice};
 use fab_program::exact::vector_of;
 use fab_program::pointing::Notation;
-use fab_program::reply::read_fields;
+use fab_program::reply::{read_fields, read_text};
 use fab_program::space;
 use fab_program::units::{LengthUnit, UNITS};
 use serde_json::{Map, Value, json};
@@ -114,7 +114,9 @@ fn in_words(schema: &Schema, text: &str) -> Option<String> {
         }
     }
     if fields.is_empty() {
-        return None;
+        let name = properties.keys().next()?;
+        let read = read_text(&format!("{name}:"), "", text).ok()?;
+        return Some(json!({ name: read.value }).to_string());
     }
     let action = read_fields(&fields, 1.0, &Notation::pixels(), text).ok()?;
     let value = |name: &String| {

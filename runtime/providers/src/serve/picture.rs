@@ -4,55 +4,24 @@ use super::refusal::Refusal;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use fab_model::Png;
-use fab_picture::png::{self, MAX_SIDE_PX};
-use image::codecs::jpeg::JpegDecoder;
-use image::{DynamicImage, ImageDecoder, ImageResult};
+use fab_picture::png;
+use image::{ImageFormat, ImageReader};
 use std::cell::Cell;
 use std::io::Cursor;
+use std::path::Path;
+
+/// The longest side of a picture of a request, pixels.
+const MAX_SIDE_PX: u32 = 4096;
 
 /// The most pixels of all pictures of a request, two of the largest: models decode them into memory.
 const MAX_PIXELS: u64 = 2 * (MAX_SIDE_PX as u64) * (MAX_SIDE_PX as u64);
 
-/// A kind of picture.
-struct Kind {
-    /// How its address begins.
-    start: &'static str,
-    name: &'static str,
-    /// Width and height, from the file's head.
-    size: fn(&[u8]) -> Option<[u32; 2]>,
-    to_png: fn(Vec<u8>) -> ImageResult<Vec<u8>>,
-}
-
-const KINDS: [Kind; 3] = [
-    Kind {
-        start: "data:image/png;base64,",
-        name: "PNG",
-        size: png::size,
-        to_png: Ok,
-    },
-    JPEG,
-    Kind {
-        start: "data:image/jpg;base64,",
-        ..JPEG
-    },
+/// How the address of a picture begins, and what it is then.
+const KINDS: [(&str, &str, ImageFormat); 3] = [
+    ("data:image/png;base64,", "PNG", ImageFormat::Png),
+    ("data:image/jpeg;base64,", "JPEG", ImageFormat::Jpeg),
+    ("data:image/jpg;base64,", "JPEG", ImageFormat::Jpeg),
 ];
-
-const JPEG: Kind = Kind {
-    start: "data:image/jpeg;base64,",
-    name: "JPEG",
-    size: |bytes| {
-        let (width, height) = JpegDecoder::new(Cursor::new(bytes)).ok()?.dimensions();
-        Some([width, height])
-    },
-    to_png: |bytes| {
-        let mut decoder = JpegDecoder::new(Cursor::new(bytes))?;
-        // Cameras store the picture as the sensor saw it, and say how to turn it; programs show it turned.
-        let orientation = decoder.orientation()?;
-        let mut picture = DynamicImage::from_decoder(decoder)?;
-        picture.apply_orientation(orientation);
-        Ok(png::encode(&picture.into_rgb8()))
-    },
-};
 
 /// The pictures of one request.
 #[derive(Default)]
@@ -73,15 +42,16 @@ impl Pictures {
                 "leads elsewhere, and nothing is fetched: send the picture as a data: URL in base64",
             ));
         }
-        let Some(kind) = KINDS.iter().find(|kind| begins_with(kind.start)) else {
+        let kind = KINDS.iter().find(|(start, ..)| begins_with(start));
+        let Some((start, name, format)) = kind else {
             return Err(wrong(
                 "is neither a PNG nor a JPEG in base64; it must begin with `data:image/png;base64,` or `data:image/jpeg;base64,`",
             ));
         };
-        let bytes = STANDARD.decode(&address[kind.start.len()..]);
+        let bytes = STANDARD.decode(&address[start.len()..]);
         let bytes = bytes.map_err(|_| wrong("is not base64"))?;
-        let not_one = || wrong(&format!("is not a {} picture", kind.name));
-        let [width, height] = (kind.size)(&bytes).ok_or_else(not_one)?;
+        let size = ImageReader::with_format(Cursor::new(&bytes), *format).into_dimensions();
+        let (width, height) = size.map_err(|_| wrong(&format!("is not a {name} picture")))?;
         if width.max(height) > MAX_SIDE_PX {
             return Err(wrong(&format!(
                 "is {width} by {height} pixels; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} are taken"
@@ -94,9 +64,12 @@ impl Pictures {
             )));
         }
         self.pixels.set(pixels);
-        let converted = (kind.to_png)(bytes);
-        converted
-            .map(Png::new)
-            .map_err(|error| wrong(&format!("is not a readable {} picture: {error}", kind.name)))
+        let opened = png::opened(&bytes, Path::new(path));
+        let opened = opened.map_err(|error| Refusal::of(path, error.to_string()))?;
+        // What a model sees is what a person sees, also where the picture is transparent.
+        Ok(Png::new(match (format, opened.note) {
+            (ImageFormat::Png, None) => bytes,
+            _ => png::encode(&opened.rgb),
+        }))
     }
 }

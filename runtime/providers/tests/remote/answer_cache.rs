@@ -2,11 +2,11 @@
 
 use crate::support::*;
 use fab_base::cache::Cache;
-use fab_model::calls::{Unrecorded, Usd};
+use fab_model::calls::{Billing, Fault, Unrecorded, Usd};
 use fab_model::{Model, Request};
 use fab_providers::remote::{Answers, Wire};
 use std::fs;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tempfile::TempDir;
 
@@ -71,6 +71,55 @@ fn whatever_an_answer_depends_on_makes_another_question_of_it() {
     let expected: Vec<String> = (0..10).map(|at| at.to_string()).collect();
     assert_eq!(texts, expected);
     assert_eq!(trial.settings.wire, Wire::OpenaiChat);
+}
+
+#[test]
+fn a_schema_that_is_refused_is_left_out_from_then_on_and_nothing_is_paid_for_twice() {
+    for body in [
+        r#"{"error":{"message":"This response_format type is unavailable now"}}"#,
+        r#"{"detail":[{"loc":["body","response_format"],"msg":"json_schema is not supported"}]}"#,
+    ] {
+        let refusal = status(422).json(body);
+        let provider = Provider::playing(vec![refusal, good("first"), good("second")]);
+        let (mut trial, _folder) = keeping(&provider.url());
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let heard = told.clone();
+        trial.shared.tell = Arc::new(move |words| heard.lock().unwrap().push(words.to_owned()));
+        let asked = |step| Request {
+            schema: Some(serde_json::json!({ "type": "object" })),
+            step,
+            ..request()
+        };
+        let model = trial.model();
+        let (mut first, mut second) = (Notes::new(), Notes::new());
+        let replies = [(1, &mut first), (2, &mut second)]
+            .map(|(step, notes)| model.ask(&asked(step), notes).unwrap().text);
+        assert_eq!(replies, ["first", "second"]);
+        assert_eq!(first.faults(), [(Fault::BadRequest, Billing::No)]);
+        assert_eq!(second.faults(), []);
+        let sent = provider.received().into_iter();
+        let sent: Vec<bool> = sent
+            .map(|it| String::from_utf8_lossy(&it.body).contains("response_format"))
+            .collect();
+        assert_eq!(sent, [true, false, false]);
+        let told = told.lock().unwrap();
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(
+            told[0].contains("refuses the schema of the answer"),
+            "{told:?}"
+        );
+        // A later run does not know of the refusal, and still finds both answers.
+        let later = trial.model();
+        let kept = [1, 2].map(|step| later.ask(&asked(step), &mut Unrecorded).unwrap().text);
+        assert_eq!(kept, replies);
+        assert_eq!(provider.received().len(), 3);
+        // What is known to take a schema is not asked without one: the refusal names the option.
+        trial.settings.structured_output = Some(true);
+        let provider = Provider::playing(vec![status(400).json(body)]);
+        trial.settings.base_url = fab_providers::remote::BaseUrl::parse(&provider.url()).unwrap();
+        let error = trial.model().ask(&asked(1), &mut Unrecorded).unwrap_err();
+        assert!(error.to_string().contains("--omit schema"), "{error}");
+    }
 }
 
 #[test]

@@ -85,10 +85,6 @@ impl Case {
 
 /// Replies, from the general text of the protocol to single servers.
 fn replies() -> Vec<Case> {
-    let utf16: Vec<u8> = "\u{feff}{\"choices\":[]}"
-        .encode_utf16()
-        .flat_map(u16::to_le_bytes)
-        .collect();
     let nginx = |reason: &str| {
         format!(
             "<html>\r\n<head><title>{reason}</title></head>\r\n<body>\r\n<center><h1>{reason}</h1></center>\r\n<hr><center>nginx/1.26.3</center>\r\n</body>\r\n</html>\r\n"
@@ -115,7 +111,6 @@ fn replies() -> Vec<Case> {
             .wire(Wire::Gemini),
         case("403_without_the_right", "403 Forbidden", "json", r#"{"error":{"message":"You have insufficient permissions for this operation.","type":"permission_error"}}"#),
         case("403_not_for_this_model", "403 Forbidden", "json", r#"{"error":{"message":"key not allowed to access model. This key can only access models=['small']. Tried to access a-model","type":"key_model_access_denied","param":"model","code":"403"}}"#),
-        case("403_from_a_country_that_is_not_served", "403 Forbidden", "json", r#"{"error":{"code":"unsupported_country_region_territory","message":"Country, region, or territory not supported"}}"#),
         case("403_from_a_firewall", "403 Forbidden", "html", nginx("403 Forbidden")),
         // Money and limits.
         case("402_without_credit", "402 Payment Required", "json", r#"{"error":{"message":"Insufficient credits","code":402}}"#),
@@ -149,10 +144,7 @@ fn replies() -> Vec<Case> {
         case("302_to_a_login_page", "302 Found", "html", "")
             .header("location: /login?next=%2Fv1"),
         case("301_without_a_place", "301 Moved Permanently", "", ""),
-        case("308_to_itself", "308 Permanent Redirect", "", "")
-            .header("location: /v1/chat/completions/?from=gateway"),
         case("304_to_a_question", "304 Not Modified", "", ""),
-        case("407_without_a_proxy", "407 Proxy Authentication Required", "", ""),
         case("200_login_page", "200 OK", "text/html; charset=utf-8", "<!DOCTYPE html>\n<html><head><title>Sign in</title></head><body>Welcome to the guest network</body></html>"),
         case("400_http_sent_to_https", "400 Bad Request", "html", "<html>\r\n<head><title>400 The plain HTTP request was sent to HTTPS port</title></head></html>"),
         case("200_another_service", "200 OK", "text/plain", "OK"),
@@ -186,15 +178,11 @@ fn replies() -> Vec<Case> {
         // What is no answer.
         case("200_stream", "200 OK", "text/event-stream", "data: {\"choices\":[{\"delta\":{\"content\":\"fo\"}}]}\n\ndata: [DONE]\n\n"),
         case("200_stream_of_ollama", "200 OK", "application/x-ndjson", "{\"message\":{\"content\":\"fo\"},\"done\":false}\n{\"message\":{\"content\":\"ld\"},\"done\":true}\n"),
-        case("200_compressed", "200 OK", "json", b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\x03\xabVJ\xce\xc8\xccKN-V\xb2\x8a\x8e\xad\x05\x00"),
-        case("200_compressed_by_its_header", "200 OK", "json", b"\x1b\x2f\x01\x00\xe4\x1f\x99\x15\xa9")
-            .header("content-encoding: br"),
         case("200_comments_of_a_stream", "200 OK", "json", format!(": PROCESSING\n\n: PROCESSING\n\n{}", chat(&said("fold"), "stop"))),
         case("200_nan", "200 OK", "json", chat(&said("fold"), "stop").replace("64", "NaN")),
         case("200_bytes_that_are_no_letters", "200 OK", "json", chat(&said("fold"), "stop").as_bytes().iter().map(|byte| if *byte == b'f' { 0xff } else { *byte }).collect::<Vec<_>>()),
         case("200_half_of_a_character", "200 OK", "json", chat(&said("fold \\ud83d it"), "stop")),
         case("200_more_behind_the_json", "200 OK", "json", chat(&said("fold"), "stop") + "</body>"),
-        case("200_utf_16", "200 OK", "json", utf16),
         case("200_empty", "200 OK", "json", ""),
         case("200_cut_json", "200 OK", "json", r#"{"object":"chat.completion","choices":[{"index":0,"message":{"role":"assistant","content":"fol"#),
         case("200_without_choices", "200 OK", "json", r#"{"object":"chat.completion"}"#),
@@ -203,7 +191,8 @@ fn replies() -> Vec<Case> {
         case("200_truncated", "200 OK", "json", chat(&said("fold the left"), "length")),
         case("200_thoughts_cut_off", "200 OK", "json", chat(&said("<think>The cloth lies flat, so"), "length")),
         case("200_hidden_reasoning_cut_off", "200 OK", "json", chat(r#"{"role":"assistant","content":"","reasoning_content":"The cloth lies flat, so"}"#, "length")),
-        case("200_unknown_end", "200 OK", "json", chat(&said("fold"), "eos_token")),
+        case("200_text_in_the_field_for_reasoning", "200 OK", "json", chat(r#"{"role":"assistant","content":null,"reasoning_content":"Pick Point = (41, 41)\nPlace Point = (111, 111)"}"#, "stop")),
+        case("200_unknown_end", "200 OK", "json", chat(&said(""), "repetition")),
         case("200_declined", "200 OK", "json", chat(r#"{"role":"assistant","content":null,"refusal":"I cannot help with that."}"#, "stop")),
         case("200_filtered", "200 OK", "json", chat(&said("fold"), "content_filter")),
         case("200_tool_call", "200 OK", "json", chat(r#"{"role":"assistant","content":null,"tool_calls":[{"id":"1"}]}"#, "tool_calls")),
@@ -245,7 +234,8 @@ type Act = fn(TcpStream);
 fn connections() -> Vec<(&'static str, &'static str, Act)> {
     vec![
         ("no_tls", "https://localhost", |mut stream| {
-            let mut greeting = [0; 64];
+            // All of it: a connection that is closed with bytes unread is reset, perhaps before the answer is read.
+            let mut greeting = [0; 4096];
             let _ = stream.read(&mut greeting);
             say(&mut stream, "HTTP/1.1 400 Bad Request\r\n\r\n");
         }),

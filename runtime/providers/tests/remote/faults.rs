@@ -49,7 +49,7 @@ fn failures() -> Vec<(Response, Fault, Billing)> {
         (status(504), Fault::TimedOut, Possibly),
         (json(200, refusal), Fault::Refused, Possibly),
         (ended("content_filter"), Fault::ContentFiltered, Possibly),
-        (ended("tool_calls"), Fault::InvalidReply, Possibly),
+        (ended("abort"), Fault::ServerFailed, Possibly),
         (
             json(200, "{\"choices\": [{\"message\": {\"cont"),
             Fault::InvalidReply,

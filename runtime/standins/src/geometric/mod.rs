@@ -220,13 +220,17 @@ fn choice(messages: &[Message]) -> Result<String, String> {
         .ok_or("every likely pair of listed points was refused")?;
     let whole = all_words(messages);
     let [pick, place] = ["pick", "place"].map(|field| AnswerLine::asked_for(field, &whole));
+    let quadrant = listed
+        .center
+        .and_then(|center| prompt::quadrant_line(&whole, chosen.pick, center))
+        .map_or(String::new(), |line| format!("{line}\n"));
     let again = if refused.is_empty() {
         ""
     } else {
         " that was not refused"
     };
     Ok(format!(
-        "{}\n{}\nThe rectangle around the listed corners lies turned by about {:.0} degrees against the words; \
+        "{quadrant}{}\n{}\nThe rectangle around the listed corners lies turned by about {:.0} degrees against the words; \
          in it, these are the listed points nearest to the two that the words name{again}.",
         pick.with(chosen.pick),
         place.with(chosen.place),

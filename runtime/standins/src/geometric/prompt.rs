@@ -4,6 +4,7 @@
 //! `corner` and points lists the corners, one with `cent` and a point gives the center, and any other line with a
 //! label, a colon and points lists additional points.
 
+use fab_program::measures::{QUADRANTS, quadrant};
 use fab_program::units;
 use fab_program::{Manner, PixelPoint};
 
@@ -146,7 +147,8 @@ pub fn asks_for_more(prompt: &str) -> Option<String> {
             && !Manner::USUAL
                 .stated()
                 .any(|(known, _)| is_field(name, known));
-        (is_other && values.contains(" | ")).then(|| format!("for `{}`", name.trim()))
+        (is_other && values.contains(" | ") && !are_quadrants(values))
+            .then(|| format!("for `{}`", name.trim()))
     });
     let stated = |field: &str| {
         prompt
@@ -155,6 +157,21 @@ pub fn asks_for_more(prompt: &str) -> Option<String> {
     };
     let alone = (stated("pick") && !stated("place")).then(|| "for a pick point alone".to_owned());
     listed.or(alone)
+}
+
+/// Returns whether the values that a format lists all say where a point lies.
+fn are_quadrants(values: &str) -> bool {
+    values
+        .split('|')
+        .all(|value| QUADRANTS.as_flattened().contains(&value.trim()))
+}
+
+/// Returns the line of an answer that says where the pick point lies, seen from the center, if the prompt asks for it.
+pub fn quadrant_line(prompt: &str, pick: PixelPoint, center: PixelPoint) -> Option<String> {
+    let mut asked = prompt.lines().filter_map(|line| line.split_once('='));
+    let (name, _) = asked.find(|(_, values)| are_quadrants(values))?;
+    let [pick, center] = [pick, center].map(|it| [it.u, it.v].map(f64::from));
+    Some(format!("{} = {}", name.trim(), quadrant(pick, center)))
 }
 
 /// Returns whether a line's name is that of a field, such as `- Release height`.

@@ -6,8 +6,10 @@
 
 use fab_picture::arrow::{self, Arrow, ArrowFault};
 use fab_picture::hull::{self, Point};
+use fab_picture::png::{self, PictureError};
 use fab_picture::{Mask, regions};
 use image::RgbImage;
+use std::path::Path;
 
 /// The contents of the first picture, checked against the second. Points are `[right, up]` from the picture's bottom
 /// left corner, pixels.
@@ -142,18 +144,10 @@ pub fn see(pictures: &[&[u8]]) -> Result<Sighting, Unrecognised> {
 }
 
 fn decode(bytes: &[u8], which: PictureOf) -> Result<RgbImage, Unrecognised> {
-    let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|_| Unrecognised::Unreadable(which))?;
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(*SIDE_PX.end());
-    limits.max_image_height = Some(*SIDE_PX.end());
-    reader.limits(limits);
-    let picture = match reader.decode() {
-        Ok(picture) => picture.into_rgb8(),
-        Err(image::ImageError::Limits(_)) => return Err(Unrecognised::Size(which)),
-        Err(_) => return Err(Unrecognised::Unreadable(which)),
-    };
+    let picture = png::decode(bytes, Path::new("the picture")).map_err(|error| match error {
+        PictureError::TooLarge { .. } => Unrecognised::Size(which),
+        _ => Unrecognised::Unreadable(which),
+    })?;
     if SIDE_PX.contains(&picture.width()) && SIDE_PX.contains(&picture.height()) {
         Ok(picture)
     } else {

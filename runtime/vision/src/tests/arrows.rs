@@ -15,14 +15,15 @@ proptest! {
 
     #[test]
     fn every_drawn_arrow_is_found_where_it_is(
-        side_px in prop::sample::select(vec![128_u32, 224, 224, 224, 300]),
+        side_px in prop::sample::select(vec![128_u32, 224, 224, 224, 300, 512, 720]),
+        ground in prop::sample::select(vec![[255; 3], [230; 3], [255, 114, 0], [120, 130, 140]]),
         tail in prop::array::uniform2(20.0..204.0_f64),
         tip in prop::array::uniform2(2.0..222.0_f64),
     ) {
-        prop_assume!(distance(tail, tip) * (f64::from(side_px) / 224.0).min(1.0) > 18.0);
+        prop_assume!(distance(tail, tip) * (f64::from(side_px) / 224.0).min(1.0) > 11.0);
         let across = f64::from(side_px) / 224.0;
         let scale = across.max(1.0);
-        let mut picture = RgbImage::from_pixel(side_px, side_px, Rgb([230; 3]));
+        let mut picture = RgbImage::from_pixel(side_px, side_px, Rgb(ground));
         let [tail, tip] = [tail, tip].map(|point| point.map(|value| value * across));
         draw_arrow(&mut picture, tail, tip).unwrap();
         match found(&picture, scale) {
@@ -44,6 +45,13 @@ fn a_head_at_the_edge_of_the_picture_is_no_ring() {
         assert!(distance(seen_tail, tail) <= 1.5, "{seen_tail:?}");
         assert!(distance(seen_tip, tip) <= 2.5, "{seen_tip:?}");
     }
+}
+
+#[test]
+fn the_tip_is_the_middle_of_the_strokes_end() {
+    let mut picture = RgbImage::from_pixel(224, 224, Rgb([230; 3]));
+    draw_arrow(&mut picture, [41.3, 55.7], [41.3, 168.3]).unwrap();
+    assert_eq!(found(&picture, 1.0), Ok([[41.5, 55.5], [41.5, 168.5]]));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Tests of the layers drawn for a model.
 
 use super::super::*;
+use super::apart;
 use crate::recorded::recorded_data;
 use fab_picture::Mask;
 use fab_program::PixelPoint;
@@ -129,9 +130,9 @@ fn numbers_lie_inside_the_picture_beside_their_points() {
         let [low, high] = bounding_box(&mask).unwrap();
         // Two digits of 9 px with their rims, none cut off.
         let size_px = (high.u - low.u + 1, high.v - low.v + 1);
-        assert_eq!(size_px, (21, 16), "({u}, {v})");
+        assert_eq!(size_px, (15, 11), "({u}, {v})");
         let off_px = box_distance_px(PixelPoint::new(u, v), [low, high]);
-        assert!((1.0..=6.0).contains(&off_px), "({u}, {v}): {off_px} px");
+        assert!((1.0..=10.0).contains(&off_px), "({u}, {v}): {off_px} px");
     }
 }
 
@@ -228,8 +229,8 @@ fn place_shown(drawing: &RgbImage) -> PixelPoint {
 }
 
 #[test]
-fn recorded_annotations_and_actions_are_drawn_pixel_for_pixel() {
-    let test = "recorded_annotations_and_actions_are_drawn_pixel_for_pixel";
+fn annotations_and_actions_are_drawn_where_they_were_recorded() {
+    let test = "annotations_and_actions_are_drawn_where_they_were_recorded";
     let Some(root) = recorded_data(test) else {
         return;
     };
@@ -245,8 +246,14 @@ fn recorded_annotations_and_actions_are_drawn_pixel_for_pixel() {
         let picture = |file: &str| image::open(folder.join(file)).unwrap().into_rgb8();
         // The last place does not carry over to the next series.
         last_place = last_place.filter(|_| !name.ends_with("_step_0"));
-        let annotated = draw_layers(&picture("aug.png"), &annotation(fixture, last_place)).unwrap();
-        assert!(annotated == picture("processed.png"), "{name}");
+        let (ground, layers) = (picture("aug.png"), annotation(fixture, last_place));
+        let annotated = draw_layers(&ground, &layers).unwrap();
+        for DrawnLayer { rgb, .. } in layers {
+            let drawings = [&annotated, &picture("processed.png")];
+            let apart = apart(&ground, drawings, rgb);
+            // Where a ring covers a dot, it may leave another pixel of it visible.
+            assert!(apart.len() <= 1, "{name}: {rgb:?} {apart:?}");
+        }
         n_annotations += 1;
         let place = place_shown(&picture("vis.png"));
         last_place = Some(place);
@@ -259,22 +266,18 @@ fn recorded_annotations_and_actions_are_drawn_pixel_for_pixel() {
         let detected = fixture["recorded_corners"].clone();
         let detected: Vec<PixelPoint> = serde_json::from_value(detected).unwrap();
         let from = detected.into_iter().find(near).unwrap();
-        let action = [
-            rings(GREEN, vec![from], 5),
-            layer(
-                GREEN,
-                DrawnShape::Arrow {
-                    from,
-                    to: place,
-                    width_px: 2,
-                },
-            ),
-            rings(PURPLE, vec![place], 5),
-        ];
-        assert!(
-            draw_layers(&annotated, &action).unwrap() == picture("vis.png"),
-            "{name}"
-        );
+        let mut acted = annotated.clone();
+        draw_action(&mut acted, from, place).unwrap();
+        for (rgb, free) in [(GREEN, vec![from, place]), (PURPLE, vec![])] {
+            let mut apart = apart(&ground, [&acted, &picture("vis.png")], rgb);
+            // The recorded arrow leads from middle to middle, ours from ring to ring, and so does its head.
+            let head_px = 0.1 * from.distance_px(place);
+            apart.retain(|at| {
+                free.iter()
+                    .all(|middle| at.distance_px(*middle) > 7.0 + head_px)
+            });
+            assert_eq!(apart, [], "{name}: {rgb:?}");
+        }
         n_actions += 1;
     }
     assert!(

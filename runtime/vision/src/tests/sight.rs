@@ -191,7 +191,7 @@ fn a_picture_or_block_that_does_not_fit_is_refused() {
     }
     assert!(matches!(
         corners(&depth, &RgbImage::new(64, 63), &mask, &harris()),
-        Err(VisionError::PictureSize { .. })
+        Err(VisionError::OtherSize { .. })
     ));
 }
 

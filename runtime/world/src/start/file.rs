@@ -75,7 +75,7 @@ pub enum StartError {
     },
     /// The file is not a `.npy` file of floating-point numbers.
     #[error(
-        "the start `{path}` is not a usable .npy file: {why}; expected float32 or float64 of shape (particles, 3)"
+        "the start `{path}` is not a usable .npy file: {why}; expected float32 or float64 of shape (particles, 3), or (particles, 4) with the inverse mass"
     )]
     NotPositions {
         /// The file.
@@ -83,7 +83,7 @@ pub enum StartError {
         /// What is wrong.
         why: String,
     },
-    /// The array's shape is wrong.
+    /// The array has another number of particles than the grid.
     #[error("the start `{path}` has shape {found}; expected {wanted}")]
     Shape {
         /// The file.
@@ -126,68 +126,53 @@ pub enum StartError {
 }
 
 pub(super) fn load(path: &Path, stated: Option<StartFrame>) -> Result<Start, StartError> {
-    let (shape, numbers) = read_npy(path)?;
+    let read = read_positions(path)?;
     let Description { frame, outline } = match stated {
         Some(frame) => frame.into(),
         None => find_description(path)?,
     };
     let grid = frame.grid;
     let wanted = u64::from(grid.dimx) * u64::from(grid.dimy);
-    if shape != [wanted, 3] {
+    if read.len() as u64 != wanted {
         return Err(StartError::Shape {
             path: path.to_owned(),
-            found: format!("{shape:?}"),
+            found: format!("[{}, 3]", read.len()),
             wanted: format!(
                 "[{wanted}, 3] for a grid of {} by {} particles",
                 grid.dimx, grid.dimy
             ),
         });
     }
-    if let Some(at) = numbers.iter().position(|value| !value.is_finite()) {
+    let mut numbers = read.iter().flatten();
+    if let Some(at) = numbers.position(|value| !value.is_finite()) {
         return Err(StartError::NotFinite {
             path: path.to_owned(),
             particle: at / 3,
-            value: numbers[at],
+            value: read[at / 3][at % 3],
         });
     }
-    let positions = numbers
-        .as_chunks::<3>()
-        .0
-        .iter()
-        .map(|&[x, y, z]| match frame.up {
-            Up::Y => [x as f32, -z as f32, y as f32],
-            Up::Z => [x as f32, y as f32, z as f32],
-        })
-        .collect();
+    let world = read.into_iter().map(|[x, y, z]| match frame.up {
+        Up::Y => [x as f32, -z as f32, y as f32],
+        Up::Z => [x as f32, y as f32, z as f32],
+    });
     Ok(Start {
         name: path.display().to_string(),
         seed: None,
         grid,
         outline,
-        positions,
+        positions: world.collect(),
     })
 }
 
-/// Reads any two-dimensional array of floats, row by row.
-fn read_npy(path: &Path) -> Result<(Vec<u64>, Vec<f64>), StartError> {
-    let unreadable = |why: String| StartError::Unreadable {
+fn read_positions(path: &Path) -> Result<Vec<[f64; 3]>, StartError> {
+    let bytes = files::read(path, MAX_BYTES).map_err(|why| StartError::Unreadable {
         path: path.to_owned(),
         why,
-    };
-    let wrong = |why: String| StartError::NotPositions {
+    })?;
+    npy::decode_positions(&bytes).map_err(|why| StartError::NotPositions {
         path: path.to_owned(),
         why,
-    };
-    let bytes = files::read(path, MAX_BYTES).map_err(unreadable)?;
-    let (shape, numbers) = npy::decode_floats(&bytes).map_err(wrong)?;
-    if shape.len() != 2 || shape[1] != 3 {
-        return Err(StartError::Shape {
-            path: path.to_owned(),
-            found: format!("{shape:?}"),
-            wanted: "[particles, 3]".to_owned(),
-        });
-    }
-    Ok((shape, numbers))
+    })
 }
 
 fn find_description(path: &Path) -> Result<Description, StartError> {
@@ -295,10 +280,8 @@ fn check_grid(frame: StartFrame, described_in: &Path) -> Result<StartFrame, Star
 }
 
 fn read_json(path: &Path) -> Result<serde_json::Value, StartError> {
-    let wrong = |why: String| StartError::Description {
+    files::read_json(path, MAX_BYTES).map_err(|why| StartError::Description {
         path: path.to_owned(),
         why,
-    };
-    let bytes = files::read(path, MAX_BYTES).map_err(wrong)?;
-    serde_json::from_slice(&bytes).map_err(|error| wrong(error.to_string()))
+    })
 }

@@ -8,6 +8,7 @@ use crate::verbs::runtime::bench::BenchArguments;
 use crate::verbs::runtime::bench::Shard;
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::model_arguments::ModelArguments;
+use crate::verbs::runtime::setting::model_arguments::OmitArgument;
 use crate::verbs::runtime::setting::model_arguments::PolicyArguments;
 use crate::verbs::runtime::setting::model_arguments::Purpose;
 use crate::verbs::runtime::setting::models::Answering;
@@ -70,10 +71,13 @@ pub fn deciding(
             }
             [Some(own), model] => (policy.named(own.clone()), model.iter().cloned().collect()),
         };
-        let models = ModelArguments {
+        let mut models = ModelArguments {
             model,
             ..models.clone()
         };
+        if !suite.structured {
+            models.reach.omit.push(OmitArgument::Schema);
+        }
         deciding.insert(key, Deciding::of(&policy, &models, purpose, interrupt, io)?);
     }
     Ok(deciding)

@@ -79,6 +79,7 @@ impl Report<'_> {
             "params": self.results.params,
             "vary": self.bench.suite.vary,
             "answers": self.bench.answers,
+            "structured": self.bench.suite.structured,
             "out": self.bench.out.display().to_string(),
             "interrupted": self.results.stopped == Some(StopReason::Interrupted),
             "capped": self.results.stopped == Some(StopReason::Capped),

@@ -35,8 +35,7 @@ pub fn find(wanted: &str) -> Result<SuiteFile, Failure> {
     let wrong = |why: String| {
         Failure::environment(format!("the suite `{}` is wrong: {why}", path.display()))
     };
-    let bytes = sources::read_bounded(&path).map_err(wrong)?;
-    let text = String::from_utf8(bytes).map_err(|_| wrong("it is not UTF-8 text".to_owned()))?;
+    let text = sources::read_text(&path).map_err(wrong)?;
     let suite = Suite::parse(&text).map_err(|error| wrong(error.to_string()))?;
     let name = path.file_stem().unwrap_or_default();
     Ok(SuiteFile {
@@ -81,13 +80,7 @@ pub fn narrowed(mut suite: Suite, variant: Option<&str>) -> Suite {
         suite.methods.push(Method {
             name: variant.to_owned(),
             variant: Some(variant.to_owned()),
-            policy: None,
-            model: None,
-            reasoning: None,
-            repeats: None,
-            optional: false,
-            note: None,
-            stand_in_note: None,
+            ..Method::default()
         });
     }
     let names: Vec<String> = suite

@@ -6,10 +6,12 @@
 use super::backup;
 use crate::exit::Failure;
 use crate::io::{Io, write_file};
-use fab_arm::calibration::{LineOutcome, Pair, Session, Terms, ToolReader, csv_line, grid};
-use fab_picture::{Tag, png};
+use fab_arm::calibration::{
+    LineOutcome, Pair, SeenTags, Session, Terms, ToolReader, csv_line, grid,
+};
+use fab_picture::png;
 use fab_program::PixelPoint;
-use fab_vision::{draw_numbers, draw_points};
+use fab_vision::{DrawnLayer, DrawnShape, draw_layers};
 use image::RgbImage;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
@@ -26,7 +28,7 @@ pub struct TypingSetup<'a> {
     /// The camera's own picture.
     pub seen: Option<&'a RgbImage>,
     /// The printed tags that it shows.
-    pub tags: &'a [Tag],
+    pub tags: SeenTags<'a>,
 }
 
 /// Asks for points after the given ones until `done` or the end of input.
@@ -104,13 +106,18 @@ fn show(targets: &[[f64; 2]], setup: &TypingSetup<'_>, io: &Io) -> Result<(), Fa
     let (Some(seen), false) = (setup.seen, targets.is_empty()) else {
         return Ok(());
     };
-    let mut drawn = seen.clone();
-    let points: Vec<PixelPoint> = targets
+    let at: Vec<PixelPoint> = targets
         .iter()
         .map(|[u, v]| PixelPoint::new(*u as i32, *v as i32))
         .collect();
-    draw_points(&mut drawn, &points, [255, 220, 0], 3).map_err(Failure::environment)?;
-    draw_numbers(&mut drawn, targets);
+    let dots = DrawnShape::Dots {
+        at: at.clone(),
+        radius_px: 3,
+    };
+    let numbers = DrawnShape::Numbers { at };
+    let layers = [([255, 220, 0], dots), ([255; 3], numbers)];
+    let layers = layers.map(|(rgb, shape)| DrawnLayer { rgb, shape });
+    let drawn = draw_layers(seen, &layers).map_err(Failure::environment)?;
     let path: PathBuf = setup.path.with_extension("grid.png");
     write_file(&path, &png::encode(&drawn))?;
     io.talk(&format!(
@@ -145,7 +152,7 @@ mod tests {
             grid: None,
             path: &path,
             seen: None,
-            tags: &[],
+            tags: Ok(&[]),
         };
         let mut lines = typed.as_bytes();
         let pairs = type_points(
@@ -157,7 +164,7 @@ mod tests {
             &Io::new("."),
         );
         let pairs = pairs.unwrap();
-        let kept = fab_arm::calibration::read_pairs(&path.with_extension("pairs.csv"), &[]);
+        let kept = fab_arm::calibration::read_pairs(&path.with_extension("pairs.csv"), Ok(&[]));
         assert_eq!(kept.unwrap_or_default(), pairs);
         (pairs, n_looks)
     }

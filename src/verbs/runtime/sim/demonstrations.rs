@@ -78,13 +78,13 @@ pub fn read(folder: &Path) -> Result<Vec<Demonstration>, Failure> {
     let shown = path.display();
     let wrong =
         |why: String| Failure::environment(format!("the manifest `{shown}` is wrong: {why}"));
-    let bytes = sources::read_bounded(&path).map_err(|why| {
+    let text = sources::read_text(&path).map_err(|why| {
         Failure::environment(format!(
             "cannot read `{shown}`: {why}; expected a folder of recorded demonstrations with a manifest.json"
         ))
     })?;
     let manifest: Manifest =
-        serde_json::from_slice(&bytes).map_err(|error| wrong(error.to_string()))?;
+        serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
     if manifest.entries.is_empty() {
         return Err(wrong("its `entries` are empty".to_owned()));
     }

@@ -67,8 +67,7 @@ pub fn read_state(arguments: &StateArguments) -> Result<ClothState, Failure> {
 /// Reads an outline from a file; the grid has the size of the outline.
 pub fn read_outline(path: &Path, spacing_m: f32) -> Result<Mask, Failure> {
     let wrong = |why: String| wrong_outline(path, &why);
-    let bytes = sources::read_bounded(path).map_err(wrong)?;
-    let text = String::from_utf8(bytes).map_err(|_| wrong("it is not UTF-8 text".to_owned()))?;
+    let text = sources::read_text(path).map_err(wrong)?;
     Mask::parse(&text, spacing_m).map_err(|error| wrong(error.to_string()))
 }
 

@@ -108,8 +108,8 @@ fn named(name: &str, io: &Io) -> Result<Value, Failure> {
         return serde_json::to_value(simulated::material(&declared)).map_err(Failure::environment);
     }
     let wrong = |why: String| Failure::environment(format!("`{name}`: {why}"));
-    let bytes = sources::read_bounded(Path::new(name)).map_err(wrong)?;
-    serde_json::from_slice(&bytes).map_err(|error| {
+    let text = sources::read_text(Path::new(name)).map_err(wrong)?;
+    serde_json::from_str(&text).map_err(|error| {
         Failure::environment(format!("`{name}` is no JSON of a material: {error}"))
     })
 }

@@ -15,7 +15,7 @@ use fab_program::render::{self, PromptText, REFUSED_ACTION, RenderError, SEPARAT
 use fab_program::reply;
 use fab_program::space;
 use fab_program::verify::Verdict;
-use fab_program::{Layers, ModelRole, OVERLAP, Picture, Read, Stage};
+use fab_program::{Layers, ModelRole, OVERLAP, Picture, Stage};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -55,8 +55,8 @@ pub(super) struct Attempts<'a> {
     /// The notation of the scene's points for the model.
     notation: Notation,
     conversation: Conversation,
-    /// The schema of valid answers for this scene, if the stage reads the action.
-    schema: Option<Value>,
+    /// The schema of valid answers for this scene.
+    schema: Value,
     asked: u32,
     /// Which of several answers to one question is asked for, from 0.
     candidate: u32,
@@ -90,13 +90,16 @@ impl<'a> Attempts<'a> {
             conversation.add(remark);
         }
         let notation = facts.notation(program);
-        let reads_action = matches!(stage.read, Read::Action);
+        let fields = program.actions.iter();
+        let offered: Vec<_> = fields
+            .map(|field| (field.name.clone(), space::choices(field, view.scene)))
+            .collect();
         Ok(Attempts {
             view,
             stage,
             lowering,
             conversation,
-            schema: reads_action.then(|| schema(view, &notation)),
+            schema: reply::for_stage(program, stage, &notation, &offered),
             notation,
             asked: 0,
             candidate: 0,
@@ -125,14 +128,16 @@ impl<'a> Attempts<'a> {
 
     /// Adds an answer, and what would come of it.
     pub(super) fn show_prediction(&mut self, answer: &str, words: &str, png: Png) {
-        let answer = PromptText {
-            text: answer.to_owned(),
-            stretches: Vec::new(),
-        };
-        self.conversation.say(Speaker::Assistant, answer);
+        self.say_answer(answer.to_owned());
         let words = PromptText::by_fabc(words.to_owned());
         self.conversation.say(Speaker::User, words);
         self.conversation.add_prediction(png);
+    }
+
+    fn say_answer(&mut self, text: String) {
+        let stretches = Vec::new();
+        let answer = PromptText { text, stretches };
+        self.conversation.say(Speaker::Assistant, answer);
     }
 
     pub(super) fn ask(
@@ -168,7 +173,7 @@ impl<'a> Attempts<'a> {
             start: self.view.start_number,
             step: self.view.number,
             candidate: self.candidate,
-            schema: self.schema.clone(),
+            schema: Some(self.schema.clone()),
         }
     }
 
@@ -275,11 +280,7 @@ impl<'a> Attempts<'a> {
 
     /// Adds an answer and the correction.
     fn correct(&mut self, answer: String, mut correction: PromptText, picture: Option<Png>) {
-        let answer = PromptText {
-            text: answer,
-            stretches: Vec::new(),
-        };
-        self.conversation.say(Speaker::Assistant, answer);
+        self.say_answer(answer);
         if picture.is_some() {
             correction.push(SEPARATOR, PromptText::by_fabc(REFUSED_ACTION));
         }
@@ -348,15 +349,6 @@ fn failed(error: &ModelError) -> Finding {
         fault,
         why: error.to_string(),
     }
-}
-
-/// Returns the JSON Schema of answers that name the scene's values.
-fn schema(view: StepView<'_>, notation: &Notation) -> Value {
-    let fields = view.program.actions.iter();
-    let offered: Vec<_> = fields
-        .map(|field| (field.name.clone(), space::choices(field, view.scene)))
-        .collect();
-    reply::schema_in(view.program, notation, &offered)
 }
 
 /// Returns the message about the previous action, if the step is being retried.

@@ -3,12 +3,9 @@
 //! In: messages and the request's settings; a `message`. Out: a typed body; an answer or a failure.
 
 use super::content::{Turn, base64, framed, pieces, turn};
-use super::error::{refuse_error, repeated};
-use super::{
-    Answer, Failure, SentSettings, Unfit, answer, if_readable, read, tool_called, truncated,
-    unknown_end,
-};
-use fab_model::calls::{Fault, Usage};
+use super::error::refuse_error;
+use super::{Answer, Ending, Failure, SentSettings, Unfit, if_readable, read};
+use fab_model::calls::Usage;
 use fab_model::{Message, Part, Reasoning};
 use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
@@ -28,7 +25,7 @@ pub(super) struct Body<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     thinking: Option<Thinking>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    output_config: Option<OutputConfig<'a>>,
+    output_config: Option<OutputConfig>,
 }
 
 #[derive(Serialize)]
@@ -56,17 +53,17 @@ enum Source {
 }
 
 #[derive(Serialize)]
-struct OutputConfig<'a> {
+struct OutputConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     effort: Option<ReasoningLevel>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    format: Option<Format<'a>>,
+    format: Option<Format>,
 }
 
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-enum Format<'a> {
-    JsonSchema { schema: &'a Value },
+enum Format {
+    JsonSchema { schema: Value },
 }
 
 /// The version that accepts sampling parameters; it also lists models.
@@ -76,7 +73,7 @@ pub(super) const OLDER_VERSION: &str = "2023-06-01";
 ///
 /// The current version has no sampling parameters and answers 400 to them; the previous one accepts them for models
 /// that still have them.
-pub(super) fn version(stated: &SentSettings<'_>) -> &'static str {
+pub(super) fn version(stated: &SentSettings) -> &'static str {
     if stated.temperature.is_some() || stated.top_p.is_some() {
         OLDER_VERSION
     } else {
@@ -87,7 +84,7 @@ pub(super) fn version(stated: &SentSettings<'_>) -> &'static str {
 pub(super) fn body<'a>(
     model: &'a str,
     messages: &'a [Message],
-    stated: &SentSettings<'a>,
+    stated: SentSettings,
     max_tokens: u32,
 ) -> Result<Body<'a>, Unfit> {
     let (system, turns) = framed(messages)?;
@@ -185,36 +182,17 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         }
     });
     refuse_error(reply.error.as_ref(), usage)?;
-    let mut is_cut = false;
-    match reply.stop_reason.as_deref() {
-        Some("end_turn" | "stop_sequence") => {}
-        Some("max_tokens") => is_cut = true,
-        Some("model_context_window_exceeded") => {
-            let why = "the model's context window was full before the answer was whole";
-            return Err(Failure::new(Fault::Truncated, why, usage));
-        }
-        Some("refusal") => {
-            let why = reply.stop_details.and_then(|details| details.explanation);
-            let why = why.unwrap_or_else(|| "the model declined to answer".to_owned());
-            return Err(Failure::new(Fault::Refused, repeated(&why), usage));
-        }
-        Some("tool_use") => return Err(tool_called(usage)),
-        Some(other) => return Err(unknown_end(other, usage)),
-        None => {
-            let why = "the reply does not say why the answer ended, so it may not be whole";
-            return Err(Failure::new(Fault::InvalidReply, why, usage));
-        }
-    }
-    let mut text = String::new();
+    let mut ending = Ending {
+        reason: reply.stop_reason.as_deref(),
+        explanation: reply.stop_details.and_then(|details| details.explanation),
+        ..Ending::default()
+    };
     for said in reply.content.unwrap_or_default() {
         match said {
-            ContentBlock::Text { text: more } => text.push_str(&more),
-            ContentBlock::ToolUse {} => return Err(tool_called(usage)),
+            ContentBlock::Text { text } => ending.text.push_str(&text),
+            ContentBlock::ToolUse {} => ending.is_tool_call = true,
             ContentBlock::Other => {}
         }
     }
-    match is_cut {
-        true => Err(truncated(text, usage)),
-        false => answer(text, usage),
-    }
+    ending.answer(usage)
 }

@@ -4,9 +4,7 @@
 
 use super::content::{base64, framed, words};
 use super::error::{refuse_error, repeated};
-use super::{
-    Answer, Failure, SentSettings, Unfit, answer, if_readable, read, tool_called, truncated,
-};
+use super::{Answer, Ending, Failure, SentSettings, Unfit, if_readable, read};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Reasoning, Speaker};
 use fab_program::ReasoningLevel;
@@ -19,7 +17,7 @@ pub(super) struct Body<'a> {
     contents: Vec<GeminiContent<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     system_instruction: Option<Frame>,
-    generation_config: Config<'a>,
+    generation_config: Config,
 }
 
 #[derive(Serialize)]
@@ -54,7 +52,7 @@ struct Blob {
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
-struct Config<'a> {
+struct Config {
     #[serde(skip_serializing_if = "Option::is_none")]
     temperature: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -64,7 +62,7 @@ struct Config<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     response_mime_type: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    response_json_schema: Option<&'a Value>,
+    response_json_schema: Option<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
     thinking_config: Option<Thinking>,
 }
@@ -77,10 +75,7 @@ enum Thinking {
     ThinkingBudget(u32),
 }
 
-pub(super) fn body<'a>(
-    messages: &'a [Message],
-    stated: &SentSettings<'a>,
-) -> Result<Body<'a>, Unfit> {
+pub(super) fn body<'a>(messages: &'a [Message], stated: SentSettings) -> Result<Body<'a>, Unfit> {
     let (frame, turns) = framed(messages)?;
     Ok(Body {
         contents: turns.iter().map(content).collect::<Result<_, _>>()?,
@@ -91,7 +86,7 @@ pub(super) fn body<'a>(
             temperature: stated.temperature,
             top_p: stated.top_p,
             max_output_tokens: stated.max_tokens,
-            response_mime_type: stated.schema.map(|_| "application/json"),
+            response_mime_type: stated.schema.is_some().then_some("application/json"),
             response_json_schema: stated.schema,
             thinking_config: stated.reasoning.map(|reasoning| match reasoning {
                 Reasoning::Level(ReasoningLevel::None) => Thinking::ThinkingBudget(0),
@@ -192,48 +187,19 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         let why = "the reply holds no candidate";
         return Err(Failure::new(Fault::InvalidReply, why, usage));
     };
-    let ended_badly = ended_badly(candidate.finish_reason.as_deref());
-    if let Some(fault) = ended_badly.filter(|fault| *fault != Fault::Truncated) {
-        let reason = repeated(&candidate.finish_reason.unwrap_or_default());
-        let said = repeated(&candidate.finish_message.unwrap_or_default());
-        let why = format!("the answer stopped for `{reason}` {said}");
-        return Err(Failure::new(fault, why.trim_end(), usage));
-    }
+    let mut ending = Ending {
+        reason: candidate.finish_reason.as_deref(),
+        explanation: candidate.finish_message,
+        ..Ending::default()
+    };
     let parts = candidate.content.and_then(|content| content.parts);
-    let mut text = String::new();
     for part in parts.unwrap_or_default() {
-        if part.function_call.is_some() {
-            return Err(tool_called(usage));
-        }
+        ending.is_tool_call |= part.function_call.is_some();
         if part.thought != Some(true) {
-            text.push_str(part.text.as_deref().unwrap_or_default());
+            ending
+                .text
+                .push_str(part.text.as_deref().unwrap_or_default());
         }
     }
-    match ended_badly {
-        Some(_) => Err(truncated(text, usage)),
-        None => answer(text, usage),
-    }
-}
-
-/// Returns the fault of a finish reason that means there is no answer.
-fn ended_badly(reason: Option<&str>) -> Option<Fault> {
-    match reason {
-        Some("STOP") | None => None,
-        Some("MAX_TOKENS" | "CONTINUATION") => Some(Fault::Truncated),
-        Some(
-            "SAFETY"
-            | "RECITATION"
-            | "LANGUAGE"
-            | "BLOCKLIST"
-            | "PROHIBITED_CONTENT"
-            | "SPII"
-            | "IMAGE_SAFETY"
-            | "IMAGE_PROHIBITED_CONTENT"
-            | "IMAGE_RECITATION"
-            | "ESCALATION"
-            | "MODEL_ARMOR",
-        ) => Some(Fault::ContentFiltered),
-        Some("PUP_LIMITED_DISABLED") => Some(Fault::NotAuthorised),
-        Some(_) => Some(Fault::InvalidReply),
-    }
+    ending.answer(usage)
 }

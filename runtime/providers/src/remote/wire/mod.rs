@@ -20,9 +20,6 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 use serde_json::error::Category;
 
-/// The longest finish reason that a message quotes, characters.
-const MAX_REASON: usize = 60;
-
 /// An encoded question.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Encoded {
@@ -52,6 +49,8 @@ pub struct Failure {
     pub usage: Option<Usage>,
     /// The visible part of an answer that was cut off at its longest length.
     pub cut_text: Option<String>,
+    /// Names the field for reasoning that holds all there is, and quotes it.
+    pub reasoning: Option<String>,
 }
 
 /// Why a request cannot be encoded in a provider's format, in words.
@@ -76,8 +75,12 @@ impl Wire {
     ) -> Result<Encoded, Unfit> {
         let stated = SentSettings::of(request, settings, lengths)?;
         let (model, messages) = (settings.model.as_str(), &request.messages);
+        let headers = match self {
+            Wire::Anthropic => vec![("anthropic-version", anthropic::version(&stated))],
+            _ => Vec::new(),
+        };
         let body = match self {
-            Wire::OpenaiResponses => bytes(&openai_responses::body(model, messages, &stated)?),
+            Wire::OpenaiResponses => bytes(&openai_responses::body(model, messages, stated)?),
             Wire::OpenaiChat => {
                 // Most compatible servers know the older name.
                 let field = settings.max_tokens_field;
@@ -86,19 +89,15 @@ impl Wire {
                 bytes(&openai_chat::body(
                     model,
                     messages,
-                    &stated,
+                    stated,
                     (field, budget),
                 )?)
             }
             Wire::Anthropic => {
                 let longest = stated.max_tokens.unwrap_or(settings.unstated_max_tokens);
-                bytes(&anthropic::body(model, messages, &stated, longest)?)
+                bytes(&anthropic::body(model, messages, stated, longest)?)
             }
-            Wire::Gemini => bytes(&gemini::body(messages, &stated)?),
-        };
-        let headers = match self {
-            Wire::Anthropic => vec![("anthropic-version", anthropic::version(&stated))],
-            _ => Vec::new(),
+            Wire::Gemini => bytes(&gemini::body(messages, stated)?),
         };
         Ok(Encoded { body, headers })
     }
@@ -150,20 +149,16 @@ impl Wire {
 }
 
 /// The request's settings that are sent.
-struct SentSettings<'a> {
+struct SentSettings {
     temperature: Option<f64>,
     top_p: Option<f64>,
     max_tokens: Option<u32>,
     reasoning: Option<Reasoning>,
-    schema: Option<&'a Value>,
+    schema: Option<Value>,
 }
 
-impl<'a> SentSettings<'a> {
-    fn of(
-        request: &'a Request,
-        settings: &Settings,
-        lengths: Lengths,
-    ) -> Result<SentSettings<'a>, Unfit> {
+impl SentSettings {
+    fn of(request: &Request, settings: &Settings, lengths: Lengths) -> Result<SentSettings, Unfit> {
         let sent = |parameter| !settings.omit.contains(&parameter);
         let sampling = |value: Option<f64>, parameter: Parameter| {
             let Some(value) = value.filter(|_| sent(parameter)) else {
@@ -196,15 +191,37 @@ impl<'a> SentSettings<'a> {
                 "a message of the request holds {most} pictures, and it takes one in a message"
             )));
         }
-        let structured = settings.structured_output == Some(true) && sent(Parameter::Schema);
+        let structured = settings.structured_output != Some(false) && sent(Parameter::Schema);
+        let schema = request.schema.as_ref().filter(|_| structured);
         Ok(SentSettings {
             temperature: sampling(request.temperature, Parameter::Temperature)?,
             top_p: sampling(request.top_p, Parameter::TopP)?,
             max_tokens: lengths.sent(),
             reasoning: reasoning::sent(request, settings)?,
-            schema: request.schema.as_ref().filter(|_| structured),
+            schema: schema.map(|schema| accepted_schema(settings.wire, schema)),
         })
     }
+}
+
+/// Returns a schema with the keywords that an interface accepts.
+///
+/// Anthropic answers 400 to bounds of lengths. Gemini's `responseJsonSchema` knows neither these nor patterns, and has an
+/// order of its own for what it writes.
+fn accepted_schema(wire: Wire, schema: &Value) -> Value {
+    let mut schema = schema.clone();
+    let unknown: &[&str] = match wire {
+        Wire::OpenaiResponses | Wire::OpenaiChat => return schema,
+        Wire::Anthropic => &["maxLength"],
+        Wire::Gemini => &["maxLength", "pattern"],
+    };
+    let properties = schema["properties"].as_object_mut().into_iter().flatten();
+    for property in properties.filter_map(|(_, property)| property.as_object_mut()) {
+        property.retain(|keyword, _| !unknown.contains(&keyword.as_str()));
+    }
+    if wire == Wire::Gemini {
+        schema["propertyOrdering"] = schema["required"].clone();
+    }
+    schema
 }
 
 /// The part of the input tokens that OpenAI's two formats tell.
@@ -226,6 +243,7 @@ impl Failure {
             why: why.into(),
             usage,
             cut_text: None,
+            reasoning: None,
         }
     }
 
@@ -260,42 +278,103 @@ fn with_hidden(usage: Usage, total_tokens: Option<u64>) -> Usage {
     }
 }
 
-/// Makes an answer from a text; an empty one is a failure, and one of hidden reasoning alone was cut off.
-fn answer(text: String, usage: Option<Usage>) -> Result<Answer, Failure> {
-    if text.trim().is_empty() {
+/// The end of a reply: what the model wrote, and why it stopped.
+#[derive(Default)]
+struct Ending<'r> {
+    text: String,
+    /// The interface's word for the end.
+    reason: Option<&'r str>,
+    /// The provider's own words about it.
+    explanation: Option<String>,
+    /// A field beside the answer with the text of its reasoning.
+    reasoning: Option<(&'static str, String)>,
+    is_tool_call: bool,
+}
+
+impl Ending<'_> {
+    /// Makes the answer. Only words for a cut or a refusal stop a text from being read, since it is paid for.
+    fn answer(self, usage: Option<Usage>) -> Result<Answer, Failure> {
+        let is_blank = self.text.trim().is_empty();
         let hidden = usage.and_then(|usage| usage.reasoning_tokens);
-        if hidden.is_some_and(|tokens| tokens > 0) {
-            return Err(truncated(text, usage));
-        }
-        return Err(Failure::new(
-            Fault::InvalidReply,
-            "the answer is empty",
-            usage,
-        ));
+        let reasoning = self.reasoning.filter(|(_, text)| !text.trim().is_empty());
+        let is_hidden = is_blank && !self.is_tool_call && reasoning.is_none() && hidden > Some(0);
+        // An answer of hidden reasoning alone was cut off.
+        let cut = is_hidden.then_some(Fault::Truncated);
+        let fault = self.reason.and_then(fault_of_end).or(cut);
+        let why = match (fault, self.reason) {
+            (None, _) if !is_blank => {
+                return Ok(Answer {
+                    text: self.text,
+                    usage,
+                });
+            }
+            (None, _) if self.is_tool_call => {
+                "the model called a tool, and none was offered".to_owned()
+            }
+            (None, None) => "the answer is empty".to_owned(),
+            (None, Some(reason)) => {
+                let reason = error::repeated(reason);
+                format!("the answer is empty, and ended with `{reason}`")
+            }
+            (_, Some("model_context_window_exceeded")) => {
+                "the model's context window was full before the answer was whole".to_owned()
+            }
+            (Some(Fault::Truncated), _) => {
+                "the answer was cut off at its longest length; raise the stage's `tokens`"
+                    .to_owned()
+            }
+            (Some(Fault::Refused), _) => match self.explanation {
+                Some(words) => error::repeated(&words),
+                None => "the model declined to answer".to_owned(),
+            },
+            (_, reason) => {
+                let words = error::repeated(self.explanation.as_deref().unwrap_or_default());
+                let reason = error::repeated(reason.unwrap_or_default());
+                format!("the answer stopped for `{reason}` {words}")
+                    .trim_end()
+                    .to_owned()
+            }
+        };
+        let fault = fault.unwrap_or(Fault::InvalidReply);
+        let is_cut = fault == Fault::Truncated && !why.contains("context window");
+        Err(Failure {
+            cut_text: is_cut.then_some(self.text),
+            reasoning: reasoning
+                .filter(|_| is_blank)
+                .map(|(field, text)| format!("`{field}` holds: `{}`", error::repeated(&text))),
+            ..Failure::new(fault, why, usage)
+        })
     }
-    Ok(Answer { text, usage })
 }
 
-/// Makes the failure of an answer that was cut off at its longest length; `text` is its visible part.
-fn truncated(text: String, usage: Option<Usage>) -> Failure {
-    let why = "the answer was cut off at its longest length; raise the stage's `tokens`";
-    Failure {
-        cut_text: Some(text),
-        ..Failure::new(Fault::Truncated, why, usage)
-    }
-}
-
-/// Makes the failure for an answer with an unknown finish reason: it may be incomplete.
-fn unknown_end(reason: &str, usage: Option<Usage>) -> Failure {
-    let reason: String = reason.chars().take(MAX_REASON).collect();
-    let why =
-        format!("the answer stopped for {reason:?}, which is unknown, so it may not be whole");
-    Failure::new(Fault::InvalidReply, why, usage)
-}
-
-fn tool_called(usage: Option<Usage>) -> Failure {
-    let why = "the model called a tool, and none was offered";
-    Failure::new(Fault::InvalidReply, why, usage)
+/// Returns the fault of an end that leaves no whole answer; `None` for every other word, known or not.
+fn fault_of_end(reason: &str) -> Option<Fault> {
+    Some(match reason.to_ascii_lowercase().as_str() {
+        "length"
+        | "max_tokens"
+        | "max_output_tokens"
+        | "model_length"
+        | "continuation"
+        | "incomplete"
+        | "model_context_window_exceeded" => Fault::Truncated,
+        "refusal" => Fault::Refused,
+        "content_filter"
+        | "safety"
+        | "recitation"
+        | "language"
+        | "blocklist"
+        | "prohibited_content"
+        | "spii"
+        | "image_safety"
+        | "image_prohibited_content"
+        | "image_recitation"
+        | "escalation"
+        | "model_armor"
+        | "guardrail_intervened" => Fault::ContentFiltered,
+        "error" | "abort" | "failed" | "cancelled" => Fault::ServerFailed,
+        "pup_limited_disabled" => Fault::NotAuthorised,
+        _ => return None,
+    })
 }
 
 fn bytes(body: &impl Serialize) -> Vec<u8> {

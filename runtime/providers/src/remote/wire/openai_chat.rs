@@ -6,8 +6,8 @@
 use super::content::{Content, Turn, data_url, pieces, refuse_no_question, turn};
 use super::error::{refuse_error, repeated};
 use super::{
-    Answer, Failure, InputDetails, OutputDetails, SentSettings, Unfit, answer, if_readable, read,
-    tool_called, truncated, unknown_end, with_hidden,
+    Answer, Ending, Failure, InputDetails, OutputDetails, SentSettings, Unfit, if_readable, read,
+    with_hidden,
 };
 use crate::catalogue::MaxTokensField;
 use fab_model::calls::{Fault, Usage};
@@ -35,7 +35,7 @@ pub(super) struct Body<'a> {
     #[serde(flatten)]
     budget: BTreeMap<&'a str, u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    response_format: Option<Format<'a>>,
+    response_format: Option<Format>,
 }
 
 #[derive(Serialize)]
@@ -52,21 +52,21 @@ struct ImageUrl {
 
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-enum Format<'a> {
-    JsonSchema { json_schema: Schema<'a> },
+enum Format {
+    JsonSchema { json_schema: Schema },
 }
 
 #[derive(Serialize)]
-struct Schema<'a> {
+struct Schema {
     name: &'static str,
-    schema: &'a Value,
+    schema: Value,
     strict: bool,
 }
 
 pub(super) fn body<'a>(
     model: &'a str,
     messages: &'a [Message],
-    stated: &SentSettings<'a>,
+    stated: SentSettings,
     (field, budget): (MaxTokensField, Option<&'a str>),
 ) -> Result<Body<'a>, Unfit> {
     refuse_no_question(messages)?;
@@ -134,6 +134,12 @@ struct AnswerMessage {
     refusal: Option<String>,
     tool_calls: Option<Vec<Value>>,
     function_call: Option<Value>,
+    /// llama.cpp's and older vLLM's name for thoughts.
+    #[serde(default, deserialize_with = "if_readable")]
+    reasoning_content: Option<String>,
+    /// Newer vLLM's, Ollama's and OpenRouter's name.
+    #[serde(default, deserialize_with = "if_readable")]
+    reasoning: Option<String>,
 }
 
 /// Text as a string or, from some servers, in pieces.
@@ -198,22 +204,15 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         Some(Text::Whole(text)) => text,
         Some(Text::Pieces(pieces)) => pieces.into_iter().filter_map(|piece| piece.text).collect(),
     };
-    let is_tool_call =
-        said.tool_calls.is_some_and(|calls| !calls.is_empty()) || said.function_call.is_some();
-    match finish_reason.as_deref() {
-        // Some servers leave the reason out.
-        Some("stop" | "") | None if is_tool_call => Err(tool_called(usage)),
-        Some("tool_calls" | "function_call") => Err(tool_called(usage)),
-        Some("stop" | "") | None => answer(text, usage),
-        Some("length") => Err(truncated(text, usage)),
-        Some("content_filter") => {
-            let why = "the provider's filter removed the answer";
-            Err(Failure::new(Fault::ContentFiltered, why, usage))
-        }
-        Some(reason @ ("error" | "abort")) => {
-            let why = format!("the server ended the answer with `{reason}`");
-            Err(Failure::new(Fault::ServerFailed, why, usage))
-        }
-        Some(reason) => Err(unknown_end(reason, usage)),
-    }
+    let named = |name, text: Option<String>| Some((name, text?));
+    let reasoning = named("reasoning_content", said.reasoning_content);
+    let ending = Ending {
+        text,
+        reason: finish_reason.as_deref(),
+        explanation: None,
+        reasoning: reasoning.or_else(|| named("reasoning", said.reasoning)),
+        is_tool_call: said.tool_calls.is_some_and(|calls| !calls.is_empty())
+            || said.function_call.is_some(),
+    };
+    ending.answer(usage)
 }

@@ -5,8 +5,8 @@
 use super::content::{BETWEEN, Turn, data_url, pieces, refuse_no_question, turn};
 use super::error::{refuse_error, repeated};
 use super::{
-    Answer, Failure, InputDetails, OutputDetails, SentSettings, Unfit, answer, if_readable, read,
-    tool_called, truncated, unknown_end, with_hidden,
+    Answer, Ending, Failure, InputDetails, OutputDetails, SentSettings, Unfit, fault_of_end,
+    if_readable, read, with_hidden,
 };
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Reasoning};
@@ -28,7 +28,7 @@ pub(super) struct Body<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     reasoning: Option<Effort>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    text: Option<TextFormat<'a>>,
+    text: Option<TextFormat>,
 }
 
 #[derive(Serialize)]
@@ -49,16 +49,16 @@ enum Piece<'a> {
 }
 
 #[derive(Serialize)]
-struct TextFormat<'a> {
-    format: Format<'a>,
+struct TextFormat {
+    format: Format,
 }
 
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-enum Format<'a> {
+enum Format {
     JsonSchema {
         name: &'static str,
-        schema: &'a Value,
+        schema: Value,
         strict: bool,
     },
 }
@@ -66,7 +66,7 @@ enum Format<'a> {
 pub(super) fn body<'a>(
     model: &'a str,
     messages: &'a [Message],
-    stated: &SentSettings<'a>,
+    stated: SentSettings,
 ) -> Result<Body<'a>, Unfit> {
     refuse_no_question(messages)?;
     Ok(Body {
@@ -166,40 +166,24 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         with_hidden(usage, tokens.total_tokens)
     });
     refuse_error(response.error.as_ref(), usage)?;
-    let reason = response
-        .incomplete_details
-        .and_then(|details| details.reason);
-    let mut is_cut = false;
-    match (response.status.as_deref(), reason.as_deref()) {
-        (Some("completed") | None, _) => {}
-        (Some("incomplete"), Some("max_output_tokens")) => is_cut = true,
-        (Some("incomplete"), Some("content_filter")) => {
-            let why = "the provider's filter removed the answer";
-            return Err(Failure::new(Fault::ContentFiltered, why, usage));
-        }
-        (Some("failed"), _) => {
-            let why = "the provider failed without saying why";
-            return Err(Failure::new(Fault::ServerFailed, why, usage));
-        }
-        (Some(status), reason) => {
-            let reason = repeated(reason.unwrap_or("no reason"));
-            let status = repeated(status);
-            let why = format!("the reply's status is `{status}` ({reason}), and not `completed`");
-            return Err(Failure::new(Fault::InvalidReply, why, usage));
-        }
-    }
+    let details = response.incomplete_details;
+    let named = details.as_ref().and_then(|it| it.reason.as_deref());
+    let mut end = match response.status.as_deref() {
+        Some("incomplete") => named
+            .filter(|it| fault_of_end(it).is_some())
+            .or(Some("incomplete")),
+        status => status,
+    };
     let output = response.output.unwrap_or_default();
-    if output.iter().any(|item| item.r#type.ends_with("_call")) {
-        return Err(tool_called(usage));
-    }
+    let is_tool_call = output.iter().any(|item| item.r#type.ends_with("_call"));
     // Remarks on the way to the answer are no part of it.
     let is_answer =
         |item: &Item| item.r#type == "message" && item.phase.as_deref() != Some("commentary");
     let mut texts = Vec::new();
     for message in output.into_iter().filter(is_answer) {
         // Some gateways leave out the status of the whole.
-        if let Some(status) = message.status.filter(|it| !is_cut && it != "completed") {
-            return Err(unknown_end(&status, usage));
+        if message.status.as_deref() == Some("incomplete") {
+            end = end.or(Some("incomplete"));
         }
         let mut text = String::new();
         for said in message.content.unwrap_or_default() {
@@ -213,9 +197,11 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         }
         texts.push(text);
     }
-    let text = texts.join(BETWEEN);
-    match is_cut {
-        true => Err(truncated(text, usage)),
-        false => answer(text, usage),
-    }
+    let ending = Ending {
+        text: texts.join(BETWEEN),
+        reason: end,
+        is_tool_call,
+        ..Ending::default()
+    };
+    ending.answer(usage)
 }

@@ -5,8 +5,9 @@
 //! it take the face of their neighbours. A face is darker the steeper it stands.
 
 use fab_picture::hull::Point;
-use fab_picture::{Mask, regions};
+use fab_picture::{Mask, png, regions};
 use image::RgbImage;
+use std::path::Path;
 
 /// The content of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,15 +47,8 @@ const MAX_SHRINKS: usize = 12;
 impl View {
     /// Decodes a picture; fails with the reason if it cannot be read, or shows no cloth.
     pub fn decode(bytes: &[u8]) -> Result<View, String> {
-        let mut limits = image::Limits::default();
-        limits.max_image_width = Some(*SIDE_PX.end());
-        limits.max_image_height = Some(*SIDE_PX.end());
-        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|_| "the picture cannot be read")?;
-        reader.limits(limits);
-        let picture = reader.decode().map_err(|_| "the picture cannot be read")?;
-        let picture = picture.into_rgb8();
+        let picture = png::decode(bytes, Path::new("the picture"));
+        let picture = picture.map_err(|_| "the picture cannot be read")?;
         if !SIDE_PX.contains(&picture.width()) || !SIDE_PX.contains(&picture.height()) {
             return Err(
                 "a side of the picture is shorter than 32 or longer than 4096 px".to_owned(),
@@ -72,8 +66,9 @@ impl View {
             .pixels()
             .map(|pixel| face_of(pixel.0, &table))
             .collect();
-        let (levels, flat) = light(picture, &seen);
         let [width, height] = [picture.width(), picture.height()].map(|side| side as usize);
+        let seen = without_edges_of_drawings(&seen, width);
+        let (levels, flat) = light(picture, &seen);
         let faces = without_drawings(seen, width);
         let is_seen = faces.iter().any(|&face| face != Face::Table);
         is_seen.then_some(View {
@@ -257,6 +252,18 @@ fn face_of(rgb: [u8; 3], table: &[[f64; 3]]) -> Option<Face> {
     } else {
         regions::is_table(rgb, table).then_some(Face::Table)
     }
+}
+
+/// Counts a pixel beside a drawing as part of it: edges are smooth, and blue mixed with orange would pass for pink.
+fn without_edges_of_drawings(seen: &[Option<Face>], width: usize) -> Vec<Option<Face>> {
+    let drawn = Mask::from_fn(width as u32, (seen.len() / width) as u32, |column, row| {
+        seen[row as usize * width + column as usize].is_none()
+    });
+    let edges = seen.iter().enumerate().map(|(at, face)| {
+        let [column, row] = [at % width, at / width].map(|place| place as u32);
+        face.filter(|_| !drawn.touches(column, row))
+    });
+    edges.collect()
 }
 
 /// Fills drawings from their neighbours' majority, from the rim inward.

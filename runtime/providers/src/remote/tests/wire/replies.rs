@@ -132,11 +132,7 @@ fn of_several_messages_remarks_are_left_out_and_one_that_is_cut_is_no_answer() {
     }
     let cut = decoded(json!([message("fold", json!({ "status": "incomplete" }))]));
     let cut = cut.expect_err("no answer");
-    assert!(
-        cut.why.contains("stopped for \"incomplete\""),
-        "{}",
-        cut.why
-    );
+    assert_eq!(cut.fault, Fault::Truncated);
 }
 
 #[test]
@@ -241,7 +237,7 @@ fn every_end_that_is_no_answer_has_a_name() {
         ),
         (
             OpenaiChat,
-            r#"{"choices":[{"finish_reason":"stop","message":{"content":"x","function_call":{"name":"f"}}}]}"#,
+            r#"{"choices":[{"finish_reason":"stop","message":{"content":"","function_call":{"name":"f"}}}]}"#,
             InvalidReply,
         ),
         (
@@ -261,7 +257,7 @@ fn every_end_that_is_no_answer_has_a_name() {
         ),
         (
             OpenaiChat,
-            r#"{"choices":[{"finish_reason":"repetition","message":{"content":"x"}}]}"#,
+            r#"{"choices":[{"finish_reason":"repetition","message":{"content":""}}]}"#,
             InvalidReply,
         ),
         (
@@ -310,7 +306,7 @@ fn every_end_that_is_no_answer_has_a_name() {
         (
             OpenaiResponses,
             r#"{"status":"incomplete","incomplete_details":{"reason":"steered"},"output":[]}"#,
-            InvalidReply,
+            Truncated,
         ),
         (
             OpenaiResponses,
@@ -380,7 +376,7 @@ fn every_end_that_is_no_answer_has_a_name() {
         ),
         (
             Anthropic,
-            r#"{"content":[{"type":"text","text":"x"}],"stop_reason":"pause_turn"}"#,
+            r#"{"content":[{"type":"text","text":""}],"stop_reason":"pause_turn"}"#,
             InvalidReply,
         ),
         (
@@ -443,13 +439,86 @@ fn every_end_that_is_no_answer_has_a_name() {
 }
 
 #[test]
-fn an_unknown_end_is_named_and_a_gateways_error_is_repeated() {
+fn a_paid_text_is_read_unless_it_was_cut_off_or_refused() {
+    let decoded = |wire: Wire, reason: Value| {
+        let called = json!({ "id": "1" });
+        let reply = match wire {
+            Wire::OpenaiChat => json!({ "choices": [{ "finish_reason": reason,
+                "message": { "content": "fold it", "tool_calls": [called] } }] }),
+            Wire::OpenaiResponses => {
+                json!({ "status": reason, "output": [{ "type": "function_call" },
+                { "type": "message", "content": [{ "type": "output_text", "text": "fold it" }] }] })
+            }
+            Wire::Anthropic => json!({ "stop_reason": reason,
+                "content": [{ "type": "text", "text": "fold it" }, { "type": "tool_use" }] }),
+            Wire::Gemini => json!({ "candidates": [{ "finishReason": reason,
+                "content": { "parts": [{ "text": "fold it" }, { "functionCall": called }] } }] }),
+        };
+        wire.decode(reply.to_string().as_bytes())
+    };
+    for wire in Wire::ALL {
+        let words = [
+            "stop",
+            "STOP",
+            "eos",
+            "eos_token",
+            "end",
+            "end_turn",
+            "stop_sequence",
+            "",
+            "tool_calls",
+            "function_call",
+            "tool_use",
+            "unknown",
+            "repetition",
+        ];
+        for reason in words.map(Value::from).into_iter().chain([Value::Null]) {
+            let answer = decoded(wire, reason.clone());
+            assert_eq!(
+                answer.map(|it| it.text),
+                Ok("fold it".to_owned()),
+                "{wire} {reason}"
+            );
+        }
+        for (reason, fault) in [
+            ("length", Fault::Truncated),
+            ("Max_Tokens", Fault::Truncated),
+            ("MAX_TOKENS", Fault::Truncated),
+            ("content_filter", Fault::ContentFiltered),
+            ("safety", Fault::ContentFiltered),
+            ("refusal", Fault::Refused),
+            ("error", Fault::ServerFailed),
+        ] {
+            let failure = decoded(wire, reason.into()).expect_err("no answer");
+            assert_eq!(failure.fault, fault, "{wire} {reason}");
+        }
+    }
+}
+
+#[test]
+fn a_text_that_stands_only_in_a_field_for_reasoning_is_kept_for_the_message() {
+    for field in ["reasoning_content", "reasoning"] {
+        for (content, end) in [(Value::Null, "stop"), (json!(""), "length")] {
+            let message = json!({ "content": content, field: "Pick Point = (1, 2)" });
+            let reply = json!({ "choices": [{ "finish_reason": end, "message": message }] });
+            let failure = Wire::OpenaiChat.decode(reply.to_string().as_bytes());
+            let kept = failure.expect_err("no answer").reasoning;
+            assert_eq!(
+                kept,
+                Some(format!("`{field}` holds: `Pick Point = (1, 2)`"))
+            );
+        }
+    }
+}
+
+#[test]
+fn an_unknown_end_without_a_text_is_named_and_a_gateways_error_is_repeated() {
     let why = |reply: &str| {
         let decoded = Wire::OpenaiChat.decode(reply.as_bytes());
         decoded.expect_err("no answer").why
     };
-    let ended = why(r#"{"choices":[{"finish_reason":"repe\ntition","message":{"content":"x"}}]}"#);
-    assert!(ended.contains(r#"stopped for "repe\ntition""#), "{ended}");
+    let ended = why(r#"{"choices":[{"finish_reason":"repe\ntition","message":{"content":""}}]}"#);
+    assert_eq!(ended, "the answer is empty, and ended with `repe tition`");
     let refused = why(r#"{"choices":[{"error":{"message":"no such upstream"}}]}"#);
     assert_eq!(refused, "no such upstream");
 }

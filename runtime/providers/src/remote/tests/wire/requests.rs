@@ -80,7 +80,19 @@ fn conversations_are_told_with_pictures_and_frames_where_each_provider_wants_the
 
 #[test]
 fn settings_and_schema_go_where_each_provider_wants_them() {
-    let schema = json!({ "type": "object" });
+    let of = |bound: &[&str]| {
+        let reason = json!({ "type": "string", "maxLength": 600 });
+        let pick = json!({ "type": "string", "pattern": "^a$" });
+        let mut properties = json!({ "reason": reason, "pick": pick });
+        for (keyword, property) in [("maxLength", "reason"), ("pattern", "pick")] {
+            let fields = properties[property].as_object_mut().expect("a table");
+            fields.retain(|name, _| name != keyword || bound.contains(&keyword));
+        }
+        json!({ "type": "object", "properties": properties, "required": ["reason", "pick"] })
+    };
+    let schema = of(&["maxLength", "pattern"]);
+    let mut ordered = of(&[]);
+    ordered["propertyOrdering"] = json!(["reason", "pick"]);
     let request = Request {
         temperature: Some(0.2),
         top_p: Some(1.0),
@@ -103,26 +115,30 @@ fn settings_and_schema_go_where_each_provider_wants_them() {
         ]),
         Wire::Anthropic => json!([
             ["/temperature", 0.2], ["/top_p", 1.0], ["/max_tokens", 769],
-            ["/output_config/format", { "type": "json_schema", "schema": schema }],
+            ["/output_config/format", { "type": "json_schema", "schema": of(&["pattern"]) }],
         ]),
         Wire::Gemini => json!([
             ["/generationConfig", {
                 "temperature": 0.2, "topP": 1.0, "maxOutputTokens": 769,
-                "responseMimeType": "application/json", "responseJsonSchema": schema,
+                "responseMimeType": "application/json", "responseJsonSchema": ordered,
             }],
         ]),
     };
     for wire in Wire::ALL {
-        let with_schema = Settings {
-            structured_output: Some(true),
+        let knowing = |structured_output| Settings {
+            structured_output,
             ..settings(wire)
         };
-        let body = sent(&request, &with_schema);
-        for place in expected(wire).as_array().expect("a list") {
-            let pointer = place[0].as_str().expect("a pointer");
-            assert_eq!(body.pointer(pointer), Some(&place[1]), "{wire} {pointer}");
+        for structured in [Some(true), None] {
+            let body = sent(&request, &knowing(structured));
+            for place in expected(wire).as_array().expect("a list") {
+                let pointer = place[0].as_str().expect("a pointer");
+                // As text, in which the order of properties counts.
+                let found = body.pointer(pointer).map(Value::to_string);
+                assert_eq!(found, Some(place[1].to_string()), "{wire} {pointer}");
+            }
         }
-        let plain = sent(&request, &settings(wire)).to_string();
+        let plain = sent(&request, &knowing(Some(false))).to_string();
         assert!(!plain.to_lowercase().contains("schema"), "{plain}");
     }
 }
@@ -236,11 +252,18 @@ fn what_is_known_of_a_model_decides_what_is_sent() {
         assert!(refused(&stated, &newer).contains("1 alone"));
         sent(&stated, &known("openai-chat:gpt-6.1-terra"));
     }
-    let body = sent(&short, &known("vllm:a-model"));
-    assert_eq!(
-        (&body["max_tokens"], &body["response_format"]),
-        (&json!(7), &Value::Null)
-    );
+    for server in ["llamacpp", "vllm", "ollama", "lmstudio"] {
+        for model in ["a-model", "gpt-5.5-pro"] {
+            let body = sent(&short, &known(&format!("{server}:{model}")));
+            assert_eq!(body["max_tokens"], 7);
+            assert_eq!(
+                body["response_format"]["type"], "json_schema",
+                "{server}:{model}"
+            );
+        }
+    }
+    let body = sent(&short, &known("openai-chat:gpt-5.5-pro"));
+    assert_eq!(body["response_format"], Value::Null);
     let google = known("google:gemini-3.5-flash").lowering;
     assert_eq!(google.to_string(), "y x, 0-1000");
 }

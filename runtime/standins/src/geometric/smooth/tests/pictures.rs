@@ -67,18 +67,25 @@ fn layers_drawn_over_the_cloth_change_no_estimate_by_a_hundredth() {
     let plain = narrowed();
     let mut drawn = narrowed();
     for ([u, v], colour, radius) in [
-        ([211, 121], [0, 0, 255], 3),
+        ([211, 121], [0_u8, 0, 255], 3_i32),
         ([130, 234], [0, 0, 255], 3),
         ([170, 178], [0, 0, 0], 4),
         ([150, 200], [255, 0, 0], 4),
     ] {
-        for (dv, du) in
-            (-radius..=radius).flat_map(|dv: i32| (-radius..=radius).map(move |du: i32| (dv, du)))
+        // With smooth edges, as layers are drawn.
+        let near = -radius - 1..=radius + 1;
+        for (dv, du) in near
+            .clone()
+            .flat_map(|dv: i32| near.clone().map(move |du: i32| (dv, du)))
         {
-            if du * du + dv * dv <= radius * radius {
-                drawn
-                    .picture
-                    .put_pixel((u + du) as u32, (v + dv) as u32, Rgb(colour));
+            let covered =
+                (f64::from(radius) + 0.5 - f64::from(du).hypot(dv.into())).clamp(0.0, 1.0);
+            let pixel = drawn
+                .picture
+                .get_pixel_mut((u + du) as u32, (v + dv) as u32);
+            for (level, ink) in pixel.0.iter_mut().zip(colour) {
+                let mixed = f64::from(*level) + covered * (f64::from(ink) - f64::from(*level));
+                *level = mixed.round() as u8;
             }
         }
     }

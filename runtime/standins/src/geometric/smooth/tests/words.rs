@@ -1,7 +1,9 @@
 //! Tests that the answer follows the words.
 
 use super::*;
-use std::path::Path;
+use fab_program::exact::vector_of;
+use fab_program::pointing::Notation;
+use fab_program::{ActionField, Choices, Direction, LengthChoice, LengthUnit, Value, reply};
 
 #[test]
 fn only_listed_corners_are_picked() {
@@ -15,22 +17,53 @@ fn only_listed_corners_are_picked() {
     );
 }
 
-#[test]
-fn the_explanation_is_one_that_the_reader_of_answers_knows() {
-    // Its fixtures `stand_in_smoothing_*.txt` have these words; others may be refused as not understood.
-    let answer = narrowed().answer();
-    let replies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fixtures/replies");
-    let known = ["own_corner", "promising_corner"].map(|name| {
-        std::fs::read_to_string(replies.join(format!("stand_in_smoothing_{name}.txt"))).unwrap()
-    });
-    let words = |text: &str| {
-        let last = text.trim_end().lines().last().unwrap_or_default();
-        last.replace(|letter: char| letter.is_ascii_digit(), "")
+/// The fields that the question asks for.
+fn fields() -> Vec<ActionField> {
+    let direction = |deg: f64| Direction {
+        deg,
+        vector: vector_of(deg),
     };
-    assert!(
-        known.map(|it| words(&it)).contains(&words(&answer)),
-        "{answer}"
-    );
+    let length = |value: f64| LengthChoice { value, m: value };
+    let choices = [
+        Choices::Points {
+            keypoints: vec!["corners".to_owned()],
+        },
+        Choices::Directions {
+            choices: (0..8).map(|at| direction(f64::from(at) * 45.0)).collect(),
+        },
+        Choices::Lengths {
+            unit: LengthUnit::EDGE,
+            choices: [0.1, 0.25, 0.5, 0.75, 1.0].map(length).into(),
+        },
+    ];
+    let names = ["pick", "direction", "distance"].into_iter();
+    let field = |(name, choices): (&str, Choices)| ActionField {
+        name: name.to_owned(),
+        choices,
+    };
+    names.zip(choices).map(field).collect()
+}
+
+#[test]
+fn the_reader_of_answers_reads_the_answer_as_it_is_written() {
+    let answer = narrowed().answer();
+    let (_, explanation) = answer.rsplit_once("corner looks ").unwrap();
+    let (looks, _) = explanation.split_once(", and").unwrap();
+    for other in ["like one of the cloth's own", "the most promising"] {
+        let answer = answer.replace(looks, other);
+        let read = reply::read_fields(&fields(), 1.0, &Notation::pixels(), &answer).unwrap();
+        let (pick, deg, length) = pull_of(&answer);
+        let values = [
+            Value::Point(pick.into()),
+            Value::Direction { deg },
+            Value::Length { length },
+        ];
+        assert!(
+            read.value.fields.iter().map(|(_, it)| it).eq(&values),
+            "{answer}"
+        );
+        assert_eq!(read.repairs, [] as [String; 0], "{answer}");
+    }
 }
 
 #[test]

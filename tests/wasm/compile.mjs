@@ -1,9 +1,0 @@
-// Compiles in WebAssembly: node compile.mjs MODULE <INPUT.json >OUTPUT.json
-import { readFileSync, writeSync } from "node:fs";
-
-const { instance } = await WebAssembly.instantiate(readFileSync(process.argv[2]), {});
-const { put, compile, get } = instance.exports;
-for (const byte of readFileSync(0)) put(byte);
-const output = Buffer.alloc(compile());
-for (let at = 0; at < output.length; at++) output[at] = get(at);
-for (let at = 0; at < output.length; ) at += writeSync(1, output, at);
