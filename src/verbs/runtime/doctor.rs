@@ -5,15 +5,14 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::verbs::runtime::setting::catalogue::FactsArguments;
-use crate::verbs::runtime::setting::catalogue::{self, UserFile};
+use crate::report::Report;
+use crate::verbs::runtime::setting::catalogue::{self, FactsArguments, UserFile};
 use crate::verbs::runtime::setting::remote;
 use clap::Args;
 use fab_base::interrupt::Interrupt;
 use fab_providers::catalogue::{Catalogue, KeyNeed, Provider, RunsOn};
 use fab_providers::remote::{BaseUrl, Key, NotListed, Settings, served_models};
 use serde::Serialize;
-use serde_json::json;
 use std::path::Path;
 use std::time::Duration;
 
@@ -32,6 +31,13 @@ const LIST_TIME: Duration = Duration::from_secs(2);
 
 /// How many models are listed for a server; JSON has all.
 const MAX_LISTED: usize = 8;
+
+/// All that was checked.
+#[derive(Serialize)]
+struct Checkup {
+    ready: bool,
+    findings: Vec<Finding>,
+}
 
 /// One item that was checked.
 #[derive(Serialize)]
@@ -121,15 +127,14 @@ pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
     let is_broken = findings
         .iter()
         .any(|finding| finding.state == Readiness::Broken);
-    io.report(
-        arguments.json,
-        || json!({ "ready": !is_broken, "findings": findings }),
-        || text(&findings),
-    );
-    Ok(if is_broken {
-        Exit::Environment
-    } else {
-        Exit::Done
+    let checkup = Checkup {
+        ready: !is_broken,
+        findings,
+    };
+    io.result(arguments.json, &checkup);
+    Ok(match is_broken {
+        true => Exit::Environment,
+        false => Exit::Done,
     })
 }
 
@@ -420,21 +425,21 @@ fn key(provider: &Provider, keys: &Keys, io: &Io) -> Option<String> {
         .or_else(|| in_file().map(|name| format!("{name} (file of keys)")))
 }
 
-fn text(findings: &[Finding]) -> String {
-    let mut lines = Vec::new();
-    for finding in findings {
-        let state = match finding.state {
-            Readiness::Ready => "ready  ",
-            Readiness::Missing => "missing",
-            Readiness::Broken => "BROKEN ",
-        };
-        lines.push(format!("{state}  {}: {}", finding.name, finding.found));
-        lines.extend(
-            finding
+impl Report for Checkup {
+    fn text(&self) -> String {
+        let lines = self.findings.iter().map(|finding| {
+            let state = match finding.state {
+                Readiness::Ready => "ready  ",
+                Readiness::Missing => "missing",
+                Readiness::Broken => "BROKEN ",
+            };
+            let help = finding
                 .help
-                .as_ref()
-                .map(|help| format!("         -> {help}")),
-        );
+                .iter()
+                .map(|help| format!("\n         -> {help}"));
+            let help: String = help.collect();
+            format!("{state}  {}: {}{help}", finding.name, finding.found)
+        });
+        lines.collect::<Vec<_>>().join("\n")
     }
-    lines.join("\n")
 }

@@ -207,6 +207,17 @@ pub fn stated_frame(
     }))
 }
 
+/// Returns `count` seeds from `first` on.
+pub fn seeds(first: u64, count: u32) -> Result<impl Iterator<Item = u64>, Failure> {
+    match first.checked_add(u64::from(count) - 1) {
+        Some(last) => Ok(first..=last),
+        None => Err(Failure::usage(format!(
+            "{count} seeds from {first} on go beyond the largest seed, {}",
+            u64::MAX
+        ))),
+    }
+}
+
 /// Parses `--dims`: particles along the cloth's x and along its other side.
 pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
     text.split_once(['x', ','])

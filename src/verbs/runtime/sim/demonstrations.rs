@@ -6,8 +6,11 @@
 
 use crate::exit::Failure;
 use crate::sources;
+use fab_sim::{Params, Simulator};
 use fab_world::start::{Grid, Start, StartFrame, Up};
 use serde::Deserialize;
+use std::collections::BTreeSet;
+use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -70,10 +73,14 @@ struct Step {
     pick_keypoint: usize,
 }
 
-/// Reads the manifest, and finds the files of every entry.
+/// Reads the manifest, finds the files of every entry, and selects by task and by ids.
 ///
 /// Fails on the first error and names its entry; [`Demonstration::positions`] checks the positions.
-pub fn read(folder: &Path) -> Result<Vec<Demonstration>, Failure> {
+pub fn read(
+    folder: &Path,
+    task: Option<&str>,
+    ids: Option<&[u64]>,
+) -> Result<Vec<Demonstration>, Failure> {
     let path = folder.join("manifest.json");
     let shown = path.display();
     let wrong =
@@ -89,15 +96,43 @@ pub fn read(folder: &Path) -> Result<Vec<Demonstration>, Failure> {
         return Err(wrong("its `entries` are empty".to_owned()));
     }
     let real = fs::canonicalize(folder).map_err(|error| wrong(error.to_string()))?;
-    let entries = manifest.entries.into_iter().enumerate();
-    entries
-        .map(|(number, value)| {
-            let at = |why: String| wrong(format!("entry {number} (counted from 0): {why}"));
-            let entry: Entry =
-                serde_json::from_value(value).map_err(|error| at(error.to_string()))?;
-            demonstration(entry, &real).map_err(at)
-        })
-        .collect()
+    let mut found = Vec::new();
+    for (number, value) in manifest.entries.into_iter().enumerate() {
+        let entry = serde_json::from_value(value).map_err(|error| error.to_string());
+        let read = entry.and_then(|entry| demonstration(entry, &real));
+        let at = |why| wrong(format!("entry {number} (counted from 0): {why}"));
+        found.push(read.map_err(at)?);
+    }
+    if let Some(task) = task {
+        let there = listed(found.iter().map(|it| it.task.clone()));
+        found.retain(|it| it.task == task);
+        if found.is_empty() {
+            return Err(Failure::usage(format!(
+                "`--task {task}`: there is no such task; there are {there}"
+            )));
+        }
+    }
+    if let Some(ids) = ids {
+        if let Some(absent) = ids.iter().find(|id| found.iter().all(|it| it.id != **id)) {
+            return Err(Failure::usage(format!(
+                "no demonstration has the id {absent}; there are {}",
+                listed(found.iter().map(|it| it.id))
+            )));
+        }
+        found.retain(|it| ids.contains(&it.id));
+    }
+    Ok(found)
+}
+
+/// Lists the available values for a message, sorted and without duplicates; a very long list is cut.
+pub fn listed<T: Ord + fmt::Display>(values: impl Iterator<Item = T>) -> String {
+    const MOST: usize = 50;
+    let values: BTreeSet<T> = values.collect();
+    let mut names: Vec<String> = values.iter().take(MOST).map(T::to_string).collect();
+    if values.len() > MOST {
+        names.push(format!("and {} more", values.len() - MOST));
+    }
+    names.join(", ")
 }
 
 fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
@@ -191,5 +226,18 @@ impl Demonstration {
             start: load(&self.start)?.positions,
             end: load(&self.end)?.positions,
         })
+    }
+
+    /// Lays the cloth at recorded positions.
+    pub fn lay(&self, start: &[[f32; 3]], params: &Params) -> Result<Simulator, Failure> {
+        Simulator::from_positions(self.grid, start, params).map_err(|error| {
+            Failure::environment(format!("the start of {self} is no cloth's: {error}"))
+        })
+    }
+}
+
+impl fmt::Display for Demonstration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}` {}", self.task, self.id)
     }
 }
