@@ -5,7 +5,7 @@
 use crate::kinds::{Kind, without_mark};
 use serde::de::DeserializeOwned;
 use std::fs::{self, File, Metadata, OpenOptions};
-use std::io::{self, Read, Write};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -349,4 +349,20 @@ mod tests {
         let expected = format!("the disk is full; what it held is in `{}`", saved.display());
         assert_eq!(message, expected);
     }
+}
+/// Makes the next free folder `NAME-0001`, `NAME-0002` and so on in a folder, which is made too.
+///
+/// Fails if a folder cannot be made, and after 9999 of them.
+pub fn next_folder(parent: &Path, name: &str) -> std::io::Result<PathBuf> {
+    std::fs::create_dir_all(parent)?;
+    for number in 1..=9999u32 {
+        let path = parent.join(format!("{name}-{number:04}"));
+        match std::fs::create_dir(&path) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            made => return made.map(|()| path),
+        }
+    }
+    Err(std::io::Error::other(format!(
+        "it holds 9999 folders `{name}-NNNN` already; name a folder with `--out`"
+    )))
 }

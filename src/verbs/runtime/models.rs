@@ -53,25 +53,12 @@ struct KnownModels<'c> {
 /// What is known of one model.
 #[derive(Serialize)]
 struct KnownModel {
-    provider: String,
-    id: Option<String>,
-    /// Its vendor's name, where no id is known.
-    name: Option<String>,
-    facts: Facts,
+    #[serde(flatten)]
+    profile: Profile,
     price: Option<Price>,
     image_tokens_224: Option<Tokens>,
     image_tokens_720: Option<Tokens>,
-    undated: bool,
-    notices: Vec<WordedNotice>,
-    sources: Vec<Source>,
-}
-
-#[derive(Serialize)]
-struct WordedNotice {
-    #[serde(flatten)]
-    notice: Notice,
-    message: String,
-    warning: bool,
+    notices: Vec<Notice>,
 }
 
 /// Lists the models.
@@ -115,39 +102,21 @@ fn of_provider(catalogue: &Catalogue, provider: &Provider) -> Result<Vec<Profile
 
 impl KnownModel {
     fn of(profile: Profile, today: Date) -> KnownModel {
-        // That it has no id is told by its name.
-        let notices = profile.notices(today).into_iter();
-        let notices = notices.filter(|notice| !matches!(notice, Notice::ByName { .. }));
-        let notices = notices.map(|notice| WordedNotice {
-            message: notice.to_string(),
-            warning: notice.is_warning(),
-            notice,
-        });
         let [image_tokens_224, image_tokens_720] = image_tokens(&profile.facts);
-        let (id, name) = match &profile.listed {
-            FactsSource::ByName(name) => (None, Some(name.clone())),
-            _ => (Some(profile.id.clone()), None),
-        };
         KnownModel {
-            id,
-            name,
             price: profile.price_on(today),
             image_tokens_224,
             image_tokens_720,
-            undated: profile.is_moving(),
-            notices: notices.collect(),
-            provider: profile.provider.name,
-            facts: profile.facts,
-            sources: profile.sources,
+            notices: profile.notices(today),
+            profile,
         }
     }
 
     fn title(&self) -> String {
-        match (&self.id, &self.name) {
-            (Some(id), _) => format!("{}:{id}", self.provider),
-            (None, name) => {
-                format!("{}:? ({})", self.provider, name.as_deref().unwrap_or("?"))
-            }
+        let Profile { provider, id, .. } = &self.profile;
+        match &self.profile.listed {
+            FactsSource::ByName(name) => format!("{}:? ({name})", provider.name),
+            _ => format!("{}:{id}", provider.name),
         }
     }
 }
@@ -174,56 +143,45 @@ impl Report for KnownModels<'_> {
     fn text(&self) -> String {
         let mut sources = Footnotes(Vec::new());
         let mut table = vec![HEADINGS.map(str::to_owned)];
-        let (retired, current): (Vec<_>, Vec<_>) = self
-            .models
-            .iter()
-            .partition(|model| model.facts.shutdown.is_some());
+        let is_retired = |model: &&KnownModel| model.profile.facts.shutdown.is_some();
+        let (retired, current): (Vec<_>, Vec<_>) = self.models.iter().partition(is_retired);
         for model in &current {
-            let marks = sources.marks(&model.sources);
-            table.push(row(model.title(), price(model.price), &model.facts, marks));
+            let Profile {
+                facts, sources: of, ..
+            } = &model.profile;
+            table.push(row(
+                model.title(),
+                price(model.price),
+                facts,
+                sources.marks(of),
+            ));
         }
         for family in &self.families {
-            let at = family
-                .provider
-                .map_or(String::new(), |name| format!("{name}:"));
+            let at = family.provider.map(|name| format!("{name}:"));
+            let title = format!("{}*{}*", at.unwrap_or_default(), family.part);
             let marks = sources.marks(family.sources);
-            let title = format!("{at}*{}*", family.part);
             table.push(row(title, String::new(), family.facts, marks));
         }
         let mut lines = aligned([Align::Left; 9], &table);
-        if !self.families.is_empty() {
-            let at = current.len() + 1;
-            lines.splice(
-                at..at,
-                [
-                    String::new(),
-                    "Families, with their vendor unless the weights are open:".to_owned(),
-                ],
-            );
-        }
         lines.push(
-            "\n?: unknown. *: every model whose id has these words. tokens: estimates for one square picture. Another \
-             server's model has its vendor's facts, but not its price and schema.\nCalls to models on your own machine \
-             are never billed."
+            "\n?: unknown. *: every model whose id has these words; open weights have no vendor before them. tokens: \
+             estimates for one square picture. Another server's model has its vendor's facts, but not its price and \
+             schema.\nCalls to models on your own machine are never billed."
                 .to_owned(),
         );
         for model in &current {
-            let changes = model
-                .notices
-                .iter()
-                .filter(|it| matches!(it.notice, Notice::PriceChanges { .. }));
-            lines.extend(changes.map(|it| format!("{}: {}", model.title(), it.message)));
+            let mut changes = model.notices.iter();
+            let change = changes.find(|it| matches!(it, Notice::PriceChanges { .. }));
+            lines.extend(change.map(|change| format!("{}: {change}", model.title())));
         }
         if !retired.is_empty() {
             lines.push("\nRetired, or soon to be:".to_owned());
             lines.extend(self.retired(retired, &mut sources));
         }
         lines.push("\nSources:".to_owned());
-        let sources = sources.0.iter().zip(1..);
-        lines.extend(
-            sources
-                .map(|(Source { as_of, source }, number)| format!("[{number}] {as_of}: {source}")),
-        );
+        for (Source { as_of, source }, number) in sources.0.iter().zip(1..) {
+            lines.push(format!("[{number}] {as_of}: {source}"));
+        }
         lines.join("\n")
     }
 }
@@ -232,10 +190,11 @@ impl KnownModels<'_> {
     /// Returns a line for each day and replacement, with its models.
     fn retired(&self, mut retired: Vec<&KnownModel>, sources: &mut Footnotes) -> Vec<String> {
         let of = |model: &&KnownModel| {
-            let KnownModel {
+            let Profile {
                 facts, provider, ..
-            } = model;
-            (facts.shutdown, provider.clone(), facts.replaced_by.clone())
+            } = &model.profile;
+            let replaced_by = facts.replaced_by.clone();
+            (facts.shutdown, provider.name.clone(), replaced_by)
         };
         retired.sort_by_key(of);
         let line = |group: &[&KnownModel]| {
@@ -246,22 +205,14 @@ impl KnownModels<'_> {
             } else {
                 "since"
             };
-            let ids: Vec<&str> = group
-                .iter()
-                .filter_map(|model| model.id.as_deref())
-                .collect();
-            let instead =
-                instead.map_or(String::new(), |id| format!("; its vendor recommends {id}"));
-            let marks = sources.marks(&group[0].sources);
-            Some(format!(
-                "{since} {on}  {provider}: {}{instead} {marks}",
-                ids.join(", ")
-            ))
+            let ids: Vec<&str> = group.iter().map(|it| it.profile.id.as_str()).collect();
+            let instead = instead.map(|id| format!("; its vendor recommends {id}"));
+            let (ids, instead) = (ids.join(", "), instead.unwrap_or_default());
+            let marks = sources.marks(&group[0].profile.sources);
+            Some(format!("{since} {on}  {provider}: {ids}{instead} {marks}"))
         };
-        retired
-            .chunk_by(|a, b| of(a) == of(b))
-            .filter_map(line)
-            .collect()
+        let groups = retired.chunk_by(|a, b| of(a) == of(b));
+        groups.filter_map(line).collect()
     }
 }
 

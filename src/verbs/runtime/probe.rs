@@ -75,9 +75,10 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     })?;
     io.result(arguments.json, &examination);
     Ok(
-        match examination.dots.is_some_and(|dots| dots.probe.agrees()) {
-            true => Exit::Done,
-            false => Exit::Unreached,
+        if examination.dots.is_some_and(|dots| dots.probe.agrees()) {
+            Exit::Done
+        } else {
+            Exit::Unreached
         },
     )
 }
@@ -190,9 +191,12 @@ fn examine(
 
 fn remarks(able: &Abilities, dots: Option<&Probe>) -> Vec<String> {
     let mut remarks = able.notes.clone();
-    let thinks = able.reasons.map(|reasons| match reasons {
-        true => "it thinks before it answers".to_owned(),
-        false => "its answers show no thoughts, and their token counts hide none".to_owned(),
+    let thinks = able.reasons.map(|reasons| {
+        if reasons {
+            "it thinks before it answers".to_owned()
+        } else {
+            "its answers show no thoughts, and their token counts hide none".to_owned()
+        }
     });
     remarks.extend(thinks);
     if dots.is_some_and(|dots| dots.coordinates().is_none()) {
@@ -220,9 +224,10 @@ fn text(found: &Probe) -> String {
         found.model, found.read, found.dots
     )];
     for tried in &found.tried {
-        let asked = match tried.lowering == found.asked {
-            true => "  (asked for)",
-            false => "",
+        let asked = if tried.lowering == found.asked {
+            "  (asked for)"
+        } else {
+            ""
         };
         let error = &tried.error;
         lines.push(format!(

@@ -6,13 +6,11 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::shipped;
-use crate::sources;
 use crate::verbs::runtime::run::{self, Begun, Destination, RUN_FILE};
 use crate::verbs::runtime::setting::model_arguments::CapArguments;
 use crate::verbs::runtime::setting::worlds::WorldChoice;
-use clap::Args;
-use clap::ValueHint;
+use crate::{shipped, sources};
+use clap::{Args, ValueHint};
 use fab_agent::outcome::Outcome;
 use fab_agent::record::{Record, Report, RunCosts};
 use fab_agent::rollout::Ended;

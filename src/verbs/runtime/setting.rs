@@ -11,22 +11,19 @@ pub mod worlds;
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::sources;
-use crate::sources::TaskArguments;
-use clap::Args;
-use clap::ValueHint;
+use crate::sources::{self, TaskArguments};
+use clap::{Args, ValueHint};
 use fab_agent::task_files;
 use fab_base::cache::Cache;
+use fab_base::files;
 use fab_base::interrupt::Interrupt;
 use fab_program::exact::written;
 use fab_program::{ClothStart, Program, STATED_SPACING_MM};
-use fab_world::crumple;
 use fab_world::film::Recorder;
 use fab_world::start::{Grid, Start, StartFrame, Up};
 use fab_world::vary::AxisValues;
-use fab_world::{SimulatedWorld, World, WorldError};
-use serde::Deserialize;
-use serde::Serialize;
+use fab_world::{SimulatedWorld, World, WorldError, crumple};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Where the cloth lies at first.
@@ -89,8 +86,8 @@ pub fn start(
             ClothStart::Flat => Ok(Start::flat(&program.cloth)),
             ClothStart::Crumpled => crumpled(program, DEFAULT_SEED, world, interrupt, io),
             ClothStart::File { file } => {
-                let path = task_files::resolve(folder, file).map_err(Failure::environment)?;
-                let start = Start::load(&path, None).map_err(Failure::environment)?;
+                let path = task_files::resolve(folder, file)?;
+                let start = Start::load(&path, None)?;
                 check_spacing(&format!("`{}`", start.name), start.grid.spacing_m, program)?;
                 Ok(start)
             }
@@ -111,7 +108,7 @@ pub fn start(
         };
     }
     let stated = stated_frame(&arguments.frame, program.cloth.spacing_m)?;
-    let start = Start::load(Path::new(text), stated).map_err(Failure::environment)?;
+    let start = Start::load(Path::new(text), stated)?;
     check_spacing(&format!("`{}`", start.name), start.grid.spacing_m, program)?;
     Ok(start)
 }
@@ -232,29 +229,24 @@ pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
 
 /// Creates the folder of many runs: the named one, or the next free `runs/NAME-NNNN`.
 pub fn out_folder(named: Option<&Path>, name: &str) -> Result<PathBuf, Failure> {
-    let cannot = |path: &Path, error: std::io::Error| {
-        Failure::environment(format!(
-            "cannot make the folder `{}`: {error}",
-            path.display()
-        ))
+    let Some(path) = named else {
+        let parent = Path::new("runs");
+        return files::next_folder(parent, name)
+            .map_err(|error| Failure::unwritable(parent, error));
     };
-    if let Some(path) = named {
-        std::fs::create_dir_all(path).map_err(|error| cannot(path, error))?;
-        return Ok(path.to_owned());
+    std::fs::create_dir_all(path).map_err(|error| Failure::unwritable(path, error))?;
+    Ok(path.to_owned())
+}
+
+/// Refuses a file whose name does not end as its kind does.
+pub fn check_ending(option: &str, path: &Path, ending: &str) -> Result<(), Failure> {
+    if files::ends_in(path, ending) {
+        return Ok(());
     }
-    let parent = Path::new("runs");
-    std::fs::create_dir_all(parent).map_err(|error| cannot(parent, error))?;
-    for number in 1..=9999u32 {
-        let path = parent.join(format!("{name}-{number:04}"));
-        match std::fs::create_dir(&path) {
-            Ok(()) => return Ok(path),
-            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(cannot(&path, error)),
-        }
-    }
-    Err(Failure::environment(format!(
-        "`{}` holds 9999 folders `{name}-NNNN` already; name a folder with `--out`",
-        parent.display()
+    Err(Failure::usage(format!(
+        "`{option} {}` is no {} file; name one that ends in `.{ending}`",
+        path.display(),
+        ending.to_uppercase()
     )))
 }
 

@@ -54,9 +54,6 @@ crate::verbs::verbs! {
 /// Distance between neighbours in a flat cloth unless stated otherwise, metres (protocol, section 1).
 const SPACING_M: f64 = 0.00625;
 
-/// Particles along each side of a square cloth if the command line does not say.
-const DEFAULT_SIZE: u32 = 40;
-
 /// Runs one of the subcommands.
 pub fn run(arguments: &SimArguments, io: &Io) -> Result<Exit, Failure> {
     arguments.verb.run(io)

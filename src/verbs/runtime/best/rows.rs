@@ -1,6 +1,6 @@
 //! The rollouts beside which the best is shown: its own actions again, the expert, random actions, the stand-in.
 //!
-//! In: a task at one start. Out: a row each. Rollouts are kept in run folders; a finished one is not run again.
+//! In: a search. Out: a row each. Rollouts are kept in run folders; a finished one is not run again.
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -19,14 +19,16 @@ use fab_model::calls::Budget;
 use fab_program::Metric;
 use fab_standins::Geometric;
 use fab_world::{World, WorldError};
+use serde::Serialize;
 use std::path::Path;
 
-/// How many rollouts of random actions a start gets.
+/// How many rollouts of random actions there are.
 const DRAWS: u32 = 5;
 
-/// One kind of rollouts at one start.
-#[derive(Clone, Debug)]
+/// One kind of rollouts.
+#[derive(Clone, Debug, Serialize)]
 pub struct Row {
+    #[serde(rename = "row")]
     pub name: &'static str,
     /// Whether it may look at the true state of the cloth, which no camera shows.
     pub oracle: bool,
@@ -53,7 +55,7 @@ impl Row {
     }
 }
 
-/// The rollouts of one start.
+/// The rollouts beside one search.
 pub struct Playing<'a> {
     pub search: &'a Search<'a>,
     pub examples: &'a Examples,
@@ -71,9 +73,7 @@ struct Play<'p> {
 
 impl Playing<'_> {
     /// Plays the policies; returns a row each, and what they decided, the best first. What was interrupted has no value.
-    ///
-    /// - `of`: what is shown of the start under way.
-    pub fn policies(&self, of: &str) -> Result<(Vec<Row>, Vec<Vec<Choice>>), Failure> {
+    pub fn policies(&self) -> Result<(Vec<Row>, Vec<Vec<Choice>>), Failure> {
         let random = Random {
             seed: self.search.limits.seed,
         };
@@ -104,12 +104,12 @@ impl Playing<'_> {
             rows.push(row);
         }
         let show = |done: usize| {
-            let what = format!("{of}: {done} of {} rollouts beside it", plays.len());
+            let what = format!("{done} of {} rollouts beside it", plays.len());
             self.io.progress(&what);
         };
         let play = |index: usize| self.play(&plays[index]);
         let played = in_parallel(plays.len(), self.search.limits.threads, play, show)?;
-        let measure = Measure::of(self.search.program).map_err(Failure::environment)?;
+        let measure = Measure::of(self.search.program)?;
         let mut decided = Vec::new();
         for (play, rollout) in plays.iter().zip(played) {
             self.add(&mut rows[play.row], rollout.as_ref(), measure)?;
@@ -143,7 +143,7 @@ impl Playing<'_> {
         let ended = match measured {
             Some(value) => Some(value),
             None => {
-                let aim = unless_stopped(Aim::of(self.search)).map_err(Failure::environment)?;
+                let aim = unless_stopped(Aim::of(self.search))?;
                 let last = rollout.last.as_ref();
                 let last = last.unwrap_or(&self.search.start.positions);
                 aim.and_then(|aim| aim.value(last))
@@ -225,7 +225,7 @@ impl Playing<'_> {
             repetition: play.repetition,
             start_number: None,
         };
-        let world = make_world().map_err(Failure::environment)?;
+        let world = make_world()?;
         let identity = Identity {
             program: search.program.hash(),
             vary: world.variation(),
@@ -250,11 +250,11 @@ impl Playing<'_> {
         if let Some(rollout) = finished()? {
             return Ok(Some(rollout));
         }
-        let open = match folder.join(RECORD_FILE).is_file() {
-            true => RunFolder::reopen(&folder),
-            false => RunFolder::create(&folder),
-        };
-        let open = open.map_err(Failure::environment)?;
+        let open = if folder.join(RECORD_FILE).is_file() {
+            RunFolder::reopen(&folder)
+        } else {
+            RunFolder::create(&folder)
+        }?;
         match rollout::run(&job, open, &mut |_| {}) {
             Err(RunError::World(WorldError::Interrupted)) => Ok(None),
             Err(error) => Err(Failure::environment(error)),

@@ -117,7 +117,7 @@ fn show(targets: &[[f64; 2]], setup: &TypingSetup<'_>, io: &Io) -> Result<(), Fa
     let numbers = DrawnShape::Numbers { at };
     let layers = [([255, 220, 0], dots), ([255; 3], numbers)];
     let layers = layers.map(|(rgb, shape)| DrawnLayer { rgb, shape });
-    let drawn = draw_layers(seen, &layers).map_err(Failure::environment)?;
+    let drawn = draw_layers(seen, &layers)?;
     let path: PathBuf = setup.path.with_extension("grid.png");
     write_file(&path, &png::encode(&drawn))?;
     io.talk(&format!(

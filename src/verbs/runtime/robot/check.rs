@@ -5,17 +5,15 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::verbs::runtime::calibrate::report::checks_as_json;
-use clap::Args;
-use clap::ValueHint;
+use crate::report::Report;
+use clap::{Args, ValueHint};
 use fab_arm::calibration::{Accuracy, Calibration, METHOD};
 use fab_arm::guard::{Guard, Surface};
 use fab_arm::kinematics::reach::{Reach, Turn};
 use fab_arm::settings::{CameraSource, Settings};
 use nalgebra::Point3;
-use serde_json::{Value, json};
-use std::path::Path;
-use std::path::PathBuf;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `robot check`.
 #[derive(Args)]
@@ -29,9 +27,12 @@ pub struct RobotCheckArguments {
 }
 
 /// A place, and why it is out of reach if it is.
+#[derive(Serialize)]
 struct NamedPose {
+    #[serde(rename = "place")]
     name: &'static str,
     /// The settings' key of a place that a run needs. A corner out of reach only costs the points near it.
+    #[serde(skip)]
     needed: Option<&'static str>,
     at_m: [f64; 3],
     why_not: Option<String>,
@@ -50,18 +51,67 @@ struct Inspection {
     calibration: Result<(Calibration, Accuracy), Unusable>,
 }
 
+/// What was found.
+#[derive(Serialize)]
+struct CheckedRobot {
+    name: String,
+    model: String,
+    calibration: CheckedCalibration,
+    reach: Vec<NamedPose>,
+    next: Vec<String>,
+    exit: u8,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum CheckedCalibration {
+    Usable {
+        usable: bool,
+        made_on: String,
+        method: &'static str,
+        camera: String,
+        #[serde(flatten)]
+        accuracy: Box<Accuracy>,
+    },
+    Unusable {
+        usable: bool,
+        why: String,
+    },
+}
+
 /// Checks the settings and everything that they name.
 pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
     let inspection = inspect(&arguments.robot)?;
-    let exit = match inspection.faults().is_empty() {
-        true => Exit::Done,
-        false => Exit::Environment,
+    let is_usable = inspection.faults().is_empty();
+    let exit = if is_usable {
+        Exit::Done
+    } else {
+        Exit::Environment
     };
     let next = inspection.next(&arguments.robot);
-    match arguments.json {
-        true => io.json(&as_json(&inspection, &next, exit)),
-        false => io.data(&as_text(&inspection, &next)),
-    }
+    io.result(
+        arguments.json,
+        &CheckedRobot {
+            name: inspection.settings.name,
+            model: inspection.settings.model,
+            calibration: match inspection.calibration {
+                Ok((made, compared)) => CheckedCalibration::Usable {
+                    usable: true,
+                    made_on: made.made_on,
+                    method: METHOD,
+                    camera: made.terms.camera,
+                    accuracy: Box::new(compared),
+                },
+                Err(unusable) => CheckedCalibration::Unusable {
+                    usable: false,
+                    why: unusable.why,
+                },
+            },
+            reach: inspection.places,
+            next,
+            exit: exit.code(),
+        },
+    );
     if exit != Exit::Done {
         io.talk("error: this arm cannot be used as it is set up");
     }
@@ -85,7 +135,7 @@ pub fn usable(robot: &Path) -> Result<Settings, Failure> {
 }
 
 fn inspect(robot: &Path) -> Result<Inspection, Failure> {
-    let settings = Settings::load(robot).map_err(Failure::environment)?;
+    let settings = Settings::load(robot)?;
     Ok(Inspection {
         places: places(&settings),
         calibration: calibration(robot, &settings),
@@ -215,72 +265,48 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<(Calibration, Accura
     Ok((made, compared))
 }
 
-fn as_text(inspection: &Inspection, next: &[String]) -> String {
-    let settings = &inspection.settings;
-    let mut lines = vec![format!(
-        "settings     {}, {}: can be used",
-        settings.name, settings.model
-    )];
-    match &inspection.calibration {
-        Ok((made, compared)) => {
-            lines.push(format!(
-                "calibration  of {}, {METHOD}, camera {}: can be used; a point left out is {:.1} mm off",
-                made.made_on, made.terms.camera, compared.left_out_rms_mm
-            ));
-            lines.extend(compared.corners.iter().map(|corner| {
-                let [x, y, _] = corner.at_m;
-                let side = match corner.above_mm < 0.0 {
-                    true => "below",
-                    false => "above",
-                };
-                format!(
-                    "corner       ({x:.3}, {y:.3}): {:.1} mm {side} the table's middle, known to {:.1} mm",
-                    corner.above_mm.abs(),
-                    corner.error_mm
-                )
-            }));
+impl Report for CheckedRobot {
+    fn text(&self) -> String {
+        let mut lines = vec![format!(
+            "settings     {}, {}: can be used",
+            self.name, self.model
+        )];
+        match &self.calibration {
+            CheckedCalibration::Usable {
+                made_on,
+                method,
+                camera,
+                accuracy,
+                ..
+            } => {
+                let left_out_mm = accuracy.left_out_rms_mm;
+                lines.push(format!(
+                    "calibration  of {made_on}, {method}, camera {camera}: can be used; a point left out is {left_out_mm:.1} mm off"
+                ));
+                lines.extend(accuracy.corners.iter().map(|corner| {
+                    let [x, y, _] = corner.at_m;
+                    let side = if corner.above_mm < 0.0 { "below" } else { "above" };
+                    format!(
+                        "corner       ({x:.3}, {y:.3}): {:.1} mm {side} the table's middle, known to {:.1} mm",
+                        corner.above_mm.abs(),
+                        corner.error_mm
+                    )
+                }));
+            }
+            CheckedCalibration::Unusable { why, .. } => {
+                lines.push(format!("calibration  cannot be used: {why}"));
+            }
         }
-        Err(unusable) => lines.push(format!("calibration  cannot be used: {}", unusable.why)),
+        lines.extend(self.reach.iter().map(|place| {
+            let [x, y, z] = place.at_m;
+            let why = place.why_not.as_ref();
+            let result = why.map_or("reached".to_owned(), |why| format!("out of reach: {why}"));
+            format!(
+                "reach        {} ({x:.3}, {y:.3}, {z:.3}): {result}",
+                place.name
+            )
+        }));
+        lines.extend(self.next.iter().map(|next| format!("next         {next}")));
+        lines.join("\n")
     }
-    for place in &inspection.places {
-        let [x, y, z] = place.at_m;
-        let result = match &place.why_not {
-            None => "reached".to_owned(),
-            Some(why) => format!("out of reach: {why}"),
-        };
-        lines.push(format!(
-            "reach        {} ({x:.3}, {y:.3}, {z:.3}): {result}",
-            place.name
-        ));
-    }
-    lines.extend(next.iter().map(|next| format!("next         {next}")));
-    lines.join("\n")
-}
-
-fn as_json(inspection: &Inspection, next: &[String], exit: Exit) -> Value {
-    let places: Vec<Value> = inspection
-        .places
-        .iter()
-        .map(|it| json!({ "place": it.name, "at_m": it.at_m, "why_not": it.why_not }))
-        .collect();
-    let calibration = match &inspection.calibration {
-        Ok((made, compared)) => json!({
-            "usable": true,
-            "left_out_mm": compared.left_out_rms_mm,
-            "made_on": made.made_on,
-            "method": METHOD,
-            "camera": made.terms.camera,
-            "corners": compared.corners,
-            "checks": checks_as_json(&compared.checks),
-        }),
-        Err(unusable) => json!({ "usable": false, "why": unusable.why }),
-    };
-    json!({
-        "name": inspection.settings.name,
-        "model": inspection.settings.model,
-        "calibration": calibration,
-        "reach": places,
-        "next": next,
-        "exit": exit.code(),
-    })
 }

@@ -7,16 +7,14 @@ use super::recover::{NO_ANSWER, describe, given_or_typed};
 use super::{connect, preflight};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use clap::Args;
-use clap::ValueHint;
+use crate::report::Report;
+use clap::{Args, ValueHint};
 use fab_arm::driver::Arm;
 use fab_arm::guard::Guard;
-use fab_arm::last_run;
-use fab_arm::last_run::Recovery;
+use fab_arm::last_run::{self, Recovery};
 use fab_arm::log::{ARM_FILE, ArmLog, Entry};
-use serde_json::json;
-use std::path::Path;
-use std::path::PathBuf;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `robot enable`.
 #[derive(Args)]
@@ -53,11 +51,21 @@ pub fn run(arguments: &EnableArguments, io: &Io) -> Result<Exit, Failure> {
     let guard = Guard::level(&settings);
     let mut arm = connect::arm(&settings, guard).map_err(Failure::environment)?;
     enable(arm.as_mut(), robot, &how)?;
-    match arguments.json {
-        true => io.json(&json!({ "enabled": true, "how": how })),
-        false => io.data("enabled: the arm accepts motion again"),
-    }
+    io.result(arguments.json, &Enabled { enabled: true, how });
     Ok(Exit::Done)
+}
+
+/// An arm that accepts motion again.
+#[derive(Serialize)]
+struct Enabled {
+    enabled: bool,
+    how: String,
+}
+
+impl Report for Enabled {
+    fn text(&self) -> String {
+        "enabled: the arm accepts motion again".to_owned()
+    }
 }
 
 /// Enables an arm, and records it if its last run has a journal.

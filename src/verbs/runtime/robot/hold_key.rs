@@ -65,9 +65,10 @@ impl HoldKey {
             Phase::Up if n_presses == 1 => Phase::Pressed(now),
             Phase::Up if n_presses == 0 => Phase::Up,
             Phase::Pressed(at) if n_presses == 0 => {
-                match now.saturating_duration_since(at) < ALONE {
-                    true => Phase::Pressed(at),
-                    false => Phase::Held(at + FIRST_TIMEOUT),
+                if now.saturating_duration_since(at) < ALONE {
+                    Phase::Pressed(at)
+                } else {
+                    Phase::Held(at + FIRST_TIMEOUT)
                 }
             }
             Phase::Up | Phase::Pressed(_) => Phase::Draining(now),
@@ -151,9 +152,10 @@ mod unix {
         /// Returns what was typed since the last call, without waiting; nothing if the terminal is gone.
         pub fn typed(&mut self) -> Vec<u8> {
             let mut bytes = vec![0; 256];
-            let count = match has_input(0) {
-                true => nix::unistd::read(stdin(), &mut bytes).unwrap_or(0),
-                false => 0,
+            let count = if has_input(0) {
+                nix::unistd::read(stdin(), &mut bytes).unwrap_or(0)
+            } else {
+                0
             };
             bytes.truncate(count);
             bytes

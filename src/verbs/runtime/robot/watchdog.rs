@@ -50,7 +50,7 @@ type Stop = Box<dyn FnMut() -> Result<(), String>>;
 
 /// Watches until stdin ends.
 pub fn run(arguments: &WatchdogArguments, io: &Io) -> Result<Exit, Failure> {
-    let settings = Settings::load(&arguments.robot).map_err(Failure::environment)?;
+    let settings = Settings::load(&arguments.robot)?;
     let mut stop = stopper(&settings).map_err(Failure::environment)?;
     let lines = lines_of(io.input());
     io.data("ready");

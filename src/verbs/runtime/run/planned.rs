@@ -1,42 +1,53 @@
 //! The output of `fabc run --plan-only`: the plan of the first action, segment by segment.
 
 use crate::exit::Failure;
-use crate::io::Io;
+use crate::report::Report;
 use fab_agent::rollout::Ended;
 use fab_arm::plan::Plan;
 use fab_arm::settings::{DriverKind, Settings};
 use fab_arm::world::{PLAN_FILE, PLAN_PICTURE, read_plan};
-use serde_json::json;
+use serde::Serialize;
 use std::path::Path;
 
-/// Prints the outcome and the plan, as text or as JSON.
-pub fn say(report: &Ended, settings: &Settings, as_json: bool, io: &Io) -> Result<(), Failure> {
-    let folder = Path::new(&report.took.run_dir);
-    let plan = match folder.join(PLAN_FILE).exists() {
-        true => Some(read_plan(folder).map_err(Failure::environment)?),
-        false => None,
-    };
-    if as_json {
-        let mut document =
-            serde_json::to_value(report).expect("a report has string keys and finite numbers");
-        document["plan"] = json!(plan);
-        io.json(&document);
-        return Ok(());
+/// The outcome, and the plan if there is one.
+#[derive(Serialize)]
+pub struct PlannedRun<'a> {
+    #[serde(flatten)]
+    report: Ended,
+    plan: Option<Plan>,
+    #[serde(skip)]
+    settings: &'a Settings,
+}
+
+impl PlannedRun<'_> {
+    /// Reads the plan of a run that ended.
+    pub fn of(report: Ended, settings: &Settings) -> Result<PlannedRun<'_>, Failure> {
+        let folder = Path::new(&report.took.run_dir);
+        let plan = match folder.join(PLAN_FILE).exists() {
+            true => Some(read_plan(folder).map_err(Failure::environment)?),
+            false => None,
+        };
+        Ok(PlannedRun {
+            report,
+            plan,
+            settings,
+        })
     }
-    io.data(&format!(
-        "outcome: {}; nothing moved",
-        report.outcome.name()
-    ));
-    match &plan {
-        Some(plan) => io.data(&table(plan, settings)),
-        None => io.data("no action was planned"),
+}
+
+impl Report for PlannedRun<'_> {
+    fn text(&self) -> String {
+        let outcome = self.report.outcome.name();
+        let (plan, drawing) = match &self.plan {
+            Some(plan) => (
+                table(plan, self.settings),
+                format!(" (drawing: {PLAN_PICTURE})"),
+            ),
+            None => ("no action was planned".to_owned(), String::new()),
+        };
+        let folder = &self.report.took.run_dir;
+        format!("outcome: {outcome}; nothing moved\n{plan}\nrun folder: {folder}{drawing}")
     }
-    let drawing = match plan {
-        Some(_) => format!(" (drawing: {PLAN_PICTURE})"),
-        None => String::new(),
-    };
-    io.data(&format!("run folder: {}{drawing}", report.took.run_dir));
-    Ok(())
 }
 
 fn table(plan: &Plan, settings: &Settings) -> String {

@@ -1,6 +1,7 @@
 //! The output of `fabc run`: a line per step while it runs, and a summary.
 
 use crate::io::Io;
+use crate::report::Report;
 use fab_agent::judgement::Judgement;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::{Attempt, Finding};
@@ -12,7 +13,9 @@ use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
 use fab_program::{Goal, LEAST_SLIDE_MM, Metric};
 use fab_world::Grasp;
+use fab_world::film::Film;
 use fab_world::metrics::ClothMoved;
+use serde::Serialize;
 use std::path::Path;
 
 /// Shows one event on stderr, unless it belongs to one of the `earlier` actions, which were shown in an earlier run.
@@ -154,9 +157,10 @@ fn cloth(moved: &ClothMoved) -> String {
         ),
         None => format!(", cloth moved at most {:.0} mm", moved.farthest_mm),
     };
-    match slides {
-        true => format!("{held}, slid {:.0} mm", moved.slid_mm),
-        false => held,
+    if slides {
+        format!("{held}, slid {:.0} mm", moved.slid_mm)
+    } else {
+        held
     }
 }
 
@@ -204,8 +208,30 @@ fn refusal(attempt: &Attempt) -> Option<String> {
     }
 }
 
+/// What became of a rollout, and of its film if there was to be one.
+#[derive(Serialize)]
+pub struct RunReport<'a> {
+    #[serde(flatten)]
+    pub report: Ended,
+    #[serde(skip)]
+    pub goal: Option<&'a Goal>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub video: Option<Option<Film>>,
+}
+
+impl Report for RunReport<'_> {
+    fn text(&self) -> String {
+        let summary = summary(&self.report, self.goal);
+        match &self.video {
+            None => summary,
+            Some(None) => format!("{summary}\nvideo: none"),
+            Some(Some(film)) => format!("{summary}\n{film}"),
+        }
+    }
+}
+
 /// Summarizes a rollout.
-pub fn summary(report: &Ended, goal: Option<&Goal>) -> String {
+fn summary(report: &Ended, goal: Option<&Goal>) -> String {
     let mut lines = vec![format!("outcome: {}", report.outcome.name())];
     let words = report.stopped.as_deref();
     lines.extend(
@@ -278,9 +304,10 @@ pub fn summary(report: &Ended, goal: Option<&Goal>) -> String {
             report.took.experts_simulated
         ));
     }
-    let sheet = match Path::new(&report.took.run_dir).join(SHEET_FILE).exists() {
-        true => format!(" (contact sheet: {SHEET_FILE})"),
-        false => String::new(),
+    let sheet = if Path::new(&report.took.run_dir).join(SHEET_FILE).exists() {
+        format!(" (contact sheet: {SHEET_FILE})")
+    } else {
+        String::new()
     };
     lines.push(format!("run folder: {}{sheet}", report.took.run_dir));
     lines.join("\n")

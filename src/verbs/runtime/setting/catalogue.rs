@@ -5,11 +5,9 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use clap::Args;
-use clap::ValueHint;
+use clap::{Args, ValueHint};
 use fab_providers::catalogue::{Catalogue, Date, Profile};
-use serde::Deserialize;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 

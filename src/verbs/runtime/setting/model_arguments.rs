@@ -155,9 +155,10 @@ pub enum Purpose {
 impl SpendArguments {
     /// Returns why models are looked up.
     pub fn purpose(&self) -> Purpose {
-        match self.estimate {
-            true => Purpose::Estimating,
-            false => Purpose::Asking,
+        if self.estimate {
+            Purpose::Estimating
+        } else {
+            Purpose::Asking
         }
     }
 }

@@ -10,11 +10,10 @@ use crate::verbs::runtime::setting::model_arguments::{
 };
 use fab_agent::rollout::FirstQuestion;
 use fab_base::interrupt::Interrupt;
-use fab_model::Models;
 use fab_model::calls::{Budget, Spent};
 use fab_model::lowering::{Lowering, Points};
 use fab_model::recording::{Recorder, Replay};
-use fab_model::{Model, ModelError, ModelRole, Request};
+use fab_model::{Model, ModelError, ModelRole, Models, Request};
 use fab_providers::catalogue::{Facts, Profile, Wire};
 use fab_providers::probe::Subject;
 use fab_providers::remote::{Lengths, Remote};
@@ -128,20 +127,23 @@ pub fn models(
         interrupt,
         providers: None,
     };
-    let [vision, text] = match arguments.model.is_empty() {
-        true => [DEFAULT_MODEL; 2].map(str::to_owned),
-        false => by_role("--model", &arguments.model)?,
+    let [vision, text] = if arguments.model.is_empty() {
+        [DEFAULT_MODEL; 2].map(str::to_owned)
+    } else {
+        by_role("--model", &arguments.model)?
     };
-    let [vision_url, text_url] = match arguments.reach.base_url.is_empty() {
-        true => [None, None],
-        false => by_role("--base-url", &arguments.reach.base_url)?.map(Some),
+    let [vision_url, text_url] = if arguments.reach.base_url.is_empty() {
+        [None, None]
+    } else {
+        by_role("--base-url", &arguments.reach.base_url)?.map(Some)
     };
     let model = finder.model(&vision, vision_url.as_deref(), ModelRole::Vision, io)?;
     let is_shared = vision == text && vision_url == text_url && !vision.starts_with(REPLAY);
     Ok(Answering {
-        text: match is_shared {
-            true => model.clone(),
-            false => finder.model(&text, text_url.as_deref(), ModelRole::Text, io)?,
+        text: if is_shared {
+            model.clone()
+        } else {
+            finder.model(&text, text_url.as_deref(), ModelRole::Text, io)?
         },
         vision: model,
     })
@@ -172,9 +174,10 @@ pub fn examined(
     if let Some(model) = embedded(name, ModelRole::Vision)? {
         return Ok(Examined::Embedded(Arc::from(model)));
     }
-    let base_url = match reach.base_url.is_empty() {
-        true => None,
-        false => Some(by_role("--base-url", &reach.base_url)?[0].clone()),
+    let base_url = if reach.base_url.is_empty() {
+        None
+    } else {
+        Some(by_role("--base-url", &reach.base_url)?[0].clone())
     };
     let mut providers = Providers::new(reach, interrupt, io)?;
     let profile = providers.profile(name)?;
@@ -259,7 +262,7 @@ impl Finder<'_> {
 pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
     if let Some(file) = name.strip_prefix(REPLAY) {
         let replay = Replay::load(Path::new(file), ModelRole::Vision);
-        return Ok(Arc::new(replay.map_err(Failure::environment)?.by_words()));
+        return Ok(Arc::new(replay?.by_words()));
     }
     let model = embedded(name, ModelRole::Vision)?;
     model.map(Arc::from).ok_or_else(|| {
@@ -333,7 +336,7 @@ fn by_role(flag: &str, values: &[String]) -> Result<[String; 2], Failure> {
 /// Finds a model that needs no provider; `None` for any other name.
 fn embedded(name: &str, role: ModelRole) -> Result<Option<Box<dyn Model>>, Failure> {
     if let Some(file) = name.strip_prefix(REPLAY) {
-        let replay = Replay::load(Path::new(file), role).map_err(Failure::environment)?;
+        let replay = Replay::load(Path::new(file), role)?;
         return Ok(Some(Box::new(replay)));
     }
     let parts: Vec<&str> = name.split(':').collect();

@@ -4,7 +4,7 @@
 //! cache. Cloths with an outline use that cache too, although `fabc run` does not support them.
 
 use super::parallel::{ThreadArguments, in_parallel, threads};
-use super::{DEFAULT_SIZE, SPACING_M, files};
+use super::{SPACING_M, files};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::report::Report;
@@ -12,8 +12,9 @@ use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
 use fab_base::interrupt::Interrupt;
 use fab_base::table::{Align, aligned};
-use fab_program::{self as program, Camera, ClothStart, ImageUp, Picker};
+use fab_program::{self as program, ClothStart, Picker};
 use fab_sim::{Mask, Params, mesh};
+use fab_world::conformance::camera;
 use fab_world::start::{Grid, Outline, Start};
 use fab_world::{SimulatedWorld, WorldError, crumple, metrics};
 use serde::Serialize;
@@ -22,14 +23,11 @@ use std::path::{Path, PathBuf};
 /// Arguments of `sim crumple`.
 #[derive(Args)]
 pub struct CrumpleArguments {
-    /// Particles along each side of a square cloth, 6.25 mm apart; default: 40.
-    #[arg(long, value_name = "N", conflicts_with = "dims")]
-    pub size: Option<u32>,
-    /// Particles along the two sides of a cloth that is not square.
-    #[arg(long, value_name = "44x40")]
-    pub dims: Option<String>,
+    /// Particles along the two sides of the cloth, 6.25 mm apart.
+    #[arg(long, value_name = "44x40", default_value = "40x40")]
+    pub dims: String,
     /// Which particles of the grid exist: rows of `#` and `.`, seen from above; its size is the cloth's.
-    #[arg(long, value_name = "FILE.txt", value_hint = ValueHint::FilePath, conflicts_with_all = ["size", "dims"])]
+    #[arg(long, value_name = "FILE.txt", value_hint = ValueHint::FilePath, conflicts_with = "dims")]
     pub outline: Option<PathBuf>,
     /// The first cloth's seed; the others have the numbers after it.
     #[arg(long, value_name = "SEED", default_value_t = 0)]
@@ -59,8 +57,6 @@ struct CrumpledCloths {
     outline: Option<Outline>,
     particles: usize,
     starts: Vec<Crumpled>,
-    coverage: Option<Spread>,
-    true_coverage: Option<Spread>,
 }
 
 /// One crumpled cloth.
@@ -90,13 +86,6 @@ struct Origin {
     seed: u64,
     #[serde(flatten)]
     covered: Covered,
-}
-
-#[derive(Clone, Copy, Serialize)]
-struct Spread {
-    mean: f64,
-    min: f64,
-    max: f64,
 }
 
 /// Crumples, writes, and reports.
@@ -136,12 +125,6 @@ pub fn run(arguments: &CrumpleArguments, io: &Io) -> Result<Exit, Failure> {
         grid: flat(&mask).grid,
         outline: files::outline_of(&mask),
         particles: mask.count(),
-        coverage: Spread::of(starts.iter().filter_map(|start| start.covered.coverage)),
-        true_coverage: Spread::of(
-            starts
-                .iter()
-                .filter_map(|start| start.covered.true_coverage),
-        ),
         starts,
     };
     io.result(arguments.json, &cloths);
@@ -155,20 +138,15 @@ pub fn run(arguments: &CrumpleArguments, io: &Io) -> Result<Exit, Failure> {
 
 /// Returns which particles the cloth has, and the beginning of its files' names, before `_SEED`.
 fn cloth(arguments: &CrumpleArguments) -> Result<(Mask, String), Failure> {
-    let (mask, prefix) = match (&arguments.outline, &arguments.dims) {
-        (Some(path), _) => {
+    let (mask, prefix) = match &arguments.outline {
+        Some(path) => {
             let outline = path.file_stem().unwrap_or_default().to_string_lossy();
-            (
-                files::read_outline(path, SPACING_M as f32)?,
-                format!("{outline}_"),
-            )
+            let mask = files::read_outline(path, SPACING_M as f32)?;
+            (mask, format!("{outline}_"))
         }
-        (None, Some(dims)) => {
+        None => {
+            let dims = &arguments.dims;
             let grid = super::grid(setting::dims_of(dims)?, &format!("--dims {dims}"))?;
-            (Mask::full(grid), String::new())
-        }
-        (None, None) => {
-            let grid = super::square(arguments.size.unwrap_or(DEFAULT_SIZE))?;
             (Mask::full(grid), String::new())
         }
     };
@@ -199,14 +177,8 @@ fn one(
     interrupt: &Interrupt,
     io: &Io,
 ) -> Result<Option<Crumpled>, Failure> {
-    // A world needs a camera, which is not used here.
-    let camera = Camera {
-        height_m: 1.0,
-        fov_rad: std::f64::consts::FRAC_PI_4,
-        image_px: 64,
-        up: ImageUp::X,
-    };
-    let world = SimulatedWorld::new(&camera, Picker::default()).map_err(Failure::environment)?;
+    // A world needs a camera; this one takes no picture.
+    let world = SimulatedWorld::new(&camera(), Picker::default())?;
     let (flat, cache) = (flat(mask), setting::cache(io));
     let start = match crumple::start(&flat, seed, &world, &cache, interrupt, &mut || {}) {
         Ok(crumpled) => crumpled.start,
@@ -239,18 +211,6 @@ fn one(
     }))
 }
 
-impl Spread {
-    /// Returns mean, least and greatest value; `None` without values.
-    fn of(values: impl Iterator<Item = f64>) -> Option<Spread> {
-        let values: Vec<f64> = values.collect();
-        (!values.is_empty()).then(|| Spread {
-            mean: values.iter().sum::<f64>() / values.len() as f64,
-            min: values.iter().copied().fold(f64::INFINITY, f64::min),
-            max: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-        })
-    }
-}
-
 impl Report for CrumpledCloths {
     fn text(&self) -> String {
         let number = |value: Option<f64>| value.map_or("-".to_owned(), |it| format!("{it:.3}"));
@@ -268,15 +228,6 @@ impl Report for CrumpledCloths {
                 number(true_coverage),
                 file,
             ]
-        }));
-        let of_all: [(&str, fn(Spread) -> f64); 3] = [
-            ("mean", |it| it.mean),
-            ("min", |it| it.min),
-            ("max", |it| it.max),
-        ];
-        table.extend(of_all.map(|(name, of)| {
-            let [covered, truly] = [self.coverage, self.true_coverage].map(|it| number(it.map(of)));
-            [name.to_owned(), covered, truly, String::new()]
         }));
         let columns = [Align::Right, Align::Right, Align::Right, Align::Left];
         aligned(columns, &table).join("\n")

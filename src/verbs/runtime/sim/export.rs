@@ -48,7 +48,7 @@ pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
     files::not_onto_itself(&arguments.state.file, path)?;
     let mut written = vec![path.clone()];
     if is_mesh {
-        let text = mesh::obj(&state.mask, &state.positions).map_err(Failure::environment)?;
+        let text = mesh::obj(&state.mask, &state.positions)?;
         write_file(path, text.as_bytes())?;
     } else {
         files::check_replaceable(path, MADE_BY)?;

@@ -40,7 +40,7 @@ pub struct ClothState {
 pub fn read_state(arguments: &StateArguments) -> Result<ClothState, Failure> {
     let stated = setting::stated_frame(&arguments.frame, SPACING_M)?;
     let path = &arguments.file;
-    let start = Start::load(path, stated).map_err(Failure::environment)?;
+    let start = Start::load(path, stated)?;
     let Grid {
         dimx,
         dimy,

@@ -75,7 +75,7 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
         .check(spacing_m)
         .map_err(|error| Failure::environment(format!("`{}`: {error}", arguments.material)))?;
     io.progress("measuring");
-    let readings = textile_table(&material, spacing_m).map_err(Failure::environment)?;
+    let readings = textile_table(&material, spacing_m)?;
     let params = Params {
         material: Some(material.clone()),
         ..Params::default()
@@ -120,9 +120,10 @@ fn corner(arguments: &MeasureArguments, params: Params, io: &Io) -> Result<Corne
     Ok(Corner {
         carried_mm: CARRIED_MM,
         stays_mm: fold.stays_mm(&interrupt)?,
-        smallest_fold: match arguments.smallest_fold {
-            true => Some(fold.smallest(&interrupt)?),
-            false => None,
+        smallest_fold: if arguments.smallest_fold {
+            Some(fold.smallest(&interrupt)?)
+        } else {
+            None
         },
     })
 }

@@ -1,8 +1,8 @@
 //! `fabc sim record`: a film of picks and places, given or recorded, without any model.
 
+use super::demonstrations;
 use super::files::{self, StateArguments};
 use super::render::{self, CameraArgument};
-use super::{DEFAULT_SIZE, demonstrations};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::report::Report;
@@ -25,9 +25,9 @@ pub struct RecordArguments {
     pub from: Option<PathBuf>,
     #[command(flatten)]
     pub frame: FrameArguments,
-    /// Particles along each side of the flat cloth, 6.25 mm apart; default: 40.
-    #[arg(long, value_name = "N", conflicts_with = "from")]
-    pub size: Option<u32>,
+    /// Particles along each side of the flat cloth, 6.25 mm apart.
+    #[arg(long, value_name = "N", default_value_t = 40, conflicts_with = "from")]
+    pub size: u32,
     #[command(flatten)]
     pub cloth: MaterialArguments,
     /// Pick at the first point and place at the second: metres from the table's centre. One for each motion, in order.
@@ -133,7 +133,7 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
             steps: done.steps,
         });
     }
-    let film = recorder.finish().map_err(Failure::environment)?;
+    let film = recorder.finish()?;
     let recorded = Recorded {
         params: params.hash(),
         video: film.expect("a film with a begin has a picture"),
@@ -141,9 +141,10 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
         digest: cloth.digest(),
     };
     io.result(arguments.json, &recorded);
-    Ok(match recorded.moves.len() < asked.len() {
-        true => Exit::Interrupted,
-        false => Exit::Done,
+    Ok(if recorded.moves.len() < asked.len() {
+        Exit::Interrupted
+    } else {
+        Exit::Done
     })
 }
 
@@ -182,7 +183,7 @@ fn cloth(arguments: &RecordArguments, params: &Params) -> Result<(Simulator, Vec
     }
     let (mask, positions, named) = match &arguments.from {
         None => {
-            let grid = super::square(arguments.size.unwrap_or(DEFAULT_SIZE))?;
+            let grid = super::square(arguments.size)?;
             let positions = grid.flat_positions(params);
             (Mask::full(grid), positions, "the flat cloth".to_owned())
         }

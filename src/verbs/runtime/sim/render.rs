@@ -4,9 +4,8 @@ use super::files::{self, StateArguments};
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
 use crate::report::Report;
-use crate::verbs::runtime::setting::materials::MaterialArguments;
+use crate::verbs::runtime::setting::{self, materials::MaterialArguments};
 use clap::{Args, ValueEnum, ValueHint};
-use fab_base::files::ends_in;
 use fab_sim::{Frame, ImageUp, Params, TopDownCamera};
 use fab_world::simulated;
 use image::{DynamicImage, GrayImage, ImageFormat, RgbImage};
@@ -106,24 +105,19 @@ pub fn camera(camera: CameraArgument, side_px: Option<u32>) -> Result<TopDownCam
 
 /// Returns the path of the picture; a default path must not exist yet.
 fn output_path(arguments: &DrawArguments) -> Result<PathBuf, Failure> {
-    let Some(path) = &arguments.out else {
-        let stem = arguments.state.file.file_stem().unwrap_or_default();
-        let path = PathBuf::from(stem).with_added_extension("png");
-        return match path.symlink_metadata() {
-            Err(_) => Ok(path),
-            Ok(_) => Err(Failure::environment(format!(
-                "`{0}` is there already; `-o {0}` replaces it",
-                path.display()
-            ))),
-        };
-    };
-    match ends_in(path, "png") {
-        true => Ok(path.clone()),
-        false => Err(Failure::usage(format!(
-            "`-o {}` is no PNG file; name one that ends in `.png`",
-            path.display()
-        ))),
+    if let Some(path) = &arguments.out {
+        setting::check_ending("-o", path, "png")?;
+        return Ok(path.clone());
     }
+    let stem = arguments.state.file.file_stem().unwrap_or_default();
+    let path = PathBuf::from(stem).with_added_extension("png");
+    if path.symlink_metadata().is_ok() {
+        return Err(Failure::environment(format!(
+            "`{0}` is there already; `-o {0}` replaces it",
+            path.display()
+        )));
+    }
+    Ok(path)
 }
 
 fn picture(frame: Frame, is_depth: bool) -> DynamicImage {

@@ -110,9 +110,10 @@ pub fn run(arguments: &ReplayArguments, io: &Io) -> Result<Exit, Failure> {
         entries,
     };
     io.result(arguments.json, &replays);
-    Ok(match replays.entries.len() < total {
-        true => Exit::Interrupted,
-        false => Exit::Done,
+    Ok(if replays.entries.len() < total {
+        Exit::Interrupted
+    } else {
+        Exit::Done
     })
 }
 
