@@ -228,7 +228,7 @@ fn states_and_outputs_that_cannot_be() {
             64,
             &["`-o o.ply`", "`.npy`", "`.obj`"],
         ),
-        (format!("export {state} -o no/o.npy"), 2, &["`no/o.npy`"]),
+        (format!("export {state} -o no/o.npy"), 2, &["`no/o.json`"]),
         (
             format!("export {state} -o state.npy"),
             64,
