@@ -582,19 +582,6 @@ fn the_best_is_behind_no_rollout_of_a_policy_however_few_the_trials() {
 #[test]
 fn what_cannot_be_searched_is_told() {
     let folder = tempfile::tempdir().unwrap();
-    for world in ["arm", "exec:true"] {
-        let said = finish(&mut command(
-            folder.path(),
-            KNOWN,
-            &format!("--world {world}"),
-        ));
-        assert_eq!(said.code, 64);
-        assert!(
-            said.stdout.contains(&format!("`--world {world}`")),
-            "{}",
-            said.stdout
-        );
-    }
     let aimless = ANYWHERE.replace("goal   normalized_improvement > 0.3", "");
     let said = finish(&mut command(folder.path(), &aimless, ""));
     assert_eq!(said.code, 64);

@@ -9,7 +9,6 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::run::{prepare, say_pictures};
-use crate::verbs::runtime::setting::worlds::WorldChoice;
 use crate::verbs::runtime::setting::{self, StartArguments};
 use crate::verbs::runtime::sim::parallel::{ThreadArguments, threads};
 use clap::{Args, ValueHint};
@@ -44,9 +43,6 @@ pub struct BestArguments {
     pub seed: u64,
     #[command(flatten)]
     pub threads: ThreadArguments,
-    /// Where actions are tried: only `sim`, the bundled simulator, can try one action and take it back.
-    #[arg(long, value_name = "WORLD", default_value = "sim")]
-    pub world: WorldChoice,
     /// Where trials and rollouts are kept; what is finished there is not done again. Default: the next free
     /// runs/best-TASK-NNNN.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
@@ -58,12 +54,6 @@ pub struct BestArguments {
 
 /// Lays the start, plays the rows beside the best, searches, and reports.
 pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
-    if arguments.world != WorldChoice::Sim {
-        return Err(Failure::usage(format!(
-            "`--world {}`: the best is searched by trying actions and taking them back, which only `sim` can; leave the option out",
-            arguments.world
-        )));
-    }
     let declared = sources::compile_task(&arguments.task, io)?;
     Measure::of(&declared).map_err(failure)?;
     let beside = sources::folder_of(&arguments.task.file);

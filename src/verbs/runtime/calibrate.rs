@@ -11,7 +11,7 @@ mod typing;
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
 use crate::verbs::runtime::robot::connect;
-use crate::verbs::runtime::setting::catalogue;
+use crate::verbs::runtime::setting::{self, catalogue};
 use clap::{Args, ValueHint};
 use fab_agent::arm_sight::draw_errors;
 use fab_arm::calibration::{
@@ -76,29 +76,17 @@ pub struct CalibrateArguments {
 
 /// Parses `4x4`, columns and rows.
 fn columns_and_rows(text: &str) -> Result<[u32; 2], String> {
-    let read = || {
-        let (columns, rows) = text.split_once('x')?;
-        let sides = [columns.parse().ok()?, rows.parse().ok()?];
-        sides
-            .iter()
-            .all(|side| (2..=20).contains(side))
-            .then_some(sides)
-    };
-    read().ok_or_else(|| "write columns and rows, such as `4x4`; each 2 to 20".to_owned())
+    setting::two_counts(text)
+        .filter(|sides| sides.iter().all(|side| (2..=20).contains(side)))
+        .ok_or_else(|| "write columns and rows, such as `4x4`; each 2 to 20".to_owned())
 }
 
-/// Calibrates from points of a file, typed points, or points to which a person guides the arm.
+/// Calibrates from points of a file, typed points, or points to which a person guides the arm by hand or with the vendor's
+/// joystick; fabc reads its position and never moves it.
 pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
-    if arguments.jog {
-        jogged(arguments, io)
-    } else {
-        run_with(arguments, None, io)
+    if !arguments.jog {
+        return run_with(arguments, None, io);
     }
-}
-
-/// Calibrates with an arm that a person guides by hand or with the vendor's joystick; fabc reads its position and never
-/// moves it.
-fn jogged(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     if arguments.pairs.is_some() && !arguments.more {
         return Err(Failure::usage(
             "`--pairs` alone takes its points from the file, and `--jog` from the arm; with `--more` those of the arm follow",
@@ -106,8 +94,8 @@ fn jogged(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     }
     let nobody = "nobody can guide it to a point; type points, or give them with `--pairs`";
     let settings = connect::settings_of_real(&arguments.robot, nobody)?;
-    let mut port =
-        connect::port(&settings, settings.camera.timeout_s).map_err(Failure::environment)?;
+    let port = connect::port(&settings, settings.camera.timeout_s);
+    let mut port = port.map_err(Failure::environment)?;
     let stale_s = settings.tolerance.stale_s;
     let tool = move || place_at_rest(port.as_mut(), stale_s);
     run_with(arguments, Some(Box::new(tool)), io)

@@ -217,14 +217,19 @@ pub fn seeds(first: u64, count: u32) -> Result<impl Iterator<Item = u64>, Failur
 
 /// Parses `--dims`: particles along the cloth's x and along its other side.
 pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
-    text.split_once(['x', ','])
-        .and_then(|(x, y)| Some([x.parse().ok()?, y.parse().ok()?]))
-        .filter(|dims: &[u32; 2]| dims.iter().all(|dim| *dim >= 2))
+    two_counts(text)
+        .filter(|dims| dims.iter().all(|dim| *dim >= 2))
         .ok_or_else(|| {
             Failure::usage(format!(
                 "`--dims {text}` is not a grid; write two counts of at least 2, such as `55x44`"
             ))
         })
+}
+
+/// Reads two counts, such as `55x44` or `55,44`.
+pub fn two_counts(text: &str) -> Option<[u32; 2]> {
+    let (x, y) = text.split_once(['x', ','])?;
+    Some([x.parse().ok()?, y.parse().ok()?])
 }
 
 /// Creates the folder of many runs: the named one, or the next free `runs/NAME-NNNN`.

@@ -45,7 +45,10 @@ fn answers_are_understood_and_others_asked_for_again() {
     ] {
         assert_eq!(answered(typed), (expected, questions), "{typed:?}");
     }
-    assert_eq!(answered(&"what\n".repeat(50)), (None, TRIES as usize));
+    assert_eq!(
+        answered(&"what\n".repeat(50)),
+        (None, terminal::ATTEMPTS as usize)
+    );
 }
 
 #[test]

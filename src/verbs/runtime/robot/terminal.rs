@@ -17,7 +17,7 @@ use std::io::{BufRead, Read};
 use std::time::{Duration, Instant};
 
 /// How often a question is repeated after an unintelligible answer.
-const ATTEMPTS: u32 = 10;
+pub const ATTEMPTS: u32 = 10;
 
 /// The longest line that is read, bytes.
 pub const MAX_LINE: u64 = 4096;
@@ -117,11 +117,10 @@ impl TerminalSupervisor {
         let io = self.io.clone();
         io.progress("");
         hold_key::discard_typed();
-        ask_yes_no(
-            &mut || typed_line(&io),
-            &mut |text| io.talk(text),
-            &format!("{question} y or n:"),
-        )
+        let question = format!("{question} y or n:");
+        let (next, say) = (&mut || typed_line(&io), &mut |text: &str| io.talk(text));
+        // Silence means no.
+        choose(next, say, &question, yes_or_no).unwrap_or(false)
     }
 }
 
@@ -229,24 +228,29 @@ pub fn line_of(lines: &mut dyn BufRead) -> Option<String> {
     }
 }
 
-/// Asks until the answer is y or n. End of input, or too many other answers, mean no.
-fn ask_yes_no(
+/// Asks until an answer means something; `None` at the end of input, and after too many other answers.
+pub fn choose<T>(
     next: &mut dyn FnMut() -> Option<String>,
     say: &mut dyn FnMut(&str),
     question: &str,
-) -> bool {
-    say(question);
+    meant: impl Fn(&str) -> Option<T>,
+) -> Option<T> {
     for _ in 0..ATTEMPTS {
-        let Some(answer) = next() else {
-            return false;
-        };
-        match answer.trim().to_lowercase().as_str() {
-            "y" | "yes" => return true,
-            "n" | "no" => return false,
-            _ => say("y or n:"),
+        say(question);
+        if let Some(found) = meant(&next()?.trim().to_lowercase()) {
+            return Some(found);
         }
     }
-    false
+    None
+}
+
+/// Understands y and n.
+pub fn yes_or_no(answer: &str) -> Option<bool> {
+    match answer {
+        "y" | "yes" => Some(true),
+        "n" | "no" => Some(false),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
