@@ -85,7 +85,6 @@ demos taught.fab --variant in_context --count 1
 bench suite.toml --out suite
 models openai --on 2026-11-20
 doctor
-probe random:3
 robot check --robot robot.toml
 sim crumple --dims 10x10 -o starts
 sim export starts/crumpled_10x10_0.npy -o heap.obj

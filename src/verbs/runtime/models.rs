@@ -5,7 +5,7 @@ use crate::io::Io;
 use crate::report::Report;
 use crate::verbs::runtime::setting::catalogue::{self, FactsArguments};
 use clap::Args;
-use fab_base::table::{Align, aligned};
+use fab_base::table::aligned;
 use fab_providers::catalogue::{
     Catalogue, Date, Facts, FactsSource, Family, Notice, Price, Profile, Provider, Source, Tokens,
 };
@@ -162,7 +162,7 @@ impl Report for KnownModels<'_> {
             let marks = sources.marks(family.sources);
             table.push(row(title, String::new(), family.facts, marks));
         }
-        let mut lines = aligned([Align::Left; 9], &table);
+        let mut lines = aligned(&[], &table);
         lines.push(
             "\n?: unknown. *: every model whose id has these words; open weights have no vendor before them. tokens: \
              estimates for one square picture. Another server's model has its vendor's facts, but not its price and \

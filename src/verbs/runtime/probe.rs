@@ -5,7 +5,7 @@ use crate::io::Io;
 use crate::report::Report;
 use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::model_arguments::{CapArguments, OmitArgument, ReachArguments};
-use crate::verbs::runtime::setting::models::{self, Examined};
+use crate::verbs::runtime::setting::models::{self, Varied};
 use clap::Args;
 use fab_model::ModelError;
 use fab_model::calls::{Budget, CallRefused, Capped, Caps, Spent, Usage, Usd};
@@ -50,7 +50,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     }
     // An answer of an earlier day says nothing about today.
     reach.no_cache = true;
-    let examined = models::examined(&arguments.model, &reach, &interrupt, io)?;
+    let varied = models::varied(&arguments.model, &reach, &interrupt, io)?;
     let most = SIDES_PX.len() as u64 + MOST_QUESTIONS;
     let caps = Caps {
         calls: Some(arguments.caps.max_calls.unwrap_or(2 * most)),
@@ -58,7 +58,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     };
     let budget = Budget::new(caps, Spent::default());
     let mut calls = Capped::by(&budget);
-    let examination = examine(arguments, examined, most, &mut calls, io);
+    let examination = examine(arguments, &varied, most, &mut calls, io);
     let examination = examination.map_err(|error| match error {
         ModelError::Interrupted => Failure::interrupted(),
         ModelError::NotSent(CallRefused::Budget(cap)) => {
@@ -89,9 +89,8 @@ struct Examination {
     /// `None`: the model takes no pictures.
     #[serde(flatten)]
     dots: Option<NamedDots>,
-    /// `None` for an embedded model.
     #[serde(flatten)]
-    interface: Option<Interface>,
+    interface: Interface,
 }
 
 /// How the model names places.
@@ -130,27 +129,13 @@ impl NamedDots {
 /// Asks `most` questions at most.
 fn examine(
     arguments: &ProbeArguments,
-    examined: Examined,
+    varied: &Varied,
     most: u64,
     calls: &mut Capped<'_>,
     io: &Io,
 ) -> Result<Examination, ModelError> {
     let (seed, reasoning) = (arguments.seed, arguments.reach.reasoning);
     let n_pictures = SIDES_PX.len();
-    let varied = match examined {
-        Examined::Provided(varied) => varied,
-        Examined::Embedded(model) => {
-            let name = model.name();
-            io.talk(&format!(
-                "asking {name} about {n_pictures} pictures of dots; no call is sent"
-            ));
-            let found = probe(model.as_ref(), seed, reasoning, calls)?;
-            return Ok(Examination {
-                dots: Some(NamedDots::of(found, None)),
-                interface: None,
-            });
-        }
-    };
     let profile = varied.profile();
     let listed = profile.facts.coordinates;
     if listed.is_none() {
@@ -162,7 +147,7 @@ fn examine(
         profile.title(),
         arguments.caps.max_calls.unwrap_or(2 * most),
     ));
-    let mut able = abilities(varied.as_ref(), calls)?;
+    let mut able = abilities(varied, calls)?;
     let known = Facts {
         max_tokens_field: { able.facts.max_tokens_field }.or(profile.facts.max_tokens_field),
         ..profile.facts.clone()
@@ -177,14 +162,14 @@ fn examine(
     let remarks = remarks(&able, dots.as_ref());
     let (provider, today) = (&profile.provider.name, catalogue::today(io));
     Ok(Examination {
-        interface: Some(Interface {
+        interface: Interface {
             toml: entry::toml(provider, &profile.id, &facts, &remarks, today),
             facts,
             reasons: able.reasons,
             remarks,
             interface_usage: able.usage,
             interface_cost: able.cost,
-        }),
+        },
         dots: dots.map(|probe| NamedDots::of(probe, listed)),
     })
 }
@@ -209,12 +194,12 @@ fn remarks(able: &Abilities, dots: Option<&Probe>) -> Vec<String> {
 
 impl Report for Examination {
     fn text(&self) -> String {
-        let dots = self.dots.as_ref().map(|dots| text(&dots.probe));
-        let interface = self.interface.as_ref();
-        let entry =
-            interface.map(|it| format!("for a file of facts (`--models FILE`):\n\n{}", it.toml));
-        let parts = dots.into_iter().chain(entry);
-        parts.collect::<Vec<_>>().join("\n\n")
+        let dots = self.dots.as_ref().map(|dots| text(&dots.probe) + "\n\n");
+        let toml = &self.interface.toml;
+        format!(
+            "{}for a file of facts (`--models FILE`):\n\n{toml}",
+            dots.unwrap_or_default()
+        )
     }
 }
 

@@ -3,7 +3,7 @@
 use super::rows::Row;
 use crate::report::Report;
 use fab_agent::best::{Choice, Found, Taken};
-use fab_base::table::{Align, aligned};
+use fab_base::table::aligned;
 use fab_bench::statistics;
 use fab_program::{Goal, Metric, Program, Proposal, space};
 use fab_world::start::Start;
@@ -145,7 +145,7 @@ impl BestReport {
             let value = value.unwrap_or("none".to_owned());
             [format!("{}{oracle}", row.name), value, notes.join("; ")]
         }));
-        aligned([Align::Left; 3], &table)
+        aligned(&[], &table)
     }
 }
 

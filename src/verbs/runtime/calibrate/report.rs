@@ -103,7 +103,7 @@ impl Report for Calibrated<'_> {
             let [error, left_out] = [error, left_out].map(|mm| format!("{mm:.1}"));
             table.push([number.to_string(), u, v, x, y, z, error, left_out]);
         }
-        let mut lines = aligned([Align::Right; 8], &table);
+        let mut lines = aligned(&[Align::Right; 8], &table);
         lines.push(format!(
             "{METHOD} by {} points: {:.1} mm (root mean square), each by the others {:.1} mm; the limit is {} mm",
             self.points.len(),
@@ -130,7 +130,7 @@ impl Report for Calibrated<'_> {
             let [value, bound] = [check.value, check.bound].map(|value| format!("{value:.1}"));
             [check.name.to_owned(), value, bound]
         }));
-        lines.extend(aligned([Align::Left, Align::Right, Align::Right], &table));
+        lines.extend(aligned(&[Align::Left, Align::Right, Align::Right], &table));
         let Written {
             file,
             reference,

@@ -6,6 +6,7 @@ use fab_agent::rollout::Ended;
 use fab_arm::plan::Plan;
 use fab_arm::settings::{DriverKind, Settings};
 use fab_arm::world::{PLAN_FILE, PLAN_PICTURE, read_plan};
+use fab_base::table::{Align, aligned};
 use serde::Serialize;
 use std::path::Path;
 
@@ -52,36 +53,38 @@ impl Report for PlannedRun<'_> {
 
 fn table(plan: &Plan, settings: &Settings) -> String {
     let place = |[x, y, z]: [f64; 3]| format!("{x:.3}, {y:.3}, {z:.3} m");
-    let mut lines = vec![
-        format!(
-            "pick at {}, place at {}, in the base frame of `{}`",
-            place(plan.pick_m),
-            place(plan.place_m),
-            plan.model
-        ),
-        format!(
-            "{:<14}{:>8}{:>8}{:>8}{:>8}{:>8}   joints, degrees",
-            "segment", "x, m", "y, m", "z, m", "way, mm", "time, s"
-        ),
+    let mut lines = vec![format!(
+        "pick at {}, place at {}, in the base frame of `{}`",
+        place(plan.pick_m),
+        place(plan.place_m),
+        plan.model
+    )];
+    let titles = [
+        "segment",
+        "x, m",
+        "y, m",
+        "z, m",
+        "way, mm",
+        "time, s",
+        "joints, degrees",
     ];
-    for segment in &plan.segments {
-        let [x, y, z] = segment.to_m;
-        let name = segment.name.text();
-        let joints = segment.joints_deg.iter();
-        let joints: Vec<String> = joints.map(|angle| format!("{angle:.1}")).collect();
-        lines.push(match segment.hand {
-            Some(opening) => format!(
-                "{name:<14}fingers {}",
-                format!("{opening:?}").to_lowercase()
-            ),
-            None => format!(
-                "{name:<14}{x:>8.3}{y:>8.3}{z:>8.3}{:>8.1}{:>8.1}   {}",
-                segment.way_m * 1000.0,
-                segment.takes_s,
-                joints.join(" ")
-            ),
-        });
-    }
+    let mut rows = vec![titles.map(str::to_owned).to_vec()];
+    rows.extend(plan.segments.iter().map(|segment| {
+        let mut row = vec![segment.name.text().to_owned()];
+        match segment.hand {
+            Some(opening) => row.push(format!("{opening:?}").to_lowercase()),
+            None => {
+                row.extend(segment.to_m.map(|metres| format!("{metres:.3}")));
+                row.push(format!("{:.1}", segment.way_m * 1000.0));
+                row.push(format!("{:.1}", segment.takes_s));
+                let joints = segment.joints_deg.iter().map(|angle| format!("{angle:.1}"));
+                row.push(joints.collect::<Vec<_>>().join(" "));
+            }
+        }
+        row
+    }));
+    use Align::{Left, Right};
+    lines.extend(aligned(&[Left, Right, Right, Right, Right, Right], &rows));
     lines.push(format!(
         "in all {:.3} m in {:.1} s at up to {} m/s, without the fingers",
         plan.way_m(),

@@ -149,14 +149,6 @@ pub fn models(
     })
 }
 
-/// A model that is looked into.
-pub enum Examined {
-    /// It is embedded, and its interface has no facts.
-    Embedded(Arc<dyn Model>),
-    /// It has a provider.
-    Provided(Box<Varied>),
-}
-
 /// A provider's model that can be asked under other facts than the known ones.
 pub struct Varied {
     profile: Profile,
@@ -164,15 +156,17 @@ pub struct Varied {
     providers: RefCell<Providers>,
 }
 
-/// Finds the model that the command line names, for questions about itself.
-pub fn examined(
+/// Finds the provider's model that the command line names, for questions about itself.
+pub fn varied(
     name: &str,
     reach: &ReachArguments,
     interrupt: &Interrupt,
     io: &Io,
-) -> Result<Examined, Failure> {
-    if let Some(model) = embedded(name, ModelRole::Vision)? {
-        return Ok(Examined::Embedded(Arc::from(model)));
+) -> Result<Varied, Failure> {
+    if embedded(name, ModelRole::Vision)?.is_some() {
+        return Err(Failure::usage(format!(
+            "`{name}` has no interface to find out about: name a provider's model, `PROVIDER:NAME`"
+        )));
     }
     let base_url = if reach.base_url.is_empty() {
         None
@@ -183,11 +177,11 @@ pub fn examined(
     let profile = providers.profile(name)?;
     // Fails here rather than between questions if there is no key or no address.
     providers.model(&profile, base_url.as_deref(), Purpose::Asking)?;
-    Ok(Examined::Provided(Box::new(Varied {
+    Ok(Varied {
         profile,
         base_url,
         providers: RefCell::new(providers),
-    })))
+    })
 }
 
 impl Varied {

@@ -230,6 +230,6 @@ impl Report for CrumpledCloths {
             ]
         }));
         let columns = [Align::Right, Align::Right, Align::Right, Align::Left];
-        aligned(columns, &table).join("\n")
+        aligned(&columns, &table).join("\n")
     }
 }

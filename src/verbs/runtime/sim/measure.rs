@@ -159,7 +159,7 @@ impl Report for Measured {
             table.push([what, "-", "-", &measured, "mm", "-", method].map(str::to_owned));
         }
         let columns = [Left, Right, Right, Right, Left, Left, Left];
-        aligned(columns, &table).join("\n") + "\n"
+        aligned(&columns, &table).join("\n") + "\n"
     }
 }
 

@@ -217,7 +217,7 @@ impl Report for Replays {
                 row.grasps.clone(),
             ]
         }));
-        let mut lines = aligned([Left, Right, Right, Right, Right, Left], &table);
+        let mut lines = aligned(&[Left, Right, Right, Right, Right, Left], &table);
         lines.push(format!("simulator parameters {}", self.params));
         lines.join("\n")
     }
