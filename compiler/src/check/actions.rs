@@ -6,7 +6,6 @@ use super::names::Meaning;
 use super::quantity::{measured, out_of_range, quantity_of, unit as unit_of};
 use crate::diag::{Code, Diagnostic, Reported, nearest};
 use crate::lang::actions::{ChoiceKind, FIELDS, FieldRow, field as moving_field};
-use crate::proof::MAX_FIELDS;
 use fab_grammar::Span;
 use fab_grammar::ast::{Actions, Expr, Field, Name};
 use fab_program::exact::vector_of;
@@ -14,6 +13,9 @@ use fab_program::units::{self, Dimension};
 use fab_program::vocabulary::Range;
 use fab_program::{ActionField, Choices, Direction, KeypointShape, LengthChoice, LengthUnit};
 use std::collections::BTreeMap;
+
+/// The most fields of an action.
+const MAX_FIELDS: usize = 16;
 
 /// The most choices that a field lists; one keypoint among them may be many points.
 const MAX_CHOICES: usize = 256;

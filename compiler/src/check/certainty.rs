@@ -1,11 +1,18 @@
 //! Warns of checks that can never pass or never fail, and of components whose condition never or always holds.
+//!
+//! In: a program. A condition on steps and counts changes only at its limits, so the values around each limit are
+//! tried; what a thing measures against itself is known. Everything else may hold or not.
 
 use crate::diag::{Code, Diagnostic};
 use crate::merge::Merged;
-use crate::proof::certain::{never, reason};
 use fab_grammar::Span;
+use fab_program::exact::written;
+use fab_program::measures::{Length, Number, PointMeasure};
 use fab_program::{Condition, Program};
 use std::collections::BTreeSet;
+
+/// The most combinations of numbers that are tried for one condition.
+const MAX_CASES: usize = 1000;
 
 /// Returns where the conditions of a task's checks and components are stated.
 pub(super) fn conditions(merged: &Merged<'_>) -> BTreeSet<Span> {
@@ -16,83 +23,74 @@ pub(super) fn conditions(merged: &Merged<'_>) -> BTreeSet<Span> {
     all.map(|expr| expr.span()).collect()
 }
 
+/// A condition, and whether it holds.
+type Assumed<'p> = (&'p Condition, bool);
+
 /// Returns a warning for each condition of a program whose result is certain.
 pub(super) fn check(program: &Program, merged: &Merged<'_>) -> Vec<Diagnostic> {
+    let never = |assumed: &[Assumed<'_>]| is_impossible(assumed, program);
     let mut found = Vec::new();
     for check in &program.verify.checks {
         let Some(part) = merged.checks.get(&check.name) else {
             continue;
         };
-        let (when, holds) = (check.when.as_ref(), &check.holds);
-        let guard = part.when().map(|expr| expr.span());
-        let condition = part.condition().map(|expr| expr.span());
-        let both = |passes| -> Vec<(&Condition, bool)> {
-            let when = when.map(|when| (when, true));
-            when.into_iter().chain([(holds, passes)]).collect()
-        };
         let name = format!("the check `{}`", check.name);
-        match (when, guard, condition) {
-            (Some(when), Some(span), _) if never(&[(when, true)], program) => {
-                found.push(warning(
-                    format!("{name} never applies"),
-                    (when, true),
-                    span,
-                    "correct the condition after `when`, or remove the check",
-                    program,
-                ));
-            }
-            (_, _, Some(span)) if never(&both(true), program) => {
-                found.push(warning(
-                    format!("{name} can never pass"),
-                    (holds, true),
-                    span,
+        let when = check.when.as_ref().map(|when| (when, true));
+        let applies: Vec<Assumed<'_>> = when.into_iter().collect();
+        let result = |passes| [&applies[..], &[(&check.holds, passes)]].concat();
+        if let (Some((when, _)), Some(expr)) = (when, part.when())
+            && never(&applies)
+        {
+            let help = "correct the condition after `when`, or remove the check";
+            found.push(warning(
+                format!("{name} never applies"),
+                when,
+                expr.span(),
+                help,
+                program,
+            ));
+        } else if let Some(expr) = part.condition() {
+            let (what, help) = if never(&result(true)) {
+                (
+                    "pass",
                     "every answer would be refused; correct the condition, or remove the check",
-                    program,
-                ));
-            }
-            (_, _, Some(span)) if never(&both(false), program) => {
-                found.push(warning(
-                    format!("{name} can never fail"),
-                    (holds, false),
-                    span,
+                )
+            } else if never(&result(false)) {
+                (
+                    "fail",
                     "no answer would be refused; correct the condition, or remove the check",
-                    program,
-                ));
-            }
-            _ => {}
+                )
+            } else {
+                continue;
+            };
+            let message = format!("{name} can never {what}");
+            found.push(warning(message, &check.holds, expr.span(), help, program));
         }
     }
     for template in &program.templates {
         let component = merged.components.get(&template.name);
-        let guard = component.and_then(|component| component.when());
-        let (Some(when), Some(guard)) = (&template.when, guard) else {
+        let (Some(when), Some(expr)) = (&template.when, component.and_then(|it| it.when())) else {
             continue;
         };
-        let name = format!("the component `{}`", template.name);
-        if never(&[(when, true)], program) {
-            found.push(warning(
-                format!("{name} is never said"),
-                (when, true),
-                guard.span(),
-                "correct the condition, or remove the component",
-                program,
-            ));
-        } else if never(&[(when, false)], program) {
-            found.push(warning(
-                format!("{name} is always said"),
-                (when, false),
-                guard.span(),
+        let (often, help) = if never(&[(when, true)]) {
+            ("never", "correct the condition, or remove the component")
+        } else if never(&[(when, false)]) {
+            (
+                "always",
                 "correct the condition, or remove it together with `when`",
-                program,
-            ));
-        }
+            )
+        } else {
+            continue;
+        };
+        let message = format!("the component `{}` is {often} said", template.name);
+        found.push(warning(message, when, expr.span(), help, program));
     }
     found
 }
 
 fn warning(
     what: String,
-    condition: (&Condition, bool),
+    condition: &Condition,
     span: Span,
     help: &str,
     program: &Program,
@@ -102,4 +100,182 @@ fn warning(
         None => what,
     };
     Diagnostic::new(Code::CertainCondition, span, message).help(help)
+}
+
+/// Says why the first part of a condition that is certain by itself is so: "`step` is 1 to 2".
+fn reason(condition: &Condition, program: &Program) -> Option<String> {
+    match condition {
+        Condition::All { of } | Condition::Any { of } => {
+            of.iter().find_map(|part| reason(part, program))
+        }
+        Condition::Not { of } => reason(of, program),
+        part if [true, false]
+            .iter()
+            .all(|holds| !is_impossible(&[(part, *holds)], program)) =>
+        {
+            None
+        }
+        Condition::Number { left, .. } => {
+            let (least, most) = ends(left, program)?;
+            Some(match most {
+                Some(most) if most == least => format!("`{left}` is always {least}"),
+                Some(most) => format!("`{left}` is {least} to {most}"),
+                None => format!("`{left}` is at least {least}"),
+            })
+        }
+        Condition::Lengths { left, right, .. } => {
+            let measure = [left, right].into_iter().find_map(|side| match side {
+                Length::OfPoints(measure) => Some(measure),
+                Length::Constant { .. } | Length::Field { .. } => None,
+            })?;
+            let px = written(to_itself(measure)?.sqrt(), 1);
+            Some(format!("`{measure}` is always {px}px"))
+        }
+        Condition::Angle { a, b, .. } => {
+            Some(format!("the angle between `{a}` and `{b}` is always 0deg"))
+        }
+        _ => None,
+    }
+}
+
+// ---- cases ---------------------------------------------------------------------------------------
+
+/// What some numbers are.
+type Case<'p> = Vec<(&'p Number, f64)>;
+
+/// Returns whether conditions can never hold, or fail, together as assumed.
+fn is_impossible(assumed: &[Assumed<'_>], program: &Program) -> bool {
+    let mut compared = Vec::new();
+    for (condition, _) in assumed {
+        add_compared(condition, &mut compared);
+    }
+    let mut cases: Vec<Case<'_>> = vec![Vec::new()];
+    for (number, limits) in compared {
+        let Some(ends) = ends(number, program) else {
+            continue;
+        };
+        let values = values(&limits, ends);
+        if cases.len() * values.len() > MAX_CASES {
+            return false;
+        }
+        cases = values
+            .iter()
+            .flat_map(|value| {
+                cases
+                    .iter()
+                    .map(|case| [&case[..], &[(number, *value)]].concat())
+            })
+            .collect();
+    }
+    let may_be = |case: &Case<'_>| {
+        assumed
+            .iter()
+            .all(|(condition, holds)| decide(condition, case) != Some(!holds))
+    };
+    !cases.iter().any(may_be)
+}
+
+/// Collects the numbers of a condition, and what each is compared with.
+fn add_compared<'p>(condition: &'p Condition, compared: &mut Vec<(&'p Number, Vec<f64>)>) {
+    match condition {
+        Condition::All { of } | Condition::Any { of } => {
+            of.iter().for_each(|part| add_compared(part, compared));
+        }
+        Condition::Not { of } => add_compared(of, compared),
+        Condition::Number { left, limit, .. } => add(left, Some(*limit), compared),
+        Condition::Last => add(&Number::Step, None, compared),
+        _ => {}
+    }
+}
+
+fn add<'p>(number: &'p Number, limit: Option<f64>, compared: &mut Vec<(&'p Number, Vec<f64>)>) {
+    match compared.iter_mut().find(|(known, _)| *known == number) {
+        Some((_, limits)) => limits.extend(limit),
+        None => compared.push((number, limit.into_iter().collect())),
+    }
+}
+
+/// Returns the least and the most that a whole number can be; no most if the picture alone decides. `None` for a number that is not whole.
+fn ends(number: &Number, program: &Program) -> Option<(u32, Option<u32>)> {
+    match number {
+        Number::Step => Some((1, Some(program.horizon))),
+        // None may be seen, and those out of the arm's reach are left out.
+        Number::Count { keypoint } => {
+            let extractor = program.keypoint(keypoint).map(|it| &it.extractor);
+            Some((
+                0,
+                extractor.and_then(|it| it.most_points(&program.keypoints)),
+            ))
+        }
+        Number::Coverage { .. } => None,
+    }
+}
+
+/// Returns a whole number's ends, and its values at and beside each limit.
+fn values(limits: &[f64], (least, most): (u32, Option<u32>)) -> Vec<f64> {
+    let (least, most) = (f64::from(least), most.map_or(f64::INFINITY, f64::from));
+    let near = limits
+        .iter()
+        .flat_map(|limit| [-1.0, 0.0, 1.0].map(|by| limit.floor() + by));
+    let mut values: Vec<f64> = near.chain([least, most]).collect();
+    values.retain(|value| (least..=most).contains(value) && value.is_finite());
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
+}
+
+/// Returns whether a condition holds in a case; `None` if that depends on the scene or the answer.
+fn decide(condition: &Condition, case: &Case<'_>) -> Option<bool> {
+    let value = |number: &Number| {
+        case.iter()
+            .find(|(it, _)| *it == number)
+            .map(|(_, value)| *value)
+    };
+    match condition {
+        Condition::All { of } => all(of.iter().map(|part| decide(part, case))),
+        Condition::Any { of } => {
+            let fails = of.iter().map(|part| decide(part, case).map(|it| !it));
+            all(fails).map(|it| !it)
+        }
+        Condition::Not { of } => decide(of, case).map(|it| !it),
+        Condition::Number { left, is, limit } => Some(is.holds(value(left)?, *limit)),
+        Condition::Lengths { left, is, right } => Some(is.holds(square(left)?, square(right)?)),
+        Condition::Angle {
+            a,
+            b,
+            is,
+            limit_deg,
+            ..
+        } => (a == b).then(|| is.holds(0.0, *limit_deg)),
+        // The first step has no action before it.
+        Condition::Last => (value(&Number::Step)? == 1.0).then_some(false),
+        Condition::Within { .. } | Condition::Word { .. } | Condition::Unreachable => None,
+    }
+}
+
+/// Returns whether every part holds.
+fn all(parts: impl Iterator<Item = Option<bool>>) -> Option<bool> {
+    parts.fold(Some(true), |all, part| match (all, part) {
+        (Some(false), _) | (_, Some(false)) => Some(false),
+        (Some(true), Some(true)) => Some(true),
+        _ => None,
+    })
+}
+
+/// Returns the square of a length that is the same in every scene: a constant, or how far a point is from itself.
+fn square(length: &Length) -> Option<f64> {
+    match length {
+        Length::Constant { value } => Some(value * value),
+        Length::OfPoints(measure) => to_itself(measure),
+        Length::Field { .. } => None,
+    }
+}
+
+/// Returns the square of what a measure is between a point and itself, if it is the same for every point.
+fn to_itself(measure: &PointMeasure) -> Option<f64> {
+    let [a, b] = measure.points() else {
+        return None;
+    };
+    let [here, there] = [[0.0, 0.0], [7.0, 5.0]].map(|point| measure.square(&[point, point]));
+    (a == b && here == there).then_some(here)
 }

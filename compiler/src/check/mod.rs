@@ -10,6 +10,7 @@ mod annotate;
 mod arguments;
 mod camera;
 mod certainty;
+mod choices;
 mod cloth;
 mod conditions;
 mod context;

@@ -479,7 +479,7 @@ codes! {
 
     "F0706" Contradiction Error
     "the action space contradicts itself"
-    "A value that a prompt offers must be read back as the same value, and two choices must not have the same text. The compiler tries every choice; the message says which one fails. Rename it, or remove one of the two."
+    "An answer must be able to state each choice of each field: two that differ only in case, in `_` or `-` for a blank, or by less than a prompt writes, read alike, and quotes, brackets and the signs between statements mean something else. Rename the field or the choice, or remove one of the two."
 
     "F0707" FieldMovesNothing Note
     "nothing acts on a field of the action"
@@ -487,7 +487,7 @@ codes! {
 
     "F0708" CertainCondition Warning
     "a condition is always true or never true"
-    "Every value has a range: a count goes from 0 to the `max` of its detector, a distance up to the diagonal of the picture, a step up to the horizon. In these ranges the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing. A condition of a task is not reported if it is open in one of its variants; of a variant, only its own conditions are judged."
+    "A count goes from 0 to the `max` of its detector, a step from 1 to the horizon, and the distance of a point to itself is 0. With these the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing. A condition of a task is not reported if it is open in one of its variants; of a variant, only its own conditions are judged."
 
     "F0801" LayerNotNamed Error
     "something is drawn, but no prompt says what it is"
