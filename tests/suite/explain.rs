@@ -1,6 +1,6 @@
-//! `fabc explain`: one code, all codes, and the pages of the book.
+//! `fabc explain`: one code, and all codes.
 
-use super::support::{fabc, finish, root};
+use super::support::{fabc, finish};
 use std::fs;
 
 #[test]

@@ -83,7 +83,7 @@ pub(super) fn check<'a>(
     let rehearsal = merged
         .rehearse
         .map(|part| rehearse::check(part, merged, &prompts, context));
-    let candidates = rehearse::candidates(merged, &prompts, rehearsal.as_ref(), context);
+    let candidates = rehearse::candidates(merged, &prompts, context);
     let bounds = test::Bounds {
         keypoints: keypoints.as_deref().unwrap_or_default(),
         horizon: horizon.unwrap_or_default(),

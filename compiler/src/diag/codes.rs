@@ -417,29 +417,17 @@ codes! {
     "candidates would all be alike"
     "`candidates 4` asks for four answers to one question, and a rehearsal chooses among them. At temperature 0, and with some models without a stated one, all four would be the same. Write a temperature above 0 behind `model`."
 
-    "F0615" CandidatesUnchosen Warning
-    "nothing chooses among candidates"
-    "A stage has `candidates`, but no `rehearse` of the task chooses among its answers. One answer is asked for, as without `candidates`. Add the `rehearse`, or leave `candidates` out."
-
     "F0616" RehearsalIncomplete Error
     "a rehearsal lacks a part"
     "`rehearse` needs three things: the twin's material and ranges, what the twin is for (`choose most …` among the stage's candidates, or `revise … with picture`), and how far the twin is trusted. The message says what is missing."
 
     "F0617" NotMeasuredOnTwin Error
     "a measure cannot be taken on a twin"
-    "A twin is all that a rehearsal may measure. The distance from an expert's result is not known before the world moves, and without subgoals there is no silhouette to compare with. The message names the measures that there are."
+    "A twin is all that a rehearsal may measure: without subgoals there is no silhouette to compare it with."
 
     "F0618" TwinOfOwnMaterial Warning
     "a twin is made of what the cloth is made of"
     "In the simulator, such a twin has the physics of the cloth that is judged, which no camera shows, so a gain says nothing about other cloths. Name another material, and let the ranges of size and friction say what is not known."
-
-    "F0619" TwinNeverTrusted Warning
-    "a twin is too large or too small to be trusted"
-    "A twin is trusted while its silhouette overlaps the camera's by more than `trust overlap` states. Two silhouettes overlap by at most the ratio of their areas, so at the start, where both lie flat, a twin of 0.8 of the size overlaps by at most 0.64. Let the range of `size` contain 1, or trust a smaller overlap."
-
-    "F0620" CrumpledStartRehearsed Warning
-    "a crumpled start is rehearsed"
-    "A twin is laid from the rectangle around the cloth in the picture, so only a cloth that lies flat has one. From a crumpled start each step is taken without rehearsal, and nothing real moves. `--start FILE` may lay the cloth flat, and a start from a file is judged by its first picture. Let the cloth start flat, or leave out `rehearse`."
 
     "F0621" TwinIsJudgedCloth Error
     "a twin is the judged cloth"
@@ -448,10 +436,6 @@ codes! {
     "F0622" FoldChosenByCoverage Warning
     "a fold is chosen by coverage"
     "A fold makes a cloth cover less, so in a task with subgoals `choose most coverage` takes the answer that folds least, or that misses the cloth. `choose most overlap` compares with the next subgoal."
-
-    "F0623" TwinTooStiff Warning
-    "a twin is too stiff for the simulator"
-    "A twin has the particles of the seen cloth, so those of a smaller one lie closer together. A stiff material then needs more substeps than a step may have. No step of a rollout that draws such a twin is rehearsed, and nothing real moves. Let the range of `size` begin higher, or state a larger `spacing` of the cloth."
 
     "F0701" MissingField Error
     "an action lacks a field"
