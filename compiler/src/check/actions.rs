@@ -3,7 +3,7 @@
 use super::context::{Context, Fields};
 use super::expressions::{Scope, fixed_deg, keypoint, wrong_shape};
 use super::names::Meaning;
-use super::quantity::{measured, out_of_range, quantity_of, unit as unit_of};
+use super::quantity::{beyond, measured, out_of_range, quantity_of, unit as unit_of};
 use crate::diag::{Code, Diagnostic, Reported, nearest};
 use crate::lang::actions::{ChoiceKind, FIELDS, FieldRow, field as moving_field};
 use fab_grammar::Span;
@@ -365,8 +365,7 @@ fn length<'a>(
     };
     if let Some(range) = range {
         if !range.contains(found.value) && !found.value.is_nan() {
-            let help = format!("expected {}", range.words());
-            return Err(out_of_range(choice, &help, context));
+            return Err(beyond(choice, range, context));
         }
     } else if found.number < LEAST_LENGTH || found.value > MOST_LENGTH_M {
         let help = format!(

@@ -1,11 +1,11 @@
 //! `camera top_down(height: 650mm, fov: 45deg, image: 224px)`: where the camera is, and what it sees.
 
 use super::context::Context;
-use super::expressions::{Scope, call, wrong_form};
+use super::expressions::{Scope, call};
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::calls::CAMERAS;
 use crate::merge::Merged;
-use fab_grammar::ast::{Expr, Statement};
+use fab_grammar::ast::Statement;
 use fab_program::exact::written;
 use fab_program::{Camera, Extractor, Keypoint, KeypointShape, RECORDED_HEIGHT_M};
 
@@ -15,15 +15,8 @@ pub(crate) fn check<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<Camera, Reported> {
     let signatures = CAMERAS.iter().map(|row| &row.signature);
-    let Expr::Call(written) = statement.value() else {
-        return Err(wrong_form(
-            statement.value(),
-            "a camera",
-            signatures,
-            context,
-        ));
-    };
-    let (row, args, _) = call("camera", written, signatures, Scope::Everywhere, context)?;
+    let scope = Scope::Everywhere;
+    let (row, args, _) = call("camera", statement.value(), signatures, scope, context)?;
     Ok((CAMERAS[row].make)(&args))
 }
 

@@ -5,7 +5,7 @@ use super::expressions::{
     AsPercent, Frame, FramedLength, Operand, Scope, common_frame, keypoint, kind_of, operand, point,
 };
 use super::names::Meaning;
-use super::quantity::{no_unit, not_whole, out_of_range, read};
+use super::quantity::{beyond, no_unit, not_whole, read};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::conditions::{ANGLE_BETWEEN, MARGIN, SIGNS, Sign, WORDS, sign as meaning};
 use fab_grammar::ast::{Compare, Expr, Name, Within};
@@ -171,10 +171,7 @@ fn fixed<'a>(
             let accepted = ANGLE_BETWEEN
                 .contains(deg.to_radians())
                 .then_some(())
-                .ok_or_else(|| {
-                    let help = format!("expected {}", ANGLE_BETWEEN.words());
-                    out_of_range(limit.expr, &help, context)
-                });
+                .ok_or_else(|| beyond(limit.expr, &ANGLE_BETWEEN, context));
             accepted.and(is).map(|is| Condition::Angle {
                 a,
                 b,

@@ -7,8 +7,8 @@ use super::arguments::{Bound, bind, form};
 use super::context::Context;
 use super::names::Meaning;
 use super::quantity::{
-    measured, no_conversion, no_unit, not_whole, out_of_range, quantity_of, read, read_whole,
-    units_of,
+    beyond, measured, no_conversion, no_unit, not_whole, out_of_range, quantity_of, read,
+    read_whole, units_of,
 };
 use super::short_text::colour_name;
 use super::{files, missing_action};
@@ -42,22 +42,46 @@ pub(crate) enum Scope {
 /// - `rows`: the signatures of all calls of this kind, such as `extractor`.
 pub(crate) fn call<'a>(
     kind: &str,
-    call: Call<'a>,
+    expr: Expr<'a>,
     rows: impl Iterator<Item = &'static Signature> + Clone,
     scope: Scope,
     context: &mut Context<'a, '_>,
 ) -> Result<(usize, Args, Bound<'a>), Reported> {
+    let Expr::Call(call) = expr else {
+        let article = if kind.starts_with(['a', 'e', 'o']) {
+            "an"
+        } else {
+            "a"
+        };
+        let forms: Vec<String> = rows.map(Signature::form).collect();
+        let message = format!("expected {article} {kind}");
+        let diagnostic = Diagnostic::new(Code::WrongForm, expr.span(), message);
+        let help = format!("write {}", among(forms.iter().map(String::as_str)));
+        return Err(context.error(diagnostic.help(help)));
+    };
     let Some((row, signature)) = form(call, rows.clone()) else {
         return Err(context.unknown(kind, call.name(), rows.map(|row| row.name)));
     };
-    let forms = || {
-        let same_name = rows.clone().filter(|row| row.name == signature.name);
-        let forms: Vec<String> = same_name.map(Signature::form).collect();
-        among(forms.iter().map(String::as_str))
-    };
-    let bound = bind(call, signature, &forms, Signature::form, context)?;
+    let bound = bind(call, signature, Signature::form, context)?;
     let values = self::values(&bound, signature, scope, context)?;
     Ok((row, values, bound))
+}
+
+/// Reports a length in `edge`, the only unit without a size where there is no cloth yet.
+pub(super) fn without_edge(
+    args: &Args,
+    bound: &Bound<'_>,
+    message: &str,
+    context: &mut Context<'_, '_>,
+) -> Result<(), Reported> {
+    let mut given = args.0.iter().zip(bound);
+    let in_edge =
+        given.find(|((_, value), _)| matches!(value, ArgValue::Number(it) if it.is_nan()));
+    let Some((_, (_, expr))) = in_edge else {
+        return Ok(());
+    };
+    let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
+    Err(context.error(diagnostic.help("write a length such as `4mm` or `250mm`")))
 }
 
 /// Reads the expressions of bound arguments, and adds the defaults.
@@ -102,19 +126,6 @@ fn by_default(default: Default, context: &Context<'_, '_>) -> Result<ArgValue, R
     })
 }
 
-/// Reports a value that is not a call of any of these rows.
-pub(super) fn wrong_form(
-    value: Expr<'_>,
-    expected: &str,
-    rows: impl Iterator<Item = &'static Signature>,
-    context: &mut Context<'_, '_>,
-) -> Reported {
-    let forms: Vec<String> = rows.map(Signature::form).collect();
-    let message = format!("expected {expected}");
-    let diagnostic = Diagnostic::new(Code::WrongForm, value.span(), message);
-    context.error(diagnostic.help(format!("write {}", among(forms.iter().map(String::as_str)))))
-}
-
 /// Reads one argument by its kind.
 pub(super) fn argument<'a>(
     expr: Expr<'a>,
@@ -128,11 +139,7 @@ pub(super) fn argument<'a>(
         Kind::Odd(range) => {
             let number = read_whole(expr, &range, context)?;
             if number % 2.0 != 1.0 {
-                return Err(out_of_range(
-                    expr,
-                    &format!("expected {}", range.words()),
-                    context,
-                ));
+                return Err(beyond(expr, &range, context));
             }
             ArgValue::Number(number)
         }
@@ -253,12 +260,11 @@ fn word_or_count<'a>(
     (range, unit): (&Range, &'static str),
     context: &mut Context<'a, '_>,
 ) -> Result<ArgValue, Reported> {
-    let listed = among(names(words));
+    let expected = format!("{}, or a number of {unit}", among(names(words)));
     let quantity = match expr {
         Expr::Name(name) => return Ok(ArgValue::Word(context.word(noun, name, words)?)),
         Expr::Quantity(quantity) => quantity,
         _ => {
-            let expected = format!("{listed}, or a number of {unit}");
             let diagnostic = context.unexpected(Code::WrongForm, expr, &expected);
             return Err(context.error(diagnostic));
         }
@@ -268,17 +274,16 @@ fn word_or_count<'a>(
         Some(written) if written.text() == unit => {}
         Some(written) => return Err(context.unknown("unit", written, [unit])),
         None => {
-            let diagnostic = no_unit(expr, &format!("a number of {unit}"), context);
-            let help = format!("write `{number} {unit}`, or {listed}");
-            return Err(context.error(diagnostic.help(help)));
+            let diagnostic = no_unit(expr, &expected, context);
+            return Err(context.error(diagnostic.help(format!("write `{number} {unit}`"))));
         }
     }
-    let expected = format!("expected {}", range.words());
     if number.fract() != 0.0 {
-        return Err(not_whole(expr, &expected, context));
+        let help = format!("expected {}", range.words());
+        return Err(not_whole(expr, &help, context));
     }
     if !range.contains(number) {
-        return Err(out_of_range(expr, &expected, context));
+        return Err(beyond(expr, range, context));
     }
     Ok(ArgValue::Number(number))
 }
@@ -471,60 +476,36 @@ pub(super) fn cloth_point<'a>(
     expr: Expr<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<ClothPoint, Reported> {
-    let forms = || {
-        let forms: Vec<String> = CLOTH_POINTS
-            .iter()
-            .map(|row| row.signature.form())
-            .collect();
-        let forms = std::iter::once("center").chain(forms.iter().map(String::as_str));
-        format!("write {}", among(forms))
+    let rows = CLOTH_POINTS.iter().map(|row| &row.signature);
+    let unknown = match expr {
+        Expr::Name(name) if name.text() == "center" => return Ok(ClothPoint::Center),
+        Expr::Name(name) => Some(name),
+        Expr::Call(call) => Some(call.name()).filter(|_| form(call, rows.clone()).is_none()),
+        _ => None,
     };
-    match expr {
-        Expr::Name(name) if name.text() == "center" => Ok(ClothPoint::Center),
-        Expr::Call(call) => {
-            let signatures = CLOTH_POINTS.iter().map(|row| &row.signature);
-            let Some(_) = form(call, signatures.clone()) else {
-                let name = call.name();
-                let message = format!("`{}` is not a point of the cloth", name.text());
-                let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
-                let near = nearest(name.text(), signatures.map(|row| row.name));
-                return Err(context.error(match near {
-                    Some(meant) => diagnostic.meant(name.span(), meant),
-                    None => diagnostic.help(forms()),
-                }));
-            };
-            turned_name(call, context)?;
-            let (row, args, bound) = self::call(
-                "point of the cloth",
-                call,
-                signatures,
-                Scope::Everywhere,
-                context,
-            )?;
-            let is_center = |value: &ArgValue| *value == ArgValue::ClothPoint(ClothPoint::Center);
-            let center = args
-                .0
-                .iter()
-                .zip(&bound)
-                .find(|((_, value), _)| is_center(value));
-            if let Some((_, (_, expr))) = center {
-                let message = "`center` is a point of the table, not of the cloth";
-                let diagnostic = Diagnostic::new(Code::WrongForm, expr.span(), message);
-                return Err(context.error(
-                    diagnostic.help("write `point(0.5, 0.5)` for the middle of the cloth"),
-                ));
-            }
-            Ok((CLOTH_POINTS[row].make)(&args))
-        }
-        _ => {
-            let diagnostic = context.unexpected(Code::WrongForm, expr, "a point of the cloth");
-            let found = context.written(expr.span());
-            Err(context.error(match nearest(&found, ["center"]) {
-                Some(meant) => diagnostic.meant(expr.span(), meant),
-                None => diagnostic.help(forms()),
-            }))
-        }
+    if let Some(name) = unknown {
+        let message = format!("`{}` is not a point of the cloth", name.text());
+        let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
+        let known = || rows.clone().map(|row| row.name).chain(["center"]);
+        return Err(context.error(match nearest(name.text(), known()) {
+            Some(meant) => diagnostic.meant(name.span(), meant),
+            None => diagnostic.help(format!("there is {}", among(known()))),
+        }));
     }
+    if let Expr::Call(call) = expr {
+        turned_name(call, context)?;
+    }
+    let scope = Scope::Everywhere;
+    let (row, args, bound) = call("point of the cloth", expr, rows, scope, context)?;
+    let mut given = args.0.iter().zip(&bound);
+    let center = ArgValue::ClothPoint(ClothPoint::Center);
+    if let Some((_, (_, expr))) = given.find(|((_, value), _)| *value == center) {
+        let message = "`center` is a point of the table, not of the cloth";
+        let diagnostic = Diagnostic::new(Code::WrongForm, expr.span(), message);
+        let help = "write `point(0.5, 0.5)` for the middle of the cloth";
+        return Err(context.error(diagnostic.help(help)));
+    }
+    Ok((CLOTH_POINTS[row].make)(&args))
 }
 
 /// Reports `corner(top_left)`: the top of the picture is called the back of the cloth here.
@@ -735,13 +716,6 @@ pub(crate) fn heading<'a>(
                 last_field(path.text(), context)?;
             }
             let diagnostic = context.unexpected(Code::WrongExpression, expr, "a direction");
-            if let Expr::Path(path) = expr
-                && let Some((before, field)) = path.text().split_once('.')
-                && is_direction(field, context)
-                && nearest(before, ["last"]).is_some()
-            {
-                return Err(context.error(diagnostic.meant(expr.span(), &format!("last.{field}"))));
-            }
             Err(context.error(diagnostic.help("write `from center to pick`, an angle such as `45deg`, or a field of the action that is a direction")))
         }
     }
@@ -777,17 +751,12 @@ fn direction_field(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Result<Stri
     let diagnostic = context.unexpected(Code::WrongExpression, expr, "a field that is a direction");
     let fields = context.actions.right();
     let fields = fields.filter(|it| matches!(it.choices, Choices::Directions { .. }));
-    let fields: Vec<String> = fields.map(|it| it.name.clone()).collect();
-    let fields = || fields.iter().map(String::as_str);
-    let meant = match expr {
-        Expr::Name(name) => nearest(name.text(), fields()),
-        _ => None,
+    let fields: Vec<&str> = fields.map(|it| it.name.as_str()).collect();
+    let help = match fields.as_slice() {
+        [] => "no field of this task is a direction".to_owned(),
+        fields => format!("there is {}", among(fields.iter().copied())),
     };
-    Err(context.error(match (meant, fields().next()) {
-        (Some(meant), _) => diagnostic.meant(expr.span(), meant),
-        (None, Some(_)) => diagnostic.help(format!("there is {}", among(fields()))),
-        (None, None) => diagnostic.help("no field of this task is a direction"),
-    }))
+    Err(context.error(diagnostic.help(help)))
 }
 
 // ---- values --------------------------------------------------------------------------------------
@@ -918,10 +887,6 @@ pub(crate) fn operand<'a>(
     match expr {
         Expr::Converted(converted) => {
             let value = operand(converted.value(), context)?;
-            if let (Operand::Number(_), Expr::Name(_)) = (&value, converted.value()) {
-                let diagnostic = no_unit(converted.value(), "a length or an angle", context);
-                return Err(context.error(diagnostic));
-            }
             convert(value, converted.target(), context)
         }
         _ if quantity_of(expr, context)?.is_some() => constant(expr, context),
@@ -974,7 +939,8 @@ pub(super) fn measure<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<Measure, Reported> {
     let signatures = MEASURES.iter().map(|row| &row.signature);
-    let (row, args, _) = self::call("measure", call, signatures, Scope::Everywhere, context)?;
+    let scope = Scope::Everywhere;
+    let (row, args, _) = self::call("measure", Expr::Call(call), signatures, scope, context)?;
     let px_per_m = context.px_per_m();
     let flat_px = context
         .area_m2()
@@ -1076,16 +1042,15 @@ fn convert(
         (Operand::Length(length), Some(Dimension::Speed)) if is_speed => {
             Operand::Length(FramedLength { unit, ..length })
         }
-        (Operand::Length(length), Some(Dimension::Pixels)) if !is_speed => {
+        (Operand::Length(length), Some(to @ (Dimension::Pixels | Dimension::Length)))
+            if !is_speed =>
+        {
+            let frame = match to {
+                Dimension::Pixels => Frame::Picture,
+                _ => Frame::Table,
+            };
             Operand::Length(FramedLength {
-                frame: Frame::Picture,
-                unit,
-                ..length
-            })
-        }
-        (Operand::Length(length), Some(Dimension::Length)) if !is_speed => {
-            Operand::Length(FramedLength {
-                frame: Frame::Table,
+                frame,
                 unit,
                 ..length
             })
@@ -1101,11 +1066,6 @@ fn convert(
             }
         }
         (value, _) => {
-            let message = format!(
-                "{} cannot be converted to `{}`",
-                kind_of(&value),
-                target.text()
-            );
             let fitting = match &value {
                 Operand::Length(_) if is_speed => units_of(&[Dimension::Speed]),
                 Operand::Length(_) => units_of(&[Dimension::Length, Dimension::Pixels]),
@@ -1113,7 +1073,7 @@ fn convert(
                 Operand::Counted { number, .. } if !number.is_whole() => vec!["percent"],
                 _ => Vec::new(),
             };
-            return Err(no_conversion(target, message, fitting, context));
+            return Err(no_conversion(target, kind_of(&value), fitting, context));
         }
     })
 }

@@ -2,7 +2,7 @@
 
 use super::arguments::{bind, form};
 use super::context::Context;
-use super::expressions::{Scope, values};
+use super::expressions::{Scope, values, without_edge};
 use super::short_text::line;
 use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
 use crate::lang::material::{self, PROPERTIES};
@@ -10,7 +10,6 @@ use crate::load::Loaded;
 use crate::merge::repeated;
 use fab_grammar::ast::{self, Name, Text};
 use fab_program::data::material::{Directions, RECORDED, Source};
-use fab_program::vocabulary::ArgValue;
 use fab_program::{Colour, Face, Material};
 use std::collections::BTreeMap;
 
@@ -94,22 +93,10 @@ fn set<'a>(
     };
     let row = &PROPERTIES[index];
     let written = material::form(signature);
-    let bound = bind(
-        call,
-        signature,
-        &|| format!("`{written}`"),
-        material::form,
-        context,
-    )?;
+    let bound = bind(call, signature, material::form, context)?;
     let args = values(&bound, signature, Scope::Everywhere, context)?;
-    for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
-        // `edge` is the only unit without a size outside of a task.
-        if matches!(value, ArgValue::Number(number) if number.is_nan()) {
-            let message = "a material has no `edge`: cloths of many sizes are made of it";
-            let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
-            return Err(context.error(diagnostic.help("write a length such as `2mm`")));
-        }
-    }
+    let message = "a material has no `edge`: cloths of many sizes are made of it";
+    without_edge(&args, &bound, message, context)?;
     (row.call.make)(material, &args);
     match (row.face, property.text(), property.cited()) {
         (Some(face), Some(text), _) => {

@@ -8,7 +8,7 @@ use super::stage::{Prompts, number_of};
 use crate::diag::{Code, Diagnostic, Reported, among};
 use crate::lang::rehearse::{REVISIONS, TRUST, TWINS};
 use crate::merge::{Merged, once};
-use fab_grammar::ast::{self, Call, Choose, Name, Rehearse, Revise, Trust};
+use fab_grammar::ast::{self, Call, Choose, Expr, Name, Rehearse, Revise, Trust};
 use fab_program::{
     Cloth, Distrusted, Material, ModelRole, Read, Rehearsal, RehearsalMeasure, Stage, TwinRanges,
 };
@@ -131,7 +131,8 @@ fn stage<'p>(
 /// Reads what the twins are made of.
 fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges, Reported> {
     let signatures = TWINS.iter().map(|row| &row.signature);
-    let (row, args, bound) = call("twin", line, signatures, Scope::Everywhere, context)?;
+    let scope = Scope::Everywhere;
+    let (row, args, bound) = call("twin", Expr::Call(line), signatures, scope, context)?;
     let mut twin = (TWINS[row].make)(&args);
     if let Some((_, expr)) = bound.iter().find(|(arg, _)| arg.name == "material") {
         let name = material_name(*expr, context)?;

@@ -220,10 +220,6 @@ codes! {
     "a value is of the wrong form"
     "The message shows the forms that this place accepts."
 
-    "F0208" Rounded Note
-    "a side is rounded to whole particles"
-    "A cloth is a grid of particles, 6.25 mm apart unless it states a `spacing`, so its sides are multiples of that. `grid(55, 44)` is exact."
-
     "F0209" CameraSeesTooLittle Warning
     "the cloth does not fit into the picture"
     "The picture's side on the table is twice the height times the tangent of half the field of view. Anything outside is neither seen nor picked."
