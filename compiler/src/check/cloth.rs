@@ -4,10 +4,11 @@ use super::context::Context;
 use super::expressions::{Scope, call, material_name, without_edge};
 use super::material;
 use crate::diag::{Code, Diagnostic, Reported};
-use crate::lang::calls::{CLOTHS, particle_limits};
+use crate::lang::calls::{CLOTHS, SPACING, particle_limits};
 use fab_grammar::Span;
 use fab_grammar::ast::Statement;
 use fab_program::exact::written;
+use fab_program::vocabulary::Kind;
 use fab_program::{Cloth, RECORDED_SPACING_M};
 
 /// Reads the cloth's size and how it lies at the start.
@@ -21,10 +22,13 @@ pub(crate) fn check<'a>(
     let message = "a length of the cloth cannot be given in `edge`, the cloth's own side";
     without_edge(&args, &bound, message, context)?;
     let mut cloth = (CLOTHS[row].make)(&args);
-    if let Some((_, expr)) = bound.iter().find(|(arg, _)| arg.name == "material") {
+    if let Some((_, expr)) = bound
+        .iter()
+        .find(|(arg, _)| matches!(arg.kind, Kind::Material))
+    {
         cloth.material = material::named(material_name(*expr, context)?, context)?;
     }
-    let spacing = bound.iter().find(|(arg, _)| arg.name == "spacing");
+    let spacing = bound.iter().find(|(arg, _)| arg.name == SPACING.name);
     if let Some((_, expr)) = spacing {
         check_spacing(&cloth, expr.span(), context)?;
     }

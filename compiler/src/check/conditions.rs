@@ -10,7 +10,7 @@ use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::conditions::{ANGLE_BETWEEN, MARGIN, SIGNS, Sign, WORDS, sign as meaning};
 use fab_grammar::ast::{Compare, Expr, Name, Within};
 use fab_program::exact::cos_deg;
-use fab_program::measures::QUADRANTS;
+use fab_program::measures::{COLUMN, QUADRANTS, ROW};
 use fab_program::{
     Choices, Comparison, Condition, KeypointShape, Length, Number, Point, PointMeasure,
 };
@@ -386,17 +386,16 @@ fn quadrants() -> impl Iterator<Item = (&'static str, [Comparison; 2])> + Clone 
 
 /// Returns the conditions under which the first point lies on these sides of the second.
 fn in_quadrant(sides: [Comparison; 2], points: [&Point; 2]) -> Vec<Condition> {
-    let along = |axis: &str, point: &Point| {
-        let measure = PointMeasure::new(axis, vec![point.clone()]);
-        Length::OfPoints(measure.expect("`x` and `y` measure one point"))
-    };
-    let [left, right] = points;
-    let side = |(axis, is)| Condition::Lengths {
-        left: along(axis, left),
-        is,
-        right: along(axis, right),
-    };
-    ["x", "y"].into_iter().zip(sides).map(side).collect()
+    let [left, right] = points.map(|point| {
+        [COLUMN, ROW].map(|axis| {
+            let measure = PointMeasure::new(axis.signature.name, vec![point.clone()]);
+            Length::OfPoints(measure.expect("a column and a row measure one point"))
+        })
+    });
+    let sides = left.into_iter().zip(right).zip(sides);
+    sides
+        .map(|((left, right), is)| Condition::Lengths { left, is, right })
+        .collect()
 }
 
 /// Returns whether a condition holds, or with `!=` that it does not; other signs do not compare words.

@@ -18,7 +18,7 @@ use crate::loader::Wanted;
 use fab_grammar::ast::{Call, Expr, Name};
 use fab_program::Depends;
 use fab_program::exact::{normalised_deg, vector_of};
-use fab_program::measures::{MEASURES, Measure};
+use fab_program::measures::{MEASURES, Make, Measure};
 use fab_program::units::{self, Dimension};
 use fab_program::vocabulary::{ArgValue, Args, Default, Kind, Place, Range, Signature, Word};
 use fab_program::{
@@ -929,8 +929,8 @@ pub(crate) fn operand<'a>(
 }
 
 fn is_measure_of_point(call: Call<'_>) -> bool {
-    let mut rows = MEASURES.iter().map(|row| row.signature);
-    rows.any(|row| row.name == call.name().text() && row.gives == "a point")
+    let mut rows = MEASURES.iter();
+    rows.any(|row| row.signature.name == call.name().text() && matches!(row.make, Make::Point(_)))
 }
 
 /// Reads a measure: `distance(pick, place)`.

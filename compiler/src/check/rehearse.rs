@@ -9,6 +9,7 @@ use crate::diag::{Code, Diagnostic, Reported, among};
 use crate::lang::rehearse::{REVISIONS, TRUST, TWINS};
 use crate::merge::{Merged, once};
 use fab_grammar::ast::{self, Call, Choose, Expr, Name, Rehearse, Revise, Trust};
+use fab_program::vocabulary::Kind;
 use fab_program::{
     Cloth, Distrusted, Material, ModelRole, Read, Rehearsal, RehearsalMeasure, Stage, TwinRanges,
 };
@@ -134,7 +135,10 @@ fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges,
     let scope = Scope::Everywhere;
     let (row, args, bound) = call("twin", Expr::Call(line), signatures, scope, context)?;
     let mut twin = (TWINS[row].make)(&args);
-    if let Some((_, expr)) = bound.iter().find(|(arg, _)| arg.name == "material") {
+    if let Some((_, expr)) = bound
+        .iter()
+        .find(|(arg, _)| matches!(arg.kind, Kind::Material))
+    {
         let name = material_name(*expr, context)?;
         twin.material = material::named(name, context)?;
         if let Ok(Some(cloth)) = &context.cloth
