@@ -350,8 +350,8 @@ fn length<'a>(
         let diagnostic = context.unexpected(Code::WrongForm, choice, EXPECTED);
         return Err(context.error(diagnostic));
     };
-    let Some(unit) = LengthUnit::find(found.unit) else {
-        let code = match found.dimension {
+    let Some(unit) = found.unit.and_then(LengthUnit::of) else {
+        let code = match found.dimension() {
             Dimension::Number => Code::MissingUnit,
             Dimension::ArealDensity => Code::WrongQuantity,
             Dimension::Length | Dimension::Pixels | Dimension::Angle | Dimension::Speed => {
@@ -359,7 +359,7 @@ fn length<'a>(
             }
         };
         let diagnostic = context.unexpected(code, choice, EXPECTED);
-        let diagnostic = diagnostic.label(format!("this is {}", found.dimension.noun()));
+        let diagnostic = diagnostic.label(format!("this is {}", found.dimension().noun()));
         let help = "the arm moves over the table: write, for example, `0.25edge` or `50mm`";
         return Err(context.error(diagnostic.help(help)));
     };

@@ -19,7 +19,7 @@ use fab_grammar::ast::{Call, Expr, Name};
 use fab_program::Depends;
 use fab_program::exact::{normalised_deg, vector_of};
 use fab_program::measures::{MEASURES, Make, Measure};
-use fab_program::units::{self, Dimension};
+use fab_program::units::{self, Dimension, Unit};
 use fab_program::vocabulary::{ArgValue, Args, Default, Kind, Place, Range, Signature, Word};
 use fab_program::{
     ActionField, Choices, ClothPoint, Colour, End, Face, Heading, KeypointShape, Length, Number,
@@ -729,7 +729,7 @@ pub(crate) fn fixed_deg<'a>(
     match constant(expr, context)? {
         Operand::Angle { deg, .. } => Ok(normalised_deg(deg)),
         other => {
-            let message = format!("expected a direction, found {}", kind_of(&other));
+            let message = format!("expected a direction, found {}", other.noun());
             let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
             Err(context.error(
                 diagnostic.help(
@@ -761,15 +761,6 @@ fn direction_field(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Result<Stri
 
 // ---- values --------------------------------------------------------------------------------------
 
-/// Where a length is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Frame {
-    Picture,
-    Table,
-    /// Nowhere: it is a speed, a length per second.
-    Speed,
-}
-
 /// A value.
 // Only one exists at a time, so its size does not matter.
 #[allow(clippy::large_enum_variant)]
@@ -779,12 +770,12 @@ pub(crate) enum Operand {
     /// A constant angle, degrees, and the unit that it is written in.
     Angle {
         deg: f64,
-        unit: &'static str,
+        unit: &'static Unit,
     },
     Between {
         a: Heading,
         b: Heading,
-        unit: &'static str,
+        unit: &'static Unit,
     },
     Number(f64),
     Counted {
@@ -811,6 +802,28 @@ impl Operand {
             Operand::Angle { .. } | Operand::Number(_) | Operand::Word(_)
         )
     }
+
+    /// Returns the unit that it is written in, if it has one.
+    pub fn unit(&self) -> Option<&'static Unit> {
+        match self {
+            Operand::Length(length) => Some(length.unit),
+            Operand::Angle { unit, .. } | Operand::Between { unit, .. } => Some(unit),
+            _ => None,
+        }
+    }
+
+    /// Returns a noun for its kind.
+    pub fn noun(&self) -> &'static str {
+        match self {
+            Operand::Length(FramedLength { unit, .. })
+            | Operand::Angle { unit, .. }
+            | Operand::Between { unit, .. } => unit.dimension.noun(),
+            Operand::Number(_) | Operand::Counted { .. } => "a number",
+            Operand::Point(_) => "a point",
+            Operand::Heading => "a direction",
+            Operand::WordField(_) | Operand::Quadrant { .. } | Operand::Word(_) => "a word",
+        }
+    }
 }
 
 /// Whether a fraction is written as a percentage.
@@ -820,62 +833,41 @@ pub(crate) enum AsPercent {
     No,
 }
 
-/// A length and the frame that it is compared in.
+/// A length. It is compared where its unit measures: in the picture, on the table, or as a speed.
 #[derive(Clone, Debug)]
 pub(crate) struct FramedLength {
-    pub native: NativeLength,
-    pub frame: Frame,
+    /// Pixels, metres, or metres per second.
+    pub length: Length,
+    /// What the length measures where it comes from.
+    pub native: Dimension,
     /// The unit that it is written in.
-    pub unit: &'static str,
+    pub unit: &'static Unit,
 }
 
-/// A length, by where it comes from.
-#[derive(Clone, Debug)]
-pub(crate) enum NativeLength {
-    /// Pixels.
-    Picture(f64),
-    /// Metres, or metres per second.
-    Table(f64),
-    /// A measure of the picture, pixels.
-    Measured(Length),
-    /// A field that is a length on the table, or a speed.
-    Field(String),
-}
-
-impl NativeLength {
-    fn is_table(&self) -> bool {
-        matches!(self, NativeLength::Table(_) | NativeLength::Field(_))
-    }
-
-    /// Returns the length in pixels or in metres.
-    pub fn in_frame(&self, frame: Frame, context: &Context<'_, '_>) -> Result<Length, Reported> {
-        let constant = |value: f64| Length::Constant { value };
-        Ok(match (self, frame) {
-            (NativeLength::Picture(px), Frame::Picture) => constant(*px),
-            (NativeLength::Picture(px), Frame::Table | Frame::Speed) => {
-                constant(px / context.px_per_m()?)
-            }
-            (NativeLength::Table(m), Frame::Table | Frame::Speed) => constant(*m),
-            (NativeLength::Table(m), Frame::Picture) => constant(m * context.px_per_m()?),
-            (NativeLength::Measured(length), _) => length.clone(),
-            (NativeLength::Field(field), frame) => Length::Field {
-                field: field.clone(),
-                scale: if frame == Frame::Picture {
-                    context.px_per_m()?
-                } else {
-                    1.0
-                },
+impl FramedLength {
+    /// Returns the length in pixels or in metres. A measure of the picture stays in pixels.
+    pub fn in_frame(
+        &self,
+        frame: Dimension,
+        context: &Context<'_, '_>,
+    ) -> Result<Length, Reported> {
+        let [from_picture, to_picture] = [self.native, frame].map(|it| it == Dimension::Pixels);
+        if from_picture == to_picture {
+            return Ok(self.length.clone());
+        }
+        Ok(match &self.length {
+            Length::Constant { value } if from_picture => Length::Constant {
+                value: value / context.px_per_m()?,
             },
+            Length::Constant { value } => Length::Constant {
+                value: value * context.px_per_m()?,
+            },
+            Length::Field { field, .. } => Length::Field {
+                field: field.clone(),
+                scale: context.px_per_m()?,
+            },
+            Length::OfPoints(_) => self.length.clone(),
         })
-    }
-}
-
-/// Returns the frame in which two lengths can be compared: the picture if one is measured in it.
-pub(crate) fn common_frame(a: &NativeLength, b: &NativeLength) -> Frame {
-    if a.is_table() && b.is_table() {
-        Frame::Table
-    } else {
-        Frame::Picture
     }
 }
 
@@ -901,11 +893,15 @@ pub(crate) fn operand<'a>(
         }),
         Expr::Call(call) => Ok(match measure(call, context)? {
             Measure::Length(length) => Operand::Length(FramedLength {
-                native: NativeLength::Measured(length),
-                frame: Frame::Picture,
-                unit: "px",
+                length,
+                native: Dimension::Pixels,
+                unit: &units::PX,
             }),
-            Measure::Angle { a, b } => Operand::Between { a, b, unit: "deg" },
+            Measure::Angle { a, b } => Operand::Between {
+                a,
+                b,
+                unit: &units::DEG,
+            },
             Measure::Number(number) => Operand::Counted {
                 number,
                 as_percent: AsPercent::No,
@@ -959,42 +955,37 @@ fn constant<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Operand
         let help = "write at most a million pixels, metres, metres per second or degrees";
         return Err(out_of_range(expr, help, context));
     }
-    let is_length = matches!(
-        found.dimension,
-        Dimension::Length | Dimension::Pixels | Dimension::Speed
-    );
-    if is_length && found.value < 0.0 {
-        let help = match found.dimension {
-            Dimension::Speed => "a speed is never negative",
-            _ => "a length is never negative",
-        };
-        return Err(out_of_range(expr, help, context));
-    }
-    let unit = found.unit;
-    let length = |native, frame| {
-        Operand::Length(FramedLength {
-            native,
-            frame,
-            unit,
-        })
+    let Some(unit) = found.unit else {
+        return Ok(Operand::Number(found.value));
     };
-    Ok(match found.dimension {
-        Dimension::Pixels => length(NativeLength::Picture(found.value), Frame::Picture),
-        Dimension::Length => length(NativeLength::Table(found.value), Frame::Table),
-        Dimension::Speed => length(NativeLength::Table(found.value), Frame::Speed),
+    match unit.dimension {
+        Dimension::Pixels | Dimension::Length | Dimension::Speed if found.value < 0.0 => {
+            let help = format!("{} is never negative", unit.dimension.noun());
+            Err(out_of_range(expr, &help, context))
+        }
+        Dimension::Pixels | Dimension::Length | Dimension::Speed => {
+            Ok(Operand::Length(FramedLength {
+                length: Length::Constant { value: found.value },
+                native: unit.dimension,
+                unit,
+            }))
+        }
         // Converting through radians would make whole degrees inexact.
-        Dimension::Angle => Operand::Angle {
-            deg: found.deg(),
+        Dimension::Angle if *unit == units::DEG => Ok(Operand::Angle {
+            deg: found.number,
             unit,
-        },
+        }),
+        Dimension::Angle | Dimension::Number => Ok(Operand::Angle {
+            deg: found.value.to_degrees(),
+            unit,
+        }),
         Dimension::ArealDensity => {
             let message = "nothing in a task weighs anything";
             let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span(), message);
             let help = "only a `material` states a mass per area";
-            return Err(context.error(diagnostic.help(help)));
+            Err(context.error(diagnostic.help(help)))
         }
-        Dimension::Number => Operand::Number(found.value),
-    })
+    }
 }
 
 fn named<'a>(
@@ -1006,12 +997,12 @@ fn named<'a>(
     match context.names.get(text) {
         Some(Meaning::Field) => match context.actions.get(text)?.map(|field| &field.choices) {
             Some(Choices::Lengths { unit, .. }) => Ok(Operand::Length(FramedLength {
-                native: NativeLength::Field(text.to_owned()),
-                frame: match unit.dimension {
-                    Dimension::Speed => Frame::Speed,
-                    _ => Frame::Table,
+                length: Length::Field {
+                    field: text.to_owned(),
+                    scale: 1.0,
                 },
-                unit: unit.name,
+                native: unit.dimension,
+                unit: unit.row(),
             })),
             Some(Choices::Directions { .. }) => Ok(Operand::Heading),
             Some(Choices::Words { .. }) => Ok(Operand::WordField(text.to_owned())),
@@ -1035,28 +1026,17 @@ fn convert(
     target: Name<'_>,
     context: &mut Context<'_, '_>,
 ) -> Result<Operand, Reported> {
-    let found = units::find(target.text());
-    let unit = found.map_or("", |unit| unit.name);
-    let is_speed = matches!(&value, Operand::Length(length) if length.frame == Frame::Speed);
-    Ok(match (value, found.map(|unit| unit.dimension)) {
-        (Operand::Length(length), Some(Dimension::Speed)) if is_speed => {
-            Operand::Length(FramedLength { unit, ..length })
-        }
-        (Operand::Length(length), Some(to @ (Dimension::Pixels | Dimension::Length)))
-            if !is_speed =>
-        {
-            let frame = match to {
-                Dimension::Pixels => Frame::Picture,
-                _ => Frame::Table,
-            };
-            Operand::Length(FramedLength {
-                frame,
-                unit,
-                ..length
-            })
-        }
-        (Operand::Angle { deg, .. }, Some(Dimension::Angle)) => Operand::Angle { deg, unit },
-        (Operand::Between { a, b, .. }, Some(Dimension::Angle)) => Operand::Between { a, b, unit },
+    let dimensions: &[Dimension] = match value.unit().map(|unit| unit.dimension) {
+        Some(Dimension::Length | Dimension::Pixels) => &[Dimension::Length, Dimension::Pixels],
+        Some(Dimension::Speed) => &[Dimension::Speed],
+        Some(Dimension::Angle) => &[Dimension::Angle],
+        Some(Dimension::ArealDensity | Dimension::Number) | None => &[],
+    };
+    let unit = units::find(target.text()).filter(|unit| dimensions.contains(&unit.dimension));
+    Ok(match (value, unit) {
+        (Operand::Length(length), Some(unit)) => Operand::Length(FramedLength { unit, ..length }),
+        (Operand::Angle { deg, .. }, Some(unit)) => Operand::Angle { deg, unit },
+        (Operand::Between { a, b, .. }, Some(unit)) => Operand::Between { a, b, unit },
         (Operand::Counted { number, .. }, None)
             if target.text() == "percent" && !number.is_whole() =>
         {
@@ -1067,33 +1047,10 @@ fn convert(
         }
         (value, _) => {
             let fitting = match &value {
-                Operand::Length(_) if is_speed => units_of(&[Dimension::Speed]),
-                Operand::Length(_) => units_of(&[Dimension::Length, Dimension::Pixels]),
-                Operand::Angle { .. } | Operand::Between { .. } => units_of(&[Dimension::Angle]),
                 Operand::Counted { number, .. } if !number.is_whole() => vec!["percent"],
-                _ => Vec::new(),
+                _ => units_of(dimensions),
             };
-            return Err(no_conversion(target, kind_of(&value), fitting, context));
+            return Err(no_conversion(target, value.noun(), fitting, context));
         }
     })
-}
-
-/// Returns a noun for the kind of a value.
-pub(crate) fn kind_of(value: &Operand) -> &'static str {
-    match value {
-        Operand::Length(FramedLength {
-            frame: Frame::Picture,
-            ..
-        }) => "a length in the picture",
-        Operand::Length(FramedLength {
-            frame: Frame::Speed,
-            ..
-        }) => "a speed",
-        Operand::Length(_) => "a length on the table",
-        Operand::Angle { .. } | Operand::Between { .. } => "an angle",
-        Operand::Number(_) | Operand::Counted { .. } => "a number",
-        Operand::Point(_) => "a point",
-        Operand::Heading => "a direction",
-        Operand::WordField(_) | Operand::Quadrant { .. } | Operand::Word(_) => "a word",
-    }
 }

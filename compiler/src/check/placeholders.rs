@@ -5,11 +5,10 @@
 //! `{` that Jinja would interpret is escaped.
 
 use super::context::Context;
-use super::expressions::{
-    AsPercent, Frame, FramedLength, NativeLength, Operand, measure, operand, wrong_shape,
-};
+use super::expressions::{AsPercent, FramedLength, Operand, measure, operand, wrong_shape};
 use super::missing_action::{needs_action, needs_last};
 use super::names::Meaning;
+use super::quantity::size;
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::conditions::UNREACHABLE;
 use fab_grammar::Span;
@@ -18,7 +17,7 @@ use fab_program::Depends;
 use fab_program::measures::{MEASURES, Measure};
 use fab_program::render::Jinja;
 use fab_program::space::{self, DECIMALS};
-use fab_program::units::{self, Unit};
+use fab_program::units::{self, Dimension, Unit};
 use fab_program::{
     Choices, Colour, Condition, Face, KeypointShape, Length, NumberFormat, OVERLAP, Placeholder,
     Point, Template, Variable, exact,
@@ -395,10 +394,6 @@ fn written<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Resolved
     })
 }
 
-fn unit(name: &str) -> &'static Unit {
-    units::find(name).expect("the unit of a value is one of the units")
-}
-
 /// Returns the format of a number in a unit.
 ///
 /// - `factor`: converts the number to the unit.
@@ -411,28 +406,21 @@ fn in_unit(unit: &Unit, factor: f64) -> NumberFormat {
 }
 
 /// Returns the format of degrees in a unit of angles.
-fn of_degrees(name: &str) -> NumberFormat {
-    let unit = unit(name);
-    in_unit(unit, units::base((1.0, "deg")) / unit.size)
+fn of_degrees(unit: &Unit) -> NumberFormat {
+    in_unit(unit, units::DEG.size / unit.size)
 }
 
 fn length(length: &FramedLength, context: &Context<'_, '_>) -> Result<Resolved, Reported> {
-    let unit = unit(length.unit);
-    let size = if unit.size.is_nan() {
-        context.edge_m()?
-    } else {
-        unit.size
-    };
+    let frame = length.unit.dimension;
     // A measure of the picture stays in pixels, even if it is written as a length on the table.
-    let is_measured = matches!(length.native, NativeLength::Measured(_));
-    let base = match length.frame {
-        Frame::Table if is_measured => context.px_per_m()?,
-        Frame::Table | Frame::Picture | Frame::Speed => 1.0,
+    let base = match &length.length {
+        Length::OfPoints(_) if frame == Dimension::Length => context.px_per_m()?,
+        _ => 1.0,
     };
-    let written = in_unit(unit, 1.0 / size / base);
-    Ok(match length.native.in_frame(length.frame, context)? {
+    let written = in_unit(length.unit, 1.0 / size(length.unit, context)? / base);
+    Ok(match length.in_frame(frame, context)? {
         // A pixel's size depends on the picture that is sent to the model, which is not known yet.
-        Length::Constant { value } if length.frame != Frame::Picture => {
+        Length::Constant { value } if frame != Dimension::Pixels => {
             Resolved::Words(number(value, &written))
         }
         length => later(Placeholder::Length { length, written }),

@@ -4,7 +4,7 @@ use super::context::Context;
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use fab_grammar::ast::{Expr, Name, Quantity};
 use fab_program::exact::written;
-use fab_program::units::{self, Dimension, UNITS};
+use fab_program::units::{self, Dimension, UNITS, Unit};
 use fab_program::vocabulary::Range;
 
 /// A number with its unit.
@@ -12,22 +12,15 @@ use fab_program::vocabulary::Range;
 pub(crate) struct Measured {
     /// In base units; NaN if the unit is `edge` and the task, a base, has no cloth.
     pub value: f64,
-    pub dimension: Dimension,
     /// The number as written.
     pub number: f64,
-    /// The unit as written; empty for a plain number.
-    pub unit: &'static str,
+    /// The unit; `None` for a plain number.
+    pub unit: Option<&'static Unit>,
 }
 
 impl Measured {
-    /// Returns an angle in degrees; whole degrees stay exact because they are not converted through radians.
-    pub fn deg(&self) -> f64 {
-        let is_degrees = units::base((1.0, self.unit)).to_degrees() == 1.0;
-        if is_degrees {
-            self.number
-        } else {
-            self.value.to_degrees()
-        }
+    pub fn dimension(&self) -> Dimension {
+        self.unit.map_or(Dimension::Number, |unit| unit.dimension)
     }
 }
 
@@ -77,26 +70,26 @@ pub(crate) fn measured<'a>(
     };
     let number = quantity.value();
     let Some(name) = quantity.unit() else {
-        let dimension = Dimension::Number;
         return Ok(Some(Measured {
             value: number,
-            dimension,
             number,
-            unit: "",
+            unit: None,
         }));
     };
     let unit = unit(quantity, name, context)?;
-    let size = if unit.size.is_nan() {
-        context.edge_m()?
-    } else {
-        unit.size
-    };
     Ok(Some(Measured {
-        value: number * size,
-        dimension: unit.dimension,
+        value: number * size(unit, context)?,
         number,
-        unit: unit.name,
+        unit: Some(unit),
     }))
+}
+
+/// Returns the size of a unit in base units.
+pub(super) fn size(unit: &Unit, context: &Context<'_, '_>) -> Result<f64, Reported> {
+    if *unit == units::EDGE {
+        return context.edge_m();
+    }
+    Ok(unit.size)
 }
 
 /// Reads a number in a range, in base units. NaN, for `edge` in a base without a cloth, passes every range.
@@ -170,7 +163,7 @@ fn in_dimension<'a>(
     };
     let (value, dimension) = match target {
         Some(target) => converted(&found, target, context)?,
-        None => (found.value, found.dimension),
+        None => (found.value, found.dimension()),
     };
     if dimension == expected {
         return Ok(value);
@@ -209,7 +202,7 @@ fn converted(
     target: Name<'_>,
     context: &mut Context<'_, '_>,
 ) -> Result<(f64, Dimension), Reported> {
-    let from = found.dimension;
+    let from = found.dimension();
     match (from, units::find(target.text()).map(|unit| unit.dimension)) {
         (from, Some(to)) if from == to => Ok((found.value, to)),
         (Dimension::Length, Some(to @ Dimension::Pixels)) => {
@@ -279,7 +272,7 @@ pub(super) fn unit(
     quantity: Quantity<'_>,
     name: Name<'_>,
     context: &mut Context<'_, '_>,
-) -> Result<&'static units::Unit, Reported> {
+) -> Result<&'static Unit, Reported> {
     let word = name.text();
     if let Some(unit) = units::find(word) {
         return Ok(unit);
