@@ -50,5 +50,9 @@ fn an_unknown_code_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let said = finish(fabc(folder.path()).args(["explain", "F9999"]));
     assert_eq!(said.code, 64, "{}", said.stderr);
-    assert!(said.stderr.contains("there is no diagnostic `F9999`"), "{}", said.stderr);
+    assert!(
+        said.stderr.contains("there is no diagnostic `F9999`"),
+        "{}",
+        said.stderr
+    );
 }

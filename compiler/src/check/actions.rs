@@ -9,7 +9,7 @@ use crate::lang::actions::{ChoiceKind, FIELDS, FieldRow, field as moving_field};
 use fab_grammar::Span;
 use fab_grammar::ast::{Actions, Expr, Field, Name};
 use fab_program::exact::vector_of;
-use fab_program::units::{self, Dimension};
+use fab_program::units::Dimension;
 use fab_program::vocabulary::Range;
 use fab_program::{ActionField, Choices, Direction, KeypointShape, LengthChoice, LengthUnit};
 use std::collections::BTreeMap;
@@ -134,16 +134,6 @@ fn listed<'a>(
         .collect::<Result<_, _>>()?;
     let kind = kinds[0];
     if let Some(other) = kinds.iter().position(|other| *other != kind) {
-        let unit = match list[other] {
-            Expr::Name(name) if units::find(name.text()).is_some() => Some(name.text()),
-            _ => None,
-        };
-        if let Some(unit) = unit {
-            let message = format!("expected a number and its unit, found `{unit}` alone");
-            let diagnostic = Diagnostic::new(Code::MixedChoices, list[other].span(), message);
-            let help = format!("write a number before it, such as `1{unit}`");
-            return Err(context.error(diagnostic.help(help)));
-        }
         let message = format!(
             "`{}` offers {} and {}",
             name.text(),

@@ -1,7 +1,7 @@
 //! Warns of checks that can never pass or never fail, and of components whose condition never or always holds.
 //!
-//! In: a program. A condition on steps and counts changes only at its limits, so the values around each limit are
-//! tried; what a thing measures against itself is known. Everything else may hold or not.
+//! In: a program. Every step and every count is tried, and what a point measures against itself is known. Everything else
+//! may hold or not.
 
 use crate::diag::{Code, Diagnostic, Report};
 use crate::merge::Merged;
@@ -13,7 +13,7 @@ use fab_program::{Condition, Program};
 use std::collections::BTreeSet;
 
 /// The most combinations of numbers that are tried for one condition.
-const MAX_CASES: usize = 1000;
+const MAX_CASES: usize = 10_000;
 
 /// A condition, and whether it holds.
 type Assumed<'p> = (&'p Condition, bool);
@@ -139,11 +139,11 @@ fn reason(condition: &Condition, program: &Program) -> Option<String> {
             None
         }
         Condition::Number { left, .. } => {
-            let (least, most) = ends(left, program)?;
-            Some(match most {
-                Some(most) if most == least => format!("`{left}` is always {least}"),
-                Some(most) => format!("`{left}` is {least} to {most}"),
-                None => format!("`{left}` is at least {least}"),
+            let [least, most] = ends(left, program)?;
+            Some(if least == most {
+                format!("`{left}` is always {least}")
+            } else {
+                format!("`{left}` is {least} to {most}")
             })
         }
         Condition::Lengths { left, right, .. } => {
@@ -166,28 +166,23 @@ fn reason(condition: &Condition, program: &Program) -> Option<String> {
 /// What some numbers are.
 type Case<'p> = Vec<(&'p Number, f64)>;
 
-/// Returns whether conditions can never hold, or fail, together as assumed.
+/// Returns whether conditions can never hold, or fail, together as assumed: no step and no counts allow it.
 fn is_impossible(assumed: &[Assumed<'_>], program: &Program) -> bool {
-    let mut compared = Vec::new();
+    let mut numbers = Vec::new();
     for (condition, _) in assumed {
-        add_compared(condition, &mut compared);
+        add_numbers(condition, &mut numbers);
     }
     let mut cases: Vec<Case<'_>> = vec![Vec::new()];
-    for (number, limits) in compared {
-        let Some(ends) = ends(number, program) else {
+    for number in numbers {
+        let Some([least, most]) = ends(number, program) else {
             continue;
         };
-        let values = values(&limits, ends);
-        if cases.len() * values.len() > MAX_CASES {
+        if cases.len().saturating_mul((most - least) as usize) > MAX_CASES {
             return false;
         }
-        cases = values
-            .iter()
-            .flat_map(|value| {
-                cases
-                    .iter()
-                    .map(|case| [&case[..], &[(number, *value)]].concat())
-            })
+        cases = (least..=most)
+            .map(|value| (number, f64::from(value)))
+            .flat_map(|value| cases.iter().map(move |case| [&case[..], &[value]].concat()))
             .collect();
     }
     let may_be = |case: &Case<'_>| {
@@ -198,53 +193,32 @@ fn is_impossible(assumed: &[Assumed<'_>], program: &Program) -> bool {
     !cases.iter().any(may_be)
 }
 
-/// Collects the numbers of a condition, and what each is compared with.
-fn add_compared<'p>(condition: &'p Condition, compared: &mut Vec<(&'p Number, Vec<f64>)>) {
+/// Collects the numbers that decide a condition.
+fn add_numbers<'p>(condition: &'p Condition, numbers: &mut Vec<&'p Number>) {
     match condition {
         Condition::All { of } | Condition::Any { of } => {
-            of.iter().for_each(|part| add_compared(part, compared));
+            of.iter().for_each(|part| add_numbers(part, numbers));
         }
-        Condition::Not { of } => add_compared(of, compared),
-        Condition::Number { left, limit, .. } => add(left, Some(*limit), compared),
-        Condition::Last => add(&Number::Step, None, compared),
+        Condition::Not { of } => add_numbers(of, numbers),
+        Condition::Number { left: number, .. } if !numbers.contains(&number) => {
+            numbers.push(number);
+        }
+        Condition::Last if !numbers.contains(&&Number::Step) => numbers.push(&Number::Step),
         _ => {}
     }
 }
 
-fn add<'p>(number: &'p Number, limit: Option<f64>, compared: &mut Vec<(&'p Number, Vec<f64>)>) {
-    match compared.iter_mut().find(|(known, _)| *known == number) {
-        Some((_, limits)) => limits.extend(limit),
-        None => compared.push((number, limit.into_iter().collect())),
-    }
-}
-
-/// Returns the least and the most that a whole number can be; no most if the picture alone decides. `None` for a number that is not whole.
-fn ends(number: &Number, program: &Program) -> Option<(u32, Option<u32>)> {
+/// Returns the least and the most that a whole number can be; `None` if the picture alone decides.
+fn ends(number: &Number, program: &Program) -> Option<[u32; 2]> {
     match number {
-        Number::Step => Some((1, Some(program.horizon))),
+        Number::Step => Some([1, program.horizon]),
         // None may be seen, and those out of the arm's reach are left out.
         Number::Count { keypoint } => {
-            let extractor = program.keypoint(keypoint).map(|it| &it.extractor);
-            Some((
-                0,
-                extractor.and_then(|it| it.most_points(&program.keypoints)),
-            ))
+            let extractor = &program.keypoint(keypoint)?.extractor;
+            Some([0, extractor.most_points(&program.keypoints)?])
         }
         Number::Coverage { .. } => None,
     }
-}
-
-/// Returns a whole number's ends, and its values at and beside each limit.
-fn values(limits: &[f64], (least, most): (u32, Option<u32>)) -> Vec<f64> {
-    let (least, most) = (f64::from(least), most.map_or(f64::INFINITY, f64::from));
-    let near = limits
-        .iter()
-        .flat_map(|limit| [-1.0, 0.0, 1.0].map(|by| limit.floor() + by));
-    let mut values: Vec<f64> = near.chain([least, most]).collect();
-    values.retain(|value| (least..=most).contains(value) && value.is_finite());
-    values.sort_by(f64::total_cmp);
-    values.dedup();
-    values
 }
 
 /// Returns whether a condition holds in a case; `None` if that depends on the scene or the answer.

@@ -9,7 +9,6 @@ pub(crate) mod calls;
 pub(crate) mod conditions;
 pub(crate) mod goal;
 pub(crate) mod material;
-mod reference;
 pub(crate) mod rehearse;
 pub(crate) mod sections;
 pub(crate) mod stage;
@@ -17,7 +16,6 @@ pub(crate) mod test;
 pub(crate) mod verify;
 mod vocabulary;
 
-pub use reference::tables;
 pub use sections::{Inheritance, RequiredFor, Section};
 pub use vocabulary::{BlockWords, CallEntry, VOCABULARY_FORMAT, Vocabulary, WordEntry, vocabulary};
 

@@ -1,6 +1,7 @@
 //! The tables and lists of the language reference are complete; the book's own test compiles its examples.
 
 use crate::common;
+use crate::reference::tables;
 use std::fs;
 
 fn reference() -> String {
@@ -14,7 +15,7 @@ const END: &str = "<!-- end -->";
 ///
 /// Returns `None` if a table's end marker is missing.
 fn refreshed(page: &str) -> Option<String> {
-    let tables = fab_compiler::lang::tables();
+    let tables = tables();
     let mut text = String::with_capacity(page.len());
     let mut rest = page;
     while let Some((before, after)) = rest.split_once(BEGIN) {
@@ -38,7 +39,7 @@ fn the_tables_of_the_reference_are_those_of_the_compiler() {
         fs::write(common::workspace().join("docs/language.md"), refreshed).unwrap();
         return;
     }
-    for (name, _) in fab_compiler::lang::tables() {
+    for (name, _) in tables() {
         assert!(
             text.contains(&format!("<!-- table: {name} -->")),
             "`{name}` stands nowhere"

@@ -24,6 +24,7 @@ mod pointing;
 mod programs;
 #[path = "common/promises.rs"]
 mod promises;
+mod reference;
 mod rendering;
 mod schema;
 mod slips;

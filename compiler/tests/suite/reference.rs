@@ -1,11 +1,10 @@
-//! The reference tables, written from the language's own tables.
+//! The tables of the reference, made from the language's own tables.
 //!
 //! In: [`Vocabulary`]. Out: Markdown, one table per name. `docs/language.md` holds each between
 //! `<!-- table: NAME -->` and `<!-- end -->`.
 
-use super::sections::Inheritance;
-use super::vocabulary::{CallEntry, Vocabulary, WordEntry, vocabulary};
-use crate::diag::CODES;
+use fab_compiler::diag::CODES;
+use fab_compiler::lang::{CallEntry, Inheritance, Vocabulary, WordEntry, vocabulary};
 use fab_program::exact::written;
 use fab_program::units::base;
 use fab_program::vocabulary::{Arg, Bound, Default, Kind, Place, Range, Word};
