@@ -38,18 +38,8 @@ pub const MEASURES: &[Call<Make>] = &[
             if du > dv { du } else { dv }
         },
     ),
-    length(
-        "x",
-        &[POINT],
-        "how far a point is from the left of the picture",
-        |points| points[0][0] * points[0][0].abs(),
-    ),
-    length(
-        "y",
-        &[POINT],
-        "how far a point is from the top of the picture",
-        |points| points[0][1] * points[0][1].abs(),
-    ),
+    COLUMN,
+    ROW,
     other(
         "angle_between",
         "an angle",
@@ -94,7 +84,7 @@ pub const MEASURES: &[Call<Make>] = &[
             })
         },
     ),
-    other(
+    Call::new(
         "mirror",
         "a point",
         &[
@@ -102,12 +92,10 @@ pub const MEASURES: &[Call<Make>] = &[
             Arg::positional("about", Kind::Point, "the point between the two"),
         ],
         "the point on the other side of another",
-        |args, _| {
-            Measure::Point(Point::Mirror {
-                of: Box::new(args.point("point")),
-                about: Box::new(args.point("about")),
-            })
-        },
+        Make::Point(|args| Point::Mirror {
+            of: Box::new(args.point("point")),
+            about: Box::new(args.point("about")),
+        }),
     ),
     other(
         "nearest",
@@ -137,6 +125,22 @@ pub const MEASURES: &[Call<Make>] = &[
     ),
 ];
 
+/// Where a point lies along the picture's columns.
+pub const COLUMN: Call<Make> = length(
+    "x",
+    &[POINT],
+    "how far a point is from the left of the picture",
+    |points| points[0][0] * points[0][0].abs(),
+);
+
+/// Where a point lies along the picture's rows.
+pub const ROW: Call<Make> = length(
+    "y",
+    &[POINT],
+    "how far a point is from the top of the picture",
+    |points| points[0][1] * points[0][1].abs(),
+);
+
 /// The words of `quadrant`: above the other point, then below it; each time left of it, then right.
 ///
 /// A point in the other's row is below it, and one in its column right of it, so each point has one word.
@@ -152,6 +156,8 @@ const POINT: Arg = Arg::positional("point", Kind::Point, "a point");
 pub enum Make {
     /// A length in the picture, from the points that are the call's arguments.
     Length(Square),
+    /// A point of the picture.
+    Point(fn(&Args) -> Point),
     /// Any other value, from the arguments and the number of pixels of the flat cloth.
     Other(fn(&Args, f64) -> Measure),
 }
@@ -209,6 +215,7 @@ impl Call<Make> {
                     .map(|arg| args.point(arg.name))
                     .collect(),
             })),
+            Make::Point(make) => Measure::Point(make(args)),
             Make::Other(make) => make(args, flat_px),
         }
     }
@@ -257,7 +264,7 @@ impl PointMeasure {
                     points,
                 })
             }
-            _ => None,
+            Make::Length(_) | Make::Point(_) | Make::Other(_) => None,
         }
     }
 
