@@ -2,8 +2,8 @@
 //!
 //! In: points of the picture and what the scene shows. Out: numbers. Verdicts depend on them, so they use only
 //! additions, multiplications and comparisons of 64-bit floats, in a fixed order; the emitted verifiers do the same
-//! in other languages. A length in pixels between points needs only a row of [`MEASURES`]; its helper functions in
-//! other languages are in the emitting crate.
+//! in other languages. A length in pixels between points needs only a row of [`MEASURES`], whose formula the emitting
+//! crate writes in these languages.
 
 use crate::data::actions::Direction;
 use crate::data::points::{Heading, Point};
@@ -23,20 +23,13 @@ pub const MEASURES: &[Call<Make>] = &[
         "distance",
         &[A, B],
         "how far apart two points are",
-        |points| {
-            let [du, dv] = apart(points);
-            du * du + dv * dv
-        },
+        Square::Sum(&Square::Apart(U), &Square::Apart(V)),
     ),
     length(
         "chebyshev",
         &[A, B],
         "the larger of two points' distances along the two axes",
-        |points| {
-            let [du, dv] = apart(points);
-            let (du, dv) = (du * du, dv * dv);
-            if du > dv { du } else { dv }
-        },
+        Square::Larger(&Square::Apart(U), &Square::Apart(V)),
     ),
     COLUMN,
     ROW,
@@ -130,7 +123,7 @@ pub const COLUMN: Call<Make> = length(
     "x",
     &[POINT],
     "how far a point is from the left of the picture",
-    |points| points[0][0] * points[0][0].abs(),
+    Square::Coordinate(U),
 );
 
 /// Where a point lies along the picture's rows.
@@ -138,7 +131,7 @@ pub const ROW: Call<Make> = length(
     "y",
     &[POINT],
     "how far a point is from the top of the picture",
-    |points| points[0][1] * points[0][1].abs(),
+    Square::Coordinate(V),
 );
 
 /// The words of `quadrant`: above the other point, then below it; each time left of it, then right.
@@ -162,10 +155,44 @@ pub enum Make {
     Other(fn(&Args, f64) -> Measure),
 }
 
-/// Computes a length's square from its points, `[column, row]`; negative if the length is.
+/// The square of a length as a formula over its points; negative if the length is.
 ///
-/// It is the square because verdicts compare squares, which need no root.
-pub type Square = fn(&[[f64; 2]]) -> f64;
+/// It is the square because verdicts compare squares, which need no root. It is a formula, not code, because the
+/// emitted verifiers write it in other languages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Square {
+    /// The square of the first point's coordinate, with its sign.
+    Coordinate(usize),
+    /// The square of the distance between the first two points along this coordinate.
+    Apart(usize),
+    /// The sum of two squares.
+    Sum(&'static Square, &'static Square),
+    /// The larger of two squares.
+    Larger(&'static Square, &'static Square),
+}
+
+/// Index of the coordinate across the picture, by its columns.
+const U: usize = 0;
+/// Index of the coordinate down the picture, by its rows.
+const V: usize = 1;
+
+impl Square {
+    /// Computes it from the points, `[column, row]`.
+    fn of(self, points: &[[f64; 2]]) -> f64 {
+        match self {
+            Square::Coordinate(axis) => points[0][axis] * points[0][axis].abs(),
+            Square::Apart(axis) => {
+                let apart = points[0][axis] - points[1][axis];
+                apart * apart
+            }
+            Square::Sum(one, other) => one.of(points) + other.of(points),
+            Square::Larger(one, other) => {
+                let (one, other) = (one.of(points), other.of(points));
+                if one > other { one } else { other }
+            }
+        }
+    }
+}
 
 /// The value of a call to a measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -280,7 +307,7 @@ impl PointMeasure {
 
     /// Returns the square of its value for these points, negative if the value is.
     pub fn square(&self, points: &[[f64; 2]]) -> f64 {
-        (self.square)(points)
+        self.square.of(points)
     }
 }
 
@@ -448,11 +475,6 @@ pub(crate) fn nearest_deg(choices: &[Direction], to: [f64; 2]) -> Option<f64> {
         }
     }
     best.map(|(_, deg)| deg)
-}
-
-fn apart(points: &[[f64; 2]]) -> [f64; 2] {
-    let (a, b) = (points[0], points[1]);
-    [a[0] - b[0], a[1] - b[1]]
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
