@@ -1,8 +1,8 @@
 //! Turns `.fab` text into [`Program`]s, and says what is wrong with it.
 //!
 //! ```text
-//! text ─load→ trees ─merge→ one task with what it inherits ─check, proof→ Program
-//!            └───────────────── Diagnostics ───────────────────┘
+//! text ─load→ trees ─merge→ one task with what it inherits ─check→ Program
+//!            └───────────────── Diagnostics ────────────┘
 //! ```
 //!
 //! In: the name of a file and a [`Loader`]. Out: the programs that the file defines, and diagnostics. The crate is
@@ -44,7 +44,6 @@ mod load;
 mod loader;
 mod merge;
 mod path;
-pub mod proof;
 mod syntax;
 
 pub use check::MAX_INHERITED_BYTES;

@@ -23,26 +23,16 @@ pub const MEASURES: &[Call<Make>] = &[
         "distance",
         &[A, B],
         "how far apart two points are",
-        Square::Sum(&Square::Apart(COLUMN), &Square::Apart(ROW)),
+        Square::Sum(&Square::Apart(0), &Square::Apart(1)),
     ),
     length(
         "chebyshev",
         &[A, B],
         "the larger of two points' distances along the two axes",
-        Square::Larger(&Square::Apart(COLUMN), &Square::Apart(ROW)),
+        Square::Larger(&Square::Apart(0), &Square::Apart(1)),
     ),
-    length(
-        "x",
-        &[POINT],
-        "how far a point is from the left of the picture",
-        Square::Coordinate(COLUMN),
-    ),
-    length(
-        "y",
-        &[POINT],
-        "how far a point is from the top of the picture",
-        Square::Coordinate(ROW),
-    ),
+    COLUMN,
+    ROW,
     other(
         "angle_between",
         "an angle",
@@ -87,7 +77,7 @@ pub const MEASURES: &[Call<Make>] = &[
             })
         },
     ),
-    other(
+    Call::new(
         "mirror",
         "a point",
         &[
@@ -95,12 +85,10 @@ pub const MEASURES: &[Call<Make>] = &[
             Arg::positional("about", Kind::Point, "the point between the two"),
         ],
         "the point on the other side of another",
-        |args, _| {
-            Measure::Point(Point::Mirror {
-                of: Box::new(args.point("point")),
-                about: Box::new(args.point("about")),
-            })
-        },
+        Make::Point(|args| Point::Mirror {
+            of: Box::new(args.point("point")),
+            about: Box::new(args.point("about")),
+        }),
     ),
     other(
         "nearest",
@@ -130,6 +118,22 @@ pub const MEASURES: &[Call<Make>] = &[
     ),
 ];
 
+/// Where a point lies along the picture's columns.
+pub const COLUMN: Call<Make> = length(
+    "x",
+    &[POINT],
+    "how far a point is from the left of the picture",
+    Square::Coordinate(0),
+);
+
+/// Where a point lies along the picture's rows.
+pub const ROW: Call<Make> = length(
+    "y",
+    &[POINT],
+    "how far a point is from the top of the picture",
+    Square::Coordinate(1),
+);
+
 /// The words of `quadrant`: above the other point, then below it; each time left of it, then right.
 ///
 /// A point in the other's row is below it, and one in its column right of it, so each point has one word.
@@ -145,6 +149,8 @@ const POINT: Arg = Arg::positional("point", Kind::Point, "a point");
 pub enum Make {
     /// A length in the picture, from the points that are the call's arguments.
     Length(Square),
+    /// A point of the picture.
+    Point(fn(&Args) -> Point),
     /// Any other value, from the arguments and the number of pixels of the flat cloth.
     Other(fn(&Args, f64) -> Measure),
 }
@@ -152,7 +158,7 @@ pub enum Make {
 /// The square of a length as a formula over its points; negative if the length is.
 ///
 /// It is the square because verdicts compare squares, which need no root. It is a formula, not code, because the
-/// emitted verifiers write it in other languages.
+/// emitted verifiers write it in other languages. A coordinate is 0 for the column, 1 for the row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Square {
     /// The square of the first point's coordinate, with its sign.
@@ -164,9 +170,6 @@ pub enum Square {
     /// The larger of two squares.
     Larger(&'static Square, &'static Square),
 }
-
-const COLUMN: usize = 0;
-const ROW: usize = 1;
 
 impl Square {
     /// Computes it from the points, `[column, row]`.
@@ -234,6 +237,7 @@ impl Call<Make> {
                     .map(|arg| args.point(arg.name))
                     .collect(),
             })),
+            Make::Point(make) => Measure::Point(make(args)),
             Make::Other(make) => make(args, flat_px),
         }
     }
@@ -282,7 +286,7 @@ impl PointMeasure {
                     points,
                 })
             }
-            _ => None,
+            Make::Length(_) | Make::Point(_) | Make::Other(_) => None,
         }
     }
 

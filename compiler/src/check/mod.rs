@@ -10,6 +10,7 @@ mod annotate;
 mod arguments;
 mod camera;
 mod certainty;
+mod choices;
 mod cloth;
 mod conditions;
 mod context;
@@ -36,7 +37,6 @@ mod subgoals;
 mod task;
 mod test;
 mod unspoken;
-mod untouched_score;
 mod unused;
 mod variables;
 mod verify;
@@ -141,15 +141,14 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                 let broken = broken_change(&merged);
                 let built = task::check(&merged, &stamps, grid, form, loaded, &mut own);
                 if let (true, Ok(Some((program, _)))) = (is_entry, &built) {
-                    let found = certainty::check(program, &merged);
                     match &merged.variant {
                         None => {
-                            certain = found;
+                            certain = certainty::check(program, &merged);
                             // What is wrong outside of it may only be a consequence.
                             let is_own = |place: Span, it: &Diagnostic| place.contains(it.span);
                             certain.retain(|it| broken.is_none_or(|place| is_own(place, it)));
                         }
-                        Some(_) => judge_variant(&mut certain, found, &merged, &mut own),
+                        Some(_) => certainty::in_variant(program, &merged, &mut certain, &mut own),
                     }
                 }
                 if let (Some(place), Some(variant), Ok(Some((program, _)))) =
@@ -201,26 +200,6 @@ fn broken_change(merged: &merge::Merged<'_>) -> Option<Span> {
     }
     let change = merged.own_body()?;
     (change.is_damaged() || task.is_damaged()).then(|| change.span())
-}
-
-/// Drops those conditions of a task that are certain in it, but not in a variant, and reports those that the variant states
-/// itself.
-///
-/// - `found`: the certain conditions of the variant.
-fn judge_variant(
-    certain: &mut Vec<Diagnostic>,
-    found: Vec<Diagnostic>,
-    merged: &merge::Merged<'_>,
-    report: &mut Report,
-) {
-    let stated = certainty::conditions(merged);
-    certain
-        .retain(|it| !stated.contains(&it.span) || found.iter().any(|here| here.span == it.span));
-    let mut all = Report::default();
-    found.into_iter().for_each(|it| all.remark(it));
-    if let Some(own) = merged.own_body() {
-        report.absorb_within(own.span(), all);
-    }
 }
 
 /// Makes the warning for a variant whose program is that of its task.

@@ -6,14 +6,13 @@
 use super::context::{Context, Declared};
 use super::names::Names;
 use super::{
-    actions, annotate, camera, cloth, demos, effect, experts, goal, horizon, keypoints, picker,
-    rehearse, stage, subgoals, test, unspoken, unused, verify,
+    actions, annotate, camera, choices, cloth, demos, effect, experts, goal, horizon, keypoints,
+    picker, rehearse, stage, subgoals, test, unspoken, unused, verify,
 };
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::sections::{RequiredFor, SECTIONS};
 use crate::load::Loaded;
 use crate::merge::Merged;
-use crate::proof;
 use fab_grammar::ast::{Expr, Statement};
 use fab_program::{ActionField, PROGRAM_FORMAT, Program, SourceStamp, Test, hex};
 use sha2::{Digest, Sha256};
@@ -84,7 +83,7 @@ pub(super) fn check<'a>(
     let rehearsal = merged
         .rehearse
         .map(|part| rehearse::check(part, merged, &prompts, context));
-    let candidates = rehearse::candidates(merged, &prompts, rehearsal.as_ref(), context);
+    let candidates = rehearse::candidates(merged, &prompts, context);
     let bounds = test::Bounds {
         keypoints: keypoints.as_deref().unwrap_or_default(),
         horizon: horizon.unwrap_or_default(),
@@ -140,7 +139,7 @@ pub(super) fn check<'a>(
         goal: goal?,
         rehearsal: rehearsal.transpose()?.flatten(),
     };
-    contradictions(&program, merged, context.report)?;
+    choices::check(&program.actions, merged, context.report)?;
     effect::check(&program, merged, context);
     let unsaid = |context: &mut Context<'_, '_>| {
         unspoken::check(&program, merged, context);
@@ -184,26 +183,6 @@ fn about(statement: Statement<'_>, context: &mut Context<'_, '_>) -> Result<Stri
         return Err(context.fault(Code::TextTooLong, span, message));
     }
     Ok(about)
-}
-
-/// Reports the contradictions in the action space.
-fn contradictions(
-    program: &Program,
-    merged: &Merged<'_>,
-    report: &mut Report,
-) -> Result<(), Reported> {
-    let Some(part) = merged.actions else {
-        return Ok(());
-    };
-    let mut all = Ok(());
-    for flaw in proof::flaws(program) {
-        let field = part
-            .fields()
-            .find(|field| field.name().text() == flaw.field);
-        let span = field.map_or(part.head_span(), |field| field.name().span());
-        all = Err(report.error(Diagnostic::new(Code::Contradiction, span, flaw.message)));
-    }
-    all
 }
 
 /// Returns the name and hash of every source.

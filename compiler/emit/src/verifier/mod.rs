@@ -107,7 +107,7 @@ pub(super) fn emit(program: &Program, dialect: &'static Dialect) -> Result<Strin
 fn measures() -> Vec<Measure> {
     let lengths = MEASURES.iter().filter_map(|row| match row.make {
         Make::Length(square) => Some((&row.signature, square)),
-        Make::Other(_) => None,
+        Make::Point(_) | Make::Other(_) => None,
     });
     let measure = |(signature, square): (&Signature, _)| {
         let points = names::identifiers(signature.args.iter().map(|arg| arg.name.to_owned()));

@@ -1,17 +1,13 @@
-//! The reference tables, written from the language's own tables.
+//! The tables of the reference, made from the language's own tables.
 //!
 //! In: [`Vocabulary`]. Out: Markdown, one table per name. `docs/language.md` holds each between
-//! `<!-- table: NAME -->` and `<!-- end -->`; [`refreshed`] replaces them.
+//! `<!-- table: NAME -->` and `<!-- end -->`.
 
-use super::sections::Inheritance;
-use super::vocabulary::{CallEntry, Vocabulary, WordEntry, vocabulary};
-use crate::diag::CODES;
+use fab_compiler::diag::CODES;
+use fab_compiler::lang::{CallEntry, Inheritance, Vocabulary, WordEntry, vocabulary};
 use fab_program::exact::written;
 use fab_program::units::base;
 use fab_program::vocabulary::{Arg, Bound, Default, Kind, Place, Range, Word};
-
-const BEGIN: &str = "<!-- table: ";
-const END: &str = "<!-- end -->";
 
 /// Returns every table with its name.
 pub fn tables() -> Vec<(&'static str, String)> {
@@ -68,25 +64,6 @@ const WORDS: &[(&str, &str)] = &[
     ("measures-on-twins", "measure on a twin"),
     ("numbers-of-rehearse", "rehearse"),
 ];
-
-/// Replaces the tables of a page; other text is left alone.
-///
-/// Returns `None` if a table's end marker is missing.
-pub fn refreshed(page: &str) -> Option<String> {
-    let tables = tables();
-    let mut text = String::with_capacity(page.len());
-    let mut rest = page;
-    while let Some((before, after)) = rest.split_once(BEGIN) {
-        let (name, after) = after.split_once(" -->")?;
-        let (old, after) = after.split_once(END)?;
-        let table = tables.iter().find(|(known, _)| *known == name);
-        let table = table.map_or_else(|| old.to_owned(), |(_, table)| format!("\n\n{table}\n"));
-        text.push_str(&format!("{before}{BEGIN}{name} -->{table}{END}"));
-        rest = after;
-    }
-    text.push_str(rest);
-    Some(text)
-}
 
 fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
