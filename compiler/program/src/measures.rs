@@ -23,13 +23,13 @@ pub const MEASURES: &[Call<Make>] = &[
         "distance",
         &[A, B],
         "how far apart two points are",
-        Square::Sum(&Square::Apart(U), &Square::Apart(V)),
+        Square::Sum(&Square::Apart(0), &Square::Apart(1)),
     ),
     length(
         "chebyshev",
         &[A, B],
         "the larger of two points' distances along the two axes",
-        Square::Larger(&Square::Apart(U), &Square::Apart(V)),
+        Square::Larger(&Square::Apart(0), &Square::Apart(1)),
     ),
     COLUMN,
     ROW,
@@ -123,7 +123,7 @@ pub const COLUMN: Call<Make> = length(
     "x",
     &[POINT],
     "how far a point is from the left of the picture",
-    Square::Coordinate(U),
+    Square::Coordinate(0),
 );
 
 /// Where a point lies along the picture's rows.
@@ -131,7 +131,7 @@ pub const ROW: Call<Make> = length(
     "y",
     &[POINT],
     "how far a point is from the top of the picture",
-    Square::Coordinate(V),
+    Square::Coordinate(1),
 );
 
 /// The words of `quadrant`: above the other point, then below it; each time left of it, then right.
@@ -158,7 +158,7 @@ pub enum Make {
 /// The square of a length as a formula over its points; negative if the length is.
 ///
 /// It is the square because verdicts compare squares, which need no root. It is a formula, not code, because the
-/// emitted verifiers write it in other languages.
+/// emitted verifiers write it in other languages. A coordinate is 0 for the column, 1 for the row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Square {
     /// The square of the first point's coordinate, with its sign.
@@ -170,11 +170,6 @@ pub enum Square {
     /// The larger of two squares.
     Larger(&'static Square, &'static Square),
 }
-
-/// Index of the coordinate across the picture, by its columns.
-const U: usize = 0;
-/// Index of the coordinate down the picture, by its rows.
-const V: usize = 1;
 
 impl Square {
     /// Computes it from the points, `[column, row]`.

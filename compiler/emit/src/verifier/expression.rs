@@ -2,7 +2,7 @@
 //!
 //! Nothing is simplified if that could change a bit: a function does what one line of [`fab_program::eval`] does.
 
-use super::Dialect;
+use super::dialect::Dialect;
 use super::fields::Field;
 use super::names::number;
 use crate::error::EmitError;

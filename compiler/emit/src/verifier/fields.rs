@@ -1,6 +1,6 @@
 //! The fields of the action: what each kind of choice is in the emitted code.
 
-use super::Dialect;
+use super::dialect::Dialect;
 use super::names;
 use crate::error::EmitError;
 use fab_program::units::Dimension;

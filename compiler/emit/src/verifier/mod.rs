@@ -6,13 +6,16 @@
 //! offered counts as missing here, because turning it into a vector would need trigonometry.
 //!
 //! Each language has a template for the module, a file of functions that is appended to it, and a [`Dialect`] for what
-//! differs within an expression.
+//! it writes differently within an expression.
 
+mod dialect;
 mod expression;
 mod fields;
 mod names;
 
 use crate::error::EmitError;
+use dialect::Dialect;
+pub(crate) use dialect::{PYTHON, RUST};
 use expression::{Lowering, formula};
 use fab_program::measures::{MEASURES, Make};
 use fab_program::vocabulary::Signature;
@@ -22,76 +25,6 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior};
 use serde::Serialize;
-
-/// How a language writes what Rust and Python write differently.
-pub(super) struct Dialect {
-    /// The template of the module.
-    template: &'static str,
-    /// The functions that it calls.
-    support: &'static str,
-    /// The suffix of a call that may find something missing.
-    may_miss: &'static str,
-    /// Brackets of a pair of numbers.
-    pair: [&'static str; 2],
-    /// What stands before a condition in brackets that must not hold.
-    not: &'static str,
-    /// The operator between conditions that must both hold.
-    and: &'static str,
-    /// The operator between conditions of which one is enough.
-    or: &'static str,
-    /// Whether there was a previous action.
-    has_last: &'static str,
-    pixel_type: &'static str,
-    number_type: &'static str,
-    word_type: &'static str,
-    /// Escapes text for a string or a comment, in ASCII.
-    escaped: fn(&str) -> String,
-}
-
-/// The Rust module; it needs only `core` and does not allocate.
-pub(super) const RUST: Dialect = Dialect {
-    template: include_str!("verifier.rs.j2"),
-    support: include_str!("support.rs"),
-    may_miss: "?",
-    pair: ["[", "]"],
-    not: "!",
-    and: "&&",
-    or: "||",
-    has_last: "facts.last.is_some()",
-    pixel_type: "[i32; 2]",
-    number_type: "f64",
-    word_type: "&'a str",
-    escaped: names::rust_escaped,
-};
-
-/// The Python module; it needs only the standard library.
-pub(super) const PYTHON: Dialect = Dialect {
-    template: include_str!("verifier.py.j2"),
-    support: include_str!("support.py"),
-    may_miss: "",
-    pair: ["(", ")"],
-    not: "not ",
-    and: "and",
-    or: "or",
-    has_last: "facts.last is not None",
-    pixel_type: "Tuple[int, int]",
-    number_type: "float",
-    word_type: "str",
-    escaped: names::python_escaped,
-};
-
-impl Dialect {
-    /// Writes a string.
-    fn text(&self, text: &str) -> String {
-        format!("\"{}\"", (self.escaped)(text))
-    }
-
-    /// Writes a pair of numbers.
-    fn pair(&self, one: &str, other: &str) -> String {
-        let [open, close] = self.pair;
-        format!("{open}{one}, {other}{close}")
-    }
-}
 
 /// What a template writes.
 #[derive(Serialize)]

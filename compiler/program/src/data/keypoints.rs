@@ -258,28 +258,54 @@ pub enum Response {
     ShiTomasi,
 }
 
-/// What an extractor looks at, besides the keypoints that it names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Source<'a> {
-    /// The camera's depth.
-    Depth,
-    /// The camera's picture, or nothing.
-    Picture,
-    /// The mask of this name, of which it gives a cleaner one.
-    Refined(&'a str),
-}
-
 impl Extractor {
     /// Returns whether it needs the camera's depth as well as its picture.
     pub fn needs_depth(&self) -> bool {
-        self.nature().1 == Source::Depth
+        match self {
+            Extractor::DepthMask { .. } => true,
+            Extractor::Corners { of, .. } => match of {
+                Sight::Depth => true,
+                Sight::Mask | Sight::Picture | Sight::MisreadPicture => false,
+            },
+            Extractor::ColorMask { .. }
+            | Extractor::SplitMask { .. }
+            | Extractor::Closed { .. }
+            | Extractor::Largest { .. }
+            | Extractor::Union { .. }
+            | Extractor::Minus { .. }
+            | Extractor::Centroid { .. }
+            | Extractor::BoundingBox { .. }
+            | Extractor::BoxCenter { .. }
+            | Extractor::PictureCenter
+            | Extractor::Contour { .. }
+            | Extractor::EdgeMiddles { .. }
+            | Extractor::Along { .. }
+            | Extractor::Toward { .. }
+            | Extractor::Outermost { .. }
+            | Extractor::Fixed { .. } => false,
+        }
     }
 
     /// Returns the mask that this one refines; `None` if it is taken from the picture.
     pub fn refines(&self) -> Option<&str> {
-        match self.nature().1 {
-            Source::Refined(mask) => Some(mask),
-            Source::Depth | Source::Picture => None,
+        match self {
+            Extractor::Closed { mask, .. } | Extractor::Largest { mask } => Some(mask),
+            // A mask made of two others refines neither.
+            Extractor::Union { .. } | Extractor::Minus { .. } => None,
+            Extractor::DepthMask { .. }
+            | Extractor::ColorMask { .. }
+            | Extractor::SplitMask { .. }
+            | Extractor::Corners { .. }
+            | Extractor::Centroid { .. }
+            | Extractor::BoundingBox { .. }
+            | Extractor::BoxCenter { .. }
+            | Extractor::PictureCenter
+            | Extractor::Contour { .. }
+            | Extractor::EdgeMiddles { .. }
+            | Extractor::Along { .. }
+            | Extractor::Toward { .. }
+            | Extractor::Outermost { .. }
+            | Extractor::Fixed { .. } => None,
         }
     }
 
@@ -315,34 +341,25 @@ impl Extractor {
 
     /// Returns the shape that this extractor gives.
     pub fn shape(&self) -> KeypointShape {
-        self.nature().0
-    }
-
-    /// Returns what it gives and what it looks at.
-    fn nature(&self) -> (KeypointShape, Source<'_>) {
         match self {
-            Extractor::DepthMask { .. } => (KeypointShape::Mask, Source::Depth),
-            Extractor::Closed { mask, .. } | Extractor::Largest { mask } => {
-                (KeypointShape::Mask, Source::Refined(mask))
-            }
-            Extractor::ColorMask { .. }
+            Extractor::DepthMask { .. }
+            | Extractor::ColorMask { .. }
             | Extractor::SplitMask { .. }
+            | Extractor::Closed { .. }
+            | Extractor::Largest { .. }
             | Extractor::Union { .. }
-            | Extractor::Minus { .. } => (KeypointShape::Mask, Source::Picture),
-            Extractor::BoundingBox { .. } => (KeypointShape::Box, Source::Picture),
-            Extractor::Contour { .. } => (KeypointShape::Outline, Source::Picture),
-            Extractor::Corners {
-                of: Sight::Depth, ..
-            } => (KeypointShape::Points, Source::Depth),
+            | Extractor::Minus { .. } => KeypointShape::Mask,
+            Extractor::BoundingBox { .. } => KeypointShape::Box,
+            Extractor::Contour { .. } => KeypointShape::Outline,
             Extractor::Corners { .. }
             | Extractor::EdgeMiddles { .. }
             | Extractor::Along { .. }
             | Extractor::Toward { .. }
-            | Extractor::Fixed { .. } => (KeypointShape::Points, Source::Picture),
+            | Extractor::Fixed { .. } => KeypointShape::Points,
             Extractor::Centroid { .. }
             | Extractor::BoxCenter { .. }
             | Extractor::PictureCenter
-            | Extractor::Outermost { .. } => (KeypointShape::Point, Source::Picture),
+            | Extractor::Outermost { .. } => KeypointShape::Point,
         }
     }
 }
