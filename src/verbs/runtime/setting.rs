@@ -228,13 +228,15 @@ pub fn two_counts(text: &str) -> Option<[u32; 2]> {
 
 /// Creates the folder of many runs: the named one, or the next free `runs/NAME-NNNN`.
 pub fn out_folder(named: Option<&Path>, name: &str) -> Result<PathBuf, Failure> {
-    let Some(path) = named else {
-        let parent = Path::new("runs");
-        return files::next_folder(parent, name)
-            .map_err(|error| Failure::unwritable(parent, error));
+    let runs = Path::new("runs");
+    let made = match named {
+        Some(path) => std::fs::create_dir_all(path).map(|()| path.to_owned()),
+        None => files::next_folder(runs, name),
     };
-    std::fs::create_dir_all(path).map_err(|error| Failure::unwritable(path, error))?;
-    Ok(path.to_owned())
+    made.map_err(|error| {
+        let path = named.unwrap_or(runs).display();
+        Failure::environment(format!("cannot make the folder `{path}`: {error}"))
+    })
 }
 
 /// Refuses a file whose name does not end as its kind does.
