@@ -44,8 +44,6 @@ struct Checkup {
 /// One item that was checked.
 #[derive(Serialize)]
 struct Finding {
-    /// Its category.
-    about: About,
     /// Its name.
     name: String,
     state: Readiness,
@@ -60,15 +58,6 @@ struct Finding {
 
 #[derive(Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-enum About {
-    Version,
-    File,
-    Model,
-    Provider,
-}
-
-#[derive(Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
 enum Readiness {
     /// It is usable.
     Ready,
@@ -79,9 +68,8 @@ enum Readiness {
 }
 
 impl Finding {
-    fn new(about: About, name: &str, state: Readiness, found: impl ToString) -> Finding {
+    fn new(name: &str, state: Readiness, found: impl ToString) -> Finding {
         Finding {
-            about,
             name: name.to_owned(),
             state,
             found: found.to_string(),
@@ -105,7 +93,6 @@ pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
     let (names, keys) = keys(io);
     findings.extend([facts, keys, cache(io)]);
     findings.push(Finding::new(
-        About::Model,
         "geometric, random, imperfect",
         Ready,
         "embedded stand-ins, ready without key or network; no vision-language models",
@@ -124,7 +111,7 @@ pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
 }
 
 fn versions() -> Vec<Finding> {
-    let version = |name, state, found: String| Finding::new(About::Version, name, state, found);
+    let version = |name, state, found: String| Finding::new(name, state, found);
     let mut versions = vec![version("fabc", Ready, env!("CARGO_PKG_VERSION").to_owned())];
     versions.push(match fab_vision::detectors() {
         Ok(whose) => version("keypoints", Ready, format!("found by {whose}")),
@@ -143,7 +130,7 @@ fn versions() -> Vec<Finding> {
 /// Returns the model catalogue; without the user's file if that is unusable.
 fn facts(flag: Option<&Path>, io: &Io) -> (Catalogue, Finding) {
     let builtin = Catalogue::builtin();
-    let finding = |state, found| Finding::new(About::File, "facts about models", state, found);
+    let finding = |state, found| Finding::new("facts about models", state, found);
     let file = catalogue::facts_file(flag, io);
     match &file {
         Some(file) if file.counts() => match Catalogue::builtin().overlaid_by(&file.path) {
@@ -167,7 +154,7 @@ struct Keys {
 }
 
 fn keys(io: &Io) -> (Keys, Finding) {
-    let finding = |state, found| Finding::new(About::File, "keys", state, found);
+    let finding = |state, found| Finding::new("keys", state, found);
     let file = catalogue::keys_file(io);
     let path = file.as_ref().map(|file| file.path.display().to_string());
     let (names, found) = match file.filter(UserFile::counts) {
@@ -196,7 +183,7 @@ fn keys(io: &Io) -> (Keys, Finding) {
 }
 
 fn cache(io: &Io) -> Finding {
-    let finding = |state, found| Finding::new(About::File, "cache", state, found);
+    let finding = |state, found| Finding::new("cache", state, found);
     let Some(folder) = io.cache_folder() else {
         return finding(
             Missing,
@@ -231,7 +218,7 @@ fn providers(catalogue: &Catalogue, keys: &Keys, io: &Io) -> Vec<Finding> {
 }
 
 fn look(provider: &Provider, keys: &Keys, io: &Io) -> Finding {
-    let finding = |state, found| Finding::new(About::Provider, &provider.name, state, found);
+    let finding = |state, found| Finding::new(&provider.name, state, found);
     let key = key(provider, keys, io);
     let with = key.as_ref().map(|key| format!(", key: {key}"));
     let with = with.unwrap_or_default();
@@ -296,7 +283,7 @@ fn served(
             let found = format!("serves {shown} at {base_url}{with}");
             return Finding {
                 models,
-                ..Finding::new(About::Provider, &provider.name, Ready, found)
+                ..Finding::new(&provider.name, Ready, found)
             };
         }
         Ok(_) => (
@@ -331,7 +318,7 @@ fn served(
             format!("look into its log, {elsewhere}"),
         ),
     };
-    Finding::new(About::Provider, &provider.name, Missing, found).help(help)
+    Finding::new(&provider.name, Missing, found).help(help)
 }
 
 /// Says so if no test runs the command that starts a provider's server, with the day of its source.

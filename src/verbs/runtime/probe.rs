@@ -7,6 +7,7 @@ use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::model_arguments::{CapArguments, OmitArgument, ReachArguments};
 use crate::verbs::runtime::setting::models::{self, Varied};
 use clap::Args;
+use fab_base::wording::counted;
 use fab_model::ModelError;
 use fab_model::calls::{Budget, CallRefused, Capped, Caps, Spent, Usage, Usd};
 use fab_model::lowering::Lowering;
@@ -141,11 +142,12 @@ fn examine(
     if listed.is_none() {
         io.talk("how this model says where something is is not known: it is asked in pixels");
     }
+    let most_calls = arguments.caps.max_calls.unwrap_or(2 * most);
     io.talk(&format!(
         "asking {} at most {most} questions: {n_pictures} about pictures of dots, the others about what its interface \
-         takes; calls with retries: at most {}",
+         takes; with retries at most {}",
         profile.title(),
-        arguments.caps.max_calls.unwrap_or(2 * most),
+        counted(most_calls as usize, "call"),
     ));
     let mut able = abilities(varied, calls)?;
     let known = Facts {

@@ -76,39 +76,33 @@ pub fn start(
     interrupt: &Interrupt,
     io: &Io,
 ) -> Result<Start, Failure> {
-    let Some(text) = &arguments.start else {
-        if arguments.frame.dims.is_some() {
-            return Err(Failure::usage(
-                "`--dims` and `--up` describe a start file; name it with `--start FILE.npy`",
-            ));
-        }
-        return match &program.cloth.start {
-            ClothStart::Flat => Ok(Start::flat(&program.cloth)),
-            ClothStart::Crumpled => crumpled(program, DEFAULT_SEED, world, interrupt, io),
-            ClothStart::File { file } => {
-                let path = task_files::resolve(folder, file)?;
-                let start = Start::load(&path, None)?;
-                check_spacing(&format!("`{}`", start.name), start.grid.spacing_m, program)?;
-                Ok(start)
-            }
-        };
-    };
-    if text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty() {
-        if arguments.frame.dims.is_some() {
-            return Err(Failure::usage(format!(
-                "`--dims` and `--up` describe a start file, and `--start {text}` is a seed"
-            )));
-        }
-        let seed = text.parse().map_err(|_| {
-            Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX))
-        })?;
-        return match program.cloth.start {
-            ClothStart::Crumpled => crumpled(program, seed, world, interrupt, io),
-            _ => Ok(Start::seeded(&program.cloth, seed)),
-        };
+    let text = arguments.start.as_deref();
+    let is_seed = |text: &&str| text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty();
+    let seed = text.filter(is_seed).map(|text| {
+        text.parse()
+            .map_err(|_| Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX)))
+    });
+    let seed: Option<u64> = seed.transpose()?;
+    if arguments.frame.dims.is_some() && (text.is_none() || seed.is_some()) {
+        return Err(Failure::usage(
+            "`--dims` and `--up` describe a start file; name it with `--start FILE.npy`",
+        ));
     }
+    let path = match (text, &program.cloth.start) {
+        (Some(text), _) if seed.is_none() => PathBuf::from(text),
+        (None, ClothStart::File { file }) => task_files::resolve(folder, file)?,
+        (_, ClothStart::Crumpled) => {
+            return crumpled(program, seed.unwrap_or(DEFAULT_SEED), world, interrupt, io);
+        }
+        _ => {
+            return Ok(match seed {
+                Some(seed) => Start::seeded(&program.cloth, seed),
+                None => Start::flat(&program.cloth),
+            });
+        }
+    };
     let stated = stated_frame(&arguments.frame, program.cloth.spacing_m)?;
-    let start = Start::load(Path::new(text), stated)?;
+    let start = Start::load(&path, stated)?;
     check_spacing(&format!("`{}`", start.name), start.grid.spacing_m, program)?;
     Ok(start)
 }
@@ -234,13 +228,15 @@ pub fn two_counts(text: &str) -> Option<[u32; 2]> {
 
 /// Creates the folder of many runs: the named one, or the next free `runs/NAME-NNNN`.
 pub fn out_folder(named: Option<&Path>, name: &str) -> Result<PathBuf, Failure> {
-    let Some(path) = named else {
-        let parent = Path::new("runs");
-        return files::next_folder(parent, name)
-            .map_err(|error| Failure::unwritable(parent, error));
+    let runs = Path::new("runs");
+    let made = match named {
+        Some(path) => std::fs::create_dir_all(path).map(|()| path.to_owned()),
+        None => files::next_folder(runs, name),
     };
-    std::fs::create_dir_all(path).map_err(|error| Failure::unwritable(path, error))?;
-    Ok(path.to_owned())
+    made.map_err(|error| {
+        let path = named.unwrap_or(runs).display();
+        Failure::environment(format!("cannot make the folder `{path}`: {error}"))
+    })
 }
 
 /// Refuses a file whose name does not end as its kind does.

@@ -45,19 +45,18 @@ struct Unusable {
 }
 
 /// An arm's settings, and what is wrong with what they name.
-struct Inspection {
-    settings: Settings,
-    places: Vec<NamedPose>,
-    calibration: Result<(Calibration, Accuracy), Unusable>,
-}
-
-/// What was found.
 #[derive(Serialize)]
-struct CheckedRobot {
+struct Inspection {
+    #[serde(skip)]
+    settings: Settings,
     name: String,
     model: String,
     calibration: CheckedCalibration,
     reach: Vec<NamedPose>,
+    /// What prevents a run.
+    #[serde(skip)]
+    faults: Vec<String>,
+    /// What to do: about each fault, else to plan.
     next: Vec<String>,
     exit: u8,
 }
@@ -82,107 +81,75 @@ enum CheckedCalibration {
 /// Checks the settings and everything that they name.
 pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
     let inspection = inspect(&arguments.robot)?;
-    let is_usable = inspection.faults().is_empty();
-    let exit = if is_usable {
-        Exit::Done
-    } else {
-        Exit::Environment
-    };
-    let next = inspection.next(&arguments.robot);
-    io.result(
-        arguments.json,
-        &CheckedRobot {
-            name: inspection.settings.name,
-            model: inspection.settings.model,
-            calibration: match inspection.calibration {
-                Ok((made, compared)) => CheckedCalibration::Usable {
-                    usable: true,
-                    made_on: made.made_on,
-                    method: METHOD,
-                    camera: made.terms.camera,
-                    accuracy: Box::new(compared),
-                },
-                Err(unusable) => CheckedCalibration::Unusable {
-                    usable: false,
-                    why: unusable.why,
-                },
-            },
-            reach: inspection.places,
-            next,
-            exit: exit.code(),
-        },
-    );
-    if exit != Exit::Done {
-        io.talk("error: this arm cannot be used as it is set up");
+    io.result(arguments.json, &inspection);
+    if inspection.faults.is_empty() {
+        return Ok(Exit::Done);
     }
-    Ok(exit)
+    io.talk("error: this arm cannot be used as it is set up");
+    Ok(Exit::Environment)
 }
 
 /// Returns the settings of an arm with which a plan or a run may begin; fails as `robot check` does, with what to do next.
 pub fn usable(robot: &Path) -> Result<Settings, Failure> {
     let inspection = inspect(robot)?;
-    let faults = inspection.faults();
-    if faults.is_empty() {
+    if inspection.faults.is_empty() {
         return Ok(inspection.settings);
     }
-    let next = inspection.next(robot);
     Err(Failure::environment(format!(
         "nothing is planned or moved, because `fabc robot check` refuses the arm of `{}`\n{}\nnext: {}",
         robot.display(),
-        faults.join("\n"),
-        next.join("\nnext: ")
+        inspection.faults.join("\n"),
+        inspection.next.join("\nnext: ")
     )))
 }
 
 fn inspect(robot: &Path) -> Result<Inspection, Failure> {
     let settings = Settings::load(robot)?;
-    Ok(Inspection {
-        places: places(&settings),
-        calibration: calibration(robot, &settings),
-        settings,
-    })
-}
-
-impl Inspection {
-    /// Says what prevents a run; empty if nothing does.
-    fn faults(&self) -> Vec<String> {
-        let calibration = self.calibration.as_ref().err();
-        let calibration =
-            calibration.map(|it| format!("the calibration cannot be used: {}", it.why));
-        let unreached = self.unreached().map(|(place, why)| {
-            let [x, y, z] = place.at_m;
-            format!(
-                "the {} ({x:.3}, {y:.3}, {z:.3}) is out of reach: {why}",
-                place.name
-            )
-        });
-        calibration.into_iter().chain(unreached).collect()
-    }
-
-    fn unreached(&self) -> impl Iterator<Item = (&NamedPose, &String)> {
-        let needed = self.places.iter().filter(|place| place.needed.is_some());
-        needed.filter_map(|place| Some((place, place.why_not.as_ref()?)))
-    }
-
-    /// Says what to do: about each fault, else to plan.
-    fn next(&self, robot: &Path) -> Vec<String> {
-        let calibration = self.calibration.as_ref().err().map(|it| it.next.clone());
-        let unreached = self.unreached().filter_map(|(place, _)| {
-            let key = place.needed?;
-            Some(format!(
-                "state another `{key}` in `{}`, or the box of `workspace` around it",
-                robot.display()
-            ))
-        });
-        let next: Vec<String> = calibration.into_iter().chain(unreached).collect();
-        match next.is_empty() {
-            true => vec![format!(
-                "`fabc run TASK --world arm --robot {} --plan-only`",
-                robot.display()
-            )],
-            false => next,
+    let (reach, file) = (places(&settings), robot.display());
+    let (mut faults, mut next) = (Vec::new(), Vec::new());
+    let calibration = match calibration(robot, &settings) {
+        Ok((made, compared)) => CheckedCalibration::Usable {
+            usable: true,
+            made_on: made.made_on,
+            method: METHOD,
+            camera: made.terms.camera,
+            accuracy: Box::new(compared),
+        },
+        Err(Unusable { why, next: cure }) => {
+            faults.push(format!("the calibration cannot be used: {why}"));
+            next.push(cure);
+            let usable = false;
+            CheckedCalibration::Unusable { usable, why }
+        }
+    };
+    for place in &reach {
+        let ([x, y, z], name) = (place.at_m, place.name);
+        if let (Some(key), Some(why)) = (place.needed, &place.why_not) {
+            faults.push(format!(
+                "the {name} ({x:.3}, {y:.3}, {z:.3}) is out of reach: {why}"
+            ));
+            next.push(format!(
+                "state another `{key}` in `{file}`, or the box of `workspace` around it"
+            ));
         }
     }
+    let mut exit = Exit::Environment;
+    if faults.is_empty() {
+        exit = Exit::Done;
+        next.push(format!(
+            "`fabc run TASK --world arm --robot {file} --plan-only`"
+        ));
+    }
+    Ok(Inspection {
+        name: settings.name.clone(),
+        model: settings.model.clone(),
+        settings,
+        calibration,
+        reach,
+        faults,
+        next,
+        exit: exit.code(),
+    })
 }
 
 fn places(settings: &Settings) -> Vec<NamedPose> {
@@ -265,7 +232,7 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<(Calibration, Accura
     Ok((made, compared))
 }
 
-impl Report for CheckedRobot {
+impl Report for Inspection {
     fn text(&self) -> String {
         let mut lines = vec![format!(
             "settings     {}, {}: can be used",
