@@ -108,7 +108,7 @@ fn lacking(
     let message = format!("the rehearsal of `{}` has no {words}", stage.text());
     let diagnostic = Diagnostic::new(Code::RehearsalIncomplete, stage.span(), message);
     let diagnostic = lacks.iter().fold(diagnostic, |it, (_, how)| it.help(*how));
-    Err(context.missing(part.is_damaged(), stage.span().file, diagnostic))
+    Err(context.error(diagnostic))
 }
 
 /// Returns the stage that is rehearsed; `None` in a base without stages.
@@ -280,7 +280,7 @@ fn choose<'a>(
         let message = "`overlap` needs a subgoal to compare with, and the task has none";
         let diagnostic = Diagnostic::new(Code::NotMeasuredOnTwin, name.span(), message);
         let help = "show `subgoals`, or write `choose most coverage`";
-        return Err(context.missing(merged.is_damaged, name.span().file, diagnostic.help(help)));
+        return Err(context.error(diagnostic.help(help)));
     }
     if let (RehearsalMeasure::Coverage, Some(subgoals)) = (measure, merged.subgoals) {
         let message =
@@ -354,7 +354,7 @@ pub(crate) fn candidates<'a>(
         let names = |part: &Rehearse<'_>| part.stage().text() == stage.name;
         let is_rehearsed = merged.rehearse.is_some_and(|part| names(&part));
         let chooses = |part: &Rehearse<'_>| {
-            let chooses = part.choices().next().is_some() || part.is_damaged();
+            let chooses = part.choices().next().is_some();
             // Without a rehearsal of the task's own, each variant's is judged where that variant is checked.
             match is_rehearsed {
                 true => names(part) && chooses,
@@ -370,7 +370,7 @@ pub(crate) fn candidates<'a>(
         let in_variants = bodies.flat_map(|body| body.rehearsals());
         let mut rehearsals = merged.rehearse.into_iter().chain(in_variants);
         let is_wrong = matches!(rehearsal, Some(Err(_)));
-        if !is_wrong && !rehearsals.any(|part| chooses(&part)) && !merged.is_damaged {
+        if !is_wrong && !rehearsals.any(|part| chooses(&part)) {
             unchosen(setting, stage, context);
         }
     }

@@ -26,7 +26,6 @@ mod promises;
 mod proof;
 mod rendering;
 mod schema;
-mod slips;
 #[path = "common/spaces.rs"]
 mod spaces;
 mod verdicts;
