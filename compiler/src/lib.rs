@@ -110,15 +110,13 @@ pub fn compile_for(
     let loaded = load::Loaded::of(&texts, loader);
     let checked = check::check(&loaded, grid, &mut report);
     let left_out = report.left_out();
-    let mut diagnostics = report.into_sorted();
-    diag::keep_spellings_only(&mut diagnostics, &texts.sources);
     Ok(Compiled {
         programs: checked.programs,
         broken_variants: checked.broken_variants,
         tests: checked.tests,
         materials: checked.materials,
         left_out,
-        diagnostics,
+        diagnostics: report.into_sorted(),
         sources: texts.sources,
     })
 }

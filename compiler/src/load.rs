@@ -4,12 +4,13 @@
 //! `use`. [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`] limit the work. No path may leave the entry's
 //! folder, except into a folder `lib` beside it.
 
-use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported, is_hidden, turns_writing};
+use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported};
 use crate::loader::{Listed, LoadError, Loader, Wanted};
 use crate::path;
 use crate::syntax;
 use fab_grammar::ast::{Experts, Material, Name, Task};
 use fab_grammar::{FileId, Kind, Node, Sources, Span, Tree};
+use fab_program::invisible::{is_hidden, turns_writing};
 use fab_program::{self as program, Trial};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -32,10 +33,8 @@ pub(crate) struct Texts {
     pub portable_names: Vec<String>,
     /// For each file, itself and the files that it uses, directly or through others.
     reach: Vec<BTreeSet<FileId>>,
-    /// For each file, the proof that it has a syntax error, if it has one.
-    faults: Vec<Option<Reported>>,
-    /// For each file, whether its braces or quotes do not match.
-    torn: Vec<bool>,
+    /// For each file, whether something in it does not parse, or is invisible.
+    malformed: Vec<bool>,
     /// For each file, the proof that a file that it uses cannot be read, if so.
     unread: Vec<Option<Reported>>,
 }
@@ -46,10 +45,6 @@ pub(crate) struct LoadedFile<'a> {
     pub experts: Vec<Experts<'a>>,
     pub materials: Vec<Material<'a>>,
     pub tasks: Vec<Task<'a>>,
-    /// The words of everything that did not parse. An unknown name may be declared there.
-    pub unparsed_words: BTreeSet<&'a str>,
-    /// Whether a declaration that did not parse has no name. Any unknown name may be declared there.
-    pub has_lost_name: bool,
     /// The index of the first task of each name.
     task_index: BTreeMap<&'a str, usize>,
     /// The same for lists of experts.
@@ -98,8 +93,6 @@ impl<'a> Loaded<'a> {
                 task_index: first_of_each_name(names),
                 experts_index: first_of_each_name(lists),
                 materials_index: first_of_each_name(made_of),
-                unparsed_words: file.unparsed_words(),
-                has_lost_name: file.has_lost_name() || splits_a_name(tree.text()),
                 tasks,
                 experts,
                 materials,
@@ -190,11 +183,9 @@ impl<'a> Loaded<'a> {
         })
     }
 
-    /// Returns whether any file uses a constant, a keypoint or a material of this name, or may do so in text that did
-    /// not parse.
+    /// Returns whether any file uses a constant, a keypoint or a material of this name.
     pub fn is_used(&self, name: &str) -> bool {
-        let mut files = self.files.iter();
-        self.used.contains(name) || files.any(|file| file.unparsed_words.contains(name))
+        self.used.contains(name)
     }
 
     /// Returns the files whose declarations `file` sees, in the order in which they were read.
@@ -209,26 +200,16 @@ impl<'a> Loaded<'a> {
         &self.files[0]
     }
 
-    /// Returns the proof that a file has a syntax error, if it has one.
-    pub fn fault(&self, file: FileId) -> Option<Reported> {
-        self.texts.faults[file.index()]
-    }
-
-    /// Returns whether `file` sees a file whose braces or quotes do not match.
-    pub fn is_torn(&self, file: FileId) -> bool {
+    /// Returns whether `file` sees a file with a syntax error, itself or another. Its names and types are not checked.
+    pub fn is_malformed(&self, file: FileId) -> bool {
         let mut seen = self.texts.reach[file.index()].iter();
-        seen.any(|seen| self.texts.torn[seen.index()])
+        seen.any(|seen| self.texts.malformed[seen.index()])
     }
 
-    /// Returns the proof of an error that may hide the declaration of a name from `file`: in the syntax, or in a `use`.
-    pub fn hidden(&self, file: FileId, name: &str) -> Option<Reported> {
-        let unread = |seen: &LoadedFile<'_>| self.texts.unread[seen.id.index()];
-        if let Some(reported) = self.visible_from(file).find_map(unread) {
-            return Some(reported);
-        }
+    /// Returns the proof that a file that `file` uses cannot be read; it may declare any unknown name.
+    pub fn unread(&self, file: FileId) -> Option<Reported> {
         let mut seen = self.visible_from(file);
-        let hides = seen.find(|seen| seen.has_lost_name || seen.unparsed_words.contains(name))?;
-        self.fault(hides.id)
+        seen.find_map(|seen| self.texts.unread[seen.id.index()])
     }
 
     /// Returns the text of a span.
@@ -264,14 +245,6 @@ pub(crate) fn read(
     let mut texts = reading.texts;
     close(&mut texts.reach);
     Ok(texts)
-}
-
-/// Returns whether a hidden character stands inside of a name, which is then not the name that a reader sees.
-fn splits_a_name(text: &str) -> bool {
-    let is_part = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
-    text.match_indices(is_hidden).any(|(at, hidden)| {
-        text[..at].ends_with(is_part) && text[at + hidden.len()..].starts_with(is_part)
-    })
 }
 
 /// Adds to each file the files that it sees through others.
@@ -324,12 +297,8 @@ impl Reading<'_> {
             }
         }
         self.hidden_characters(file);
-        self.texts.faults.push(
-            self.report
-                .error_in(file)
-                .filter(|_| !parsed.faults.is_empty()),
-        );
-        self.texts.torn.push(parsed.is_torn);
+        let is_malformed = self.report.error_in(file).is_some();
+        self.texts.malformed.push(is_malformed);
         self.texts.unread.push(None);
         self.texts.trees.push(parsed.tree);
         self.texts.portable_names.push(portable_name);
@@ -343,9 +312,10 @@ impl Reading<'_> {
         let hidden = || text.char_indices().filter(|(_, it)| is_hidden(*it));
         for (at, character) in hidden().take(MAX_FINDINGS) {
             let shown = character.escape_unicode();
-            let message = match turns_writing(character) {
-                true => format!("the character `{shown}` turns the direction of writing"),
-                false => format!("the character `{shown}` is not visible"),
+            let message = if turns_writing(character) {
+                format!("the character `{shown}` turns the direction of writing")
+            } else {
+                format!("the character `{shown}` is not visible")
             };
             let span = Span::new(file, at..at + character.len_utf8());
             let diagnostic = Diagnostic::new(Code::ControlCharacter, span, message);

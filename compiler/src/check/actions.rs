@@ -43,7 +43,7 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fie
     let complete = right.and_then(|()| {
         let mut complete = Ok(());
         for fault in incomplete(part) {
-            complete = Err(context.missing(part.is_damaged(), part.span().file, fault));
+            complete = Err(context.error(fault));
         }
         complete
     });
@@ -126,7 +126,7 @@ fn listed<'a>(
     let Some(first) = list.first() else {
         let message = format!("`{}` offers nothing", name.text());
         let diagnostic = Diagnostic::new(Code::MissingField, name.span(), message);
-        return Err(context.missing(true, name.span().file, diagnostic));
+        return Err(context.error(diagnostic));
     };
     let kinds: Vec<ChoiceKind> = list
         .iter()

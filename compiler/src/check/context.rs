@@ -4,8 +4,8 @@ use super::names::Names;
 use super::variables::Variables;
 use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
 use crate::load::Loaded;
+use fab_grammar::Span;
 use fab_grammar::ast::{Expr, Name, Quantity};
-use fab_grammar::{FileId, Span};
 use fab_program::vocabulary::Word;
 use fab_program::{ActionField, Camera, Cloth, Layer};
 use std::collections::BTreeMap;
@@ -130,14 +130,6 @@ impl<'a, 'r> Context<'a, 'r> {
         check(self);
         let found = std::mem::replace(self.report, before);
         self.report.absorb_within(place, found);
-    }
-
-    /// Reports that something is missing, unless it may be in a part of the block that did not parse.
-    pub fn missing(&mut self, is_damaged: bool, file: FileId, diagnostic: Diagnostic) -> Reported {
-        match self.loaded.fault(file).filter(|_| is_damaged) {
-            Some(reported) => reported,
-            None => self.error(diagnostic),
-        }
     }
 
     /// Makes the diagnostic for an expression that is not `expected`.

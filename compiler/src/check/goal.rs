@@ -110,5 +110,5 @@ fn has_experts(
     let span = statement.value().span();
     let diagnostic = Diagnostic::new(Code::NothingToCompare, span, message);
     let diagnostic = diagnostic.help("name `experts`: images do not say how the cloth ends");
-    Err(context.missing(merged.is_damaged, span.file, diagnostic))
+    Err(context.error(diagnostic))
 }

@@ -23,7 +23,7 @@ pub(crate) fn check<'a>(
             let message = format!("`{}` has neither subgoals nor a `horizon`", name.text());
             let diagnostic = Diagnostic::new(Code::NoHorizon, name.span(), message)
                 .help("write `horizon 10` for at most ten actions, or show `subgoals`");
-            return Err(context.missing(merged.is_damaged, name.span().file, diagnostic));
+            return Err(context.error(diagnostic));
         }
         return n_shown.map_err(|reported| *reported);
     };

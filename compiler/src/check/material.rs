@@ -72,7 +72,7 @@ pub(crate) fn check<'a>(
         let form = first.map_or_else(String::new, |row| material::form(&row.call.signature));
         let diagnostic = Diagnostic::new(Code::MaterialIncomplete, name.span(), message)
             .help(format!("write `{form}`"));
-        all = Err(context.missing(declared.is_damaged(), name.span().file, diagnostic));
+        all = Err(context.error(diagnostic));
     }
     all.map(|()| material)
 }

@@ -45,8 +45,8 @@ use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::load::Loaded;
 use crate::merge;
 use context::Context;
+use fab_grammar::FileId;
 use fab_grammar::ast::{Body, Name, Task};
-use fab_grammar::{FileId, Span};
 use fab_program::{Material, Program, Test};
 
 /// The result of checking.
@@ -70,7 +70,7 @@ pub const MAX_INHERITED_BYTES: usize = 64 << 20;
 /// - `grid`: particles along X and Y; if given, it replaces the grid of every task's cloth.
 pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Report) -> Checked {
     let files = || loaded.files.iter();
-    let whole = || files().filter(|file| !loaded.is_torn(file.id));
+    let whole = || files().filter(|file| !loaded.is_malformed(file.id));
     let tasks = whole().flat_map(|file| &file.tasks);
     let lists = whole().flat_map(|file| &file.experts);
     // An error outside of tasks counts against every task that sees the file, so this proof is not needed here.
@@ -96,7 +96,9 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
             .map_or(Ok(()), Err)
     };
     let forms: Vec<Result<(), Reported>> = files().map(|file| form_of(file.id)).collect();
-    material::unused(loaded, report);
+    if !loaded.is_malformed(loaded.entry().id) {
+        material::unused(loaded, report);
+    }
     let stamps = task::stamps(loaded);
     let mut checked = Checked {
         materials,
@@ -104,10 +106,8 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     };
     let mut merged_bytes = 0;
     for (file, form) in files().zip(forms) {
-        // Its lines may be in the wrong blocks.
-        if loaded.is_torn(file.id) {
-            let tasks = file.tasks.iter();
-            tasks.for_each(|task| merge::find_bases(*task, loaded, report));
+        // What is found in it may only follow from what does not parse.
+        if loaded.is_malformed(file.id) {
             continue;
         }
         let is_entry = file.id == loaded.entry().id;
@@ -138,15 +138,11 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                 if number == 0 && is_entry {
                     variants.extend(merged.applicable_variants().map(Some));
                 }
-                let broken = broken_change(&merged);
                 let built = task::check(&merged, &stamps, grid, form, loaded, &mut own);
                 if let (true, Ok(Some((program, _)))) = (is_entry, &built) {
                     match &merged.variant {
                         None => {
                             certain = certainty::check(program, &merged);
-                            // What is wrong outside of it may only be a consequence.
-                            let is_own = |place: Span, it: &Diagnostic| place.contains(it.span);
-                            certain.retain(|it| broken.is_none_or(|place| is_own(place, it)));
                         }
                         Some(_) => certainty::in_variant(program, &merged, &mut certain, &mut own),
                     }
@@ -162,10 +158,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                         own.remark(changes_nothing(variant, *task));
                     }
                 }
-                match broken {
-                    Some(place) => report.absorb_within(place, own),
-                    None => report.absorb(own),
-                }
+                report.absorb(own);
                 if let (true, Some(variant), Err(_)) = (is_entry, &merged.variant, &built) {
                     let name = task.name().text().to_owned();
                     checked.broken_variants.push((name, variant.name.clone()));
@@ -187,19 +180,6 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
         experts::unused(loaded, report);
     }
     checked
-}
-
-/// Returns the place of a variant, or of a task that extends another, if a line of it did not parse.
-///
-/// What is wrong outside of it may only be a consequence: the line may have left out or replaced just that. The tasks
-/// that it changes are checked by themselves.
-fn broken_change(merged: &merge::Merged<'_>) -> Option<Span> {
-    let task = merged.task.body();
-    if merged.variant.is_none() && merged.task.extends().is_none() {
-        return None;
-    }
-    let change = merged.own_body()?;
-    (change.is_damaged() || task.is_damaged()).then(|| change.span())
 }
 
 /// Makes the warning for a variant whose program is that of its task.

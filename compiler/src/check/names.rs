@@ -3,7 +3,6 @@
 //! Keypoints, texts that stages read, and action fields share one namespace: all can be used in a text.
 
 use crate::diag::{Report, Reported};
-use crate::lang::actions::field as moving_field;
 use crate::load::Loaded;
 use crate::merge::{Merged, declared_twice};
 use fab_grammar::FileId;
@@ -29,8 +28,6 @@ pub(crate) struct Names<'a> {
     meanings: BTreeMap<&'a str, Meaning>,
     seen_from: FileId,
     missing_base: Option<Reported>,
-    /// Whether the block of actions may be in text that did not parse.
-    may_have_fields: bool,
     /// Names that would be declared but for an error.
     lost: BTreeMap<&'a str, Reported>,
 }
@@ -78,7 +75,6 @@ impl<'a> Names<'a> {
             meanings,
             seen_from: merged.task.name().span().file,
             missing_base: merged.missing_base,
-            may_have_fields: merged.actions.is_none() && merged.is_damaged,
             lost: BTreeMap::new(),
         }
     }
@@ -89,7 +85,6 @@ impl<'a> Names<'a> {
             meanings: BTreeMap::new(),
             seen_from,
             missing_base: None,
-            may_have_fields: false,
             lost: BTreeMap::new(),
         }
     }
@@ -122,16 +117,11 @@ impl<'a> Names<'a> {
         self.lost.insert(name, reported);
     }
 
-    /// Returns the proof of an error that may hide the declaration of an unknown name: a missing task, or a part that
-    /// did not parse.
+    /// Returns the proof of an error that may hide the declaration of an unknown name: a missing task or file.
     pub fn hidden(&self, name: &str, loaded: &Loaded<'_>) -> Option<Reported> {
-        let is_field = self.may_have_fields && moving_field(name).is_some();
-        let in_actions = || loaded.fault(self.seen_from).filter(|_| is_field);
-        let parts = || name.split('.');
         self.missing_base
-            .or_else(in_actions)
             .or_else(|| self.lost.get(name).copied())
-            .or_else(|| parts().find_map(|part| loaded.hidden(self.seen_from, part)))
+            .or_else(|| loaded.unread(self.seen_from))
     }
 }
 

@@ -104,7 +104,7 @@ fn lacking(
     let message = format!("the rehearsal of `{}` has no {words}", stage.text());
     let diagnostic = Diagnostic::new(Code::RehearsalIncomplete, stage.span(), message);
     let diagnostic = lacks.iter().fold(diagnostic, |it, (_, how)| it.help(*how));
-    Err(context.missing(part.is_damaged(), stage.span().file, diagnostic))
+    Err(context.error(diagnostic))
 }
 
 /// Returns the stage that is rehearsed; `None` in a base without stages.
@@ -212,7 +212,7 @@ fn choose<'a>(
         let message = "`overlap` needs a subgoal to compare with, and the task has none";
         let diagnostic = Diagnostic::new(Code::NotMeasuredOnTwin, name.span(), message);
         let help = "show `subgoals`, or write `choose most coverage`";
-        return Err(context.missing(merged.is_damaged, name.span().file, diagnostic.help(help)));
+        return Err(context.error(diagnostic.help(help)));
     }
     if let (RehearsalMeasure::Coverage, Some(subgoals)) = (measure, merged.subgoals) {
         let message =

@@ -109,8 +109,7 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<
         let diagnostic = report(last.name().span(), message)
             .also(acting.name().span(), "reads the action")
             .help(help);
-        let is_damaged = merged.is_damaged || last.is_damaged();
-        return Err(context.missing(is_damaged, last.span().file, diagnostic));
+        return Err(context.error(diagnostic));
     }
     for stage in acting {
         let Some(span) = action(stage) else {
@@ -129,8 +128,7 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<
         let name = last.name().text();
         let message = format!("the last stage, `{name}`, does not read the action");
         let diagnostic = report(read.span(), message).help("write `read action`");
-        let is_damaged = merged.is_damaged || last.is_damaged();
-        all = Err(context.missing(is_damaged, read.span().file, diagnostic));
+        all = Err(context.error(diagnostic));
     }
     all
 }
@@ -156,14 +154,10 @@ fn component_guard<'a>(
     component: ast::Component<'a>,
     context: &mut Context<'a, '_>,
 ) -> Declared<Condition> {
-    match (
-        component.when(),
-        context.loaded.fault(component.span().file),
-    ) {
-        (Some(expr), _) => guard(expr, context).map(Some),
-        (None, Some(reported)) if component.has_broken_guard() => Err(reported),
-        (None, _) => Ok(None),
-    }
+    component
+        .when()
+        .map(|expr| guard(expr, context))
+        .transpose()
 }
 
 /// The layers that a stage's texts name, and whether its pictures show any.
@@ -262,10 +256,7 @@ impl<'a> Builder<'_, 'a> {
         let named = std::mem::take(&mut context.named_layers);
         self.layers.push(StageLayers {
             named,
-            shows_layers: match context.loaded.fault(stage.span().file) {
-                Some(reported) if stage.is_damaged() => Err(reported),
-                _ => shows_layers(&pictures),
-            },
+            shows_layers: shows_layers(&pictures),
         });
 
         let read = read.and_then(|line| self::read(line, context));
@@ -336,7 +327,7 @@ impl<'a> Builder<'_, 'a> {
             }
             None => lacks.iter().fold(diagnostic, |it, (_, how)| it.help(*how)),
         };
-        let reported = context.missing(stage.is_damaged(), name.span().file, diagnostic);
+        let reported = context.error(diagnostic);
         if let Some((before, _)) = replaced
             && stage.read().next().is_none()
         {
@@ -370,8 +361,7 @@ impl<'a> Builder<'_, 'a> {
             let message = "no annotations are declared";
             let diagnostic = Diagnostic::new(Code::NothingToDraw, show.span(), message);
             let help = "add `annotate { … }`, or write `show scene`";
-            let file = show.span().file;
-            all = Err(context.missing(self.merged.is_damaged, file, diagnostic.help(help)));
+            all = Err(context.error(diagnostic.help(help)));
         }
         all
     }
@@ -421,7 +411,7 @@ impl<'a> Builder<'_, 'a> {
             let span = self.merged.task.name().span();
             let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message);
             let diagnostic = diagnostic.also(line.span(), "all of these components are left out");
-            return Err(context.missing(stage.is_damaged(), line.span().file, diagnostic));
+            return Err(context.error(diagnostic));
         }
         Ok(names)
     }
@@ -537,8 +527,7 @@ impl<'a> Builder<'_, 'a> {
             said.extend(Said::of(stage).names());
         }
         let can_say = !merged.stages.is_empty() && merged.missing_base.is_none();
-        let may_say_more = self.may_say_more() || variants.iter().any(|it| it.is_damaged());
-        let can_say = can_say && !may_say_more;
+        let can_say = can_say && !self.has_wrong_stage;
         for component in merged.components.iter() {
             let name = component.name();
             if self.last_use.contains_key(name.text()) {
@@ -576,12 +565,6 @@ impl<'a> Builder<'_, 'a> {
         }
     }
 
-    /// Returns whether a stage, or a line of one, may be in text that did not parse, or is wrong.
-    fn may_say_more(&self) -> bool {
-        let mut stages = self.merged.stages.iter();
-        self.has_wrong_stage || self.merged.is_damaged || stages.any(ast::Stage::is_damaged)
-    }
-
     /// Reports layers that are drawn but not named, or named but not drawn.
     fn layers(&self, context: &mut Context<'a, '_>) -> Result<(), Reported> {
         let mut all = Ok(());
@@ -601,7 +584,7 @@ impl<'a> Builder<'_, 'a> {
                 .error(others.fold(diagnostic, |it, (_, span)| it.also(*span, "nor this one"))));
         }
         let merged = self.merged;
-        if merged.stages.is_empty() || self.may_say_more() {
+        if merged.stages.is_empty() || self.has_wrong_stage {
             return all;
         }
         // A variant may remove the text that names a layer of its task; that is not a mistake.
@@ -629,7 +612,7 @@ impl<'a> Builder<'_, 'a> {
             });
         let diagnostic = unnamed.fold(diagnostic, |it, name| it.also(name.span(), "nor this one"));
         // A placeholder that did not parse may name it.
-        all = Err(context.missing(true, first.span().file, diagnostic));
+        all = Err(context.error(diagnostic));
         all
     }
 }
@@ -675,7 +658,7 @@ fn model<'a>(
     let mut list = line.settings();
     let Some(kind) = list.next() else {
         let diagnostic = Diagnostic::new(Code::WrongForm, line.span(), "expected a kind of model");
-        let reported = context.missing(true, line.span().file, diagnostic);
+        let reported = context.error(diagnostic);
         return (Err(reported), Err(reported));
     };
     let word = kind.name().text();

@@ -119,7 +119,7 @@ fn required<T>(
         let message = format!("the test lacks {what}");
         let diagnostic = Diagnostic::new(Code::TestIncomplete, span, message);
         let help = "write `test \"what it shows\" { given NAME = … reply \"…\" expect accept }`";
-        context.missing(test.is_damaged(), span.file, diagnostic.help(help))
+        context.error(diagnostic.help(help))
     })
 }
 
@@ -185,7 +185,7 @@ fn given<'a>(
             if names.any(|name| name.contains('.') && !name.starts_with("last.")) {
                 all?;
             }
-            return Err(context.missing(test.is_damaged(), test.head_span().file, diagnostic));
+            return Err(context.error(diagnostic));
         }
     };
     all.map(|()| given)

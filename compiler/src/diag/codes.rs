@@ -94,7 +94,7 @@ impl Code {
     }
 
     /// Returns whether it is about the form of a file, not about what the file means.
-    pub(super) fn is_about_form(self) -> bool {
+    pub(crate) fn is_about_form(self) -> bool {
         self.as_str().starts_with("F01")
     }
 
@@ -150,7 +150,7 @@ codes! {
 
     "F0103" MissingBrace Error
     "a brace is missing"
-    "Blocks open with `{` and close with `}`. For a missing `}` the message marks the `{` that is still open. Until the braces of a file match, its tasks and those that use it are not checked further."
+    "Blocks open with `{` and close with `}`. For a missing `}` the message marks the `{` that is still open. Lines below it are not checked, because nobody knows to which block they belong."
 
     "F0104" StrayBrace Error
     "a `}` closes nothing"
@@ -191,6 +191,10 @@ codes! {
     "F0113" WordTooLong Error
     "a word is too long"
     "A name, a unit or any other word outside of texts has at most 200 letters and digits. Nothing in the file is checked."
+
+    "F0114" MergeConflict Error
+    "a merge conflict is not resolved"
+    "A merge left both versions of some lines, between `<<<<<<<`, `=======` and `>>>>>>>`. Inside a text a model would read them. Keep one version, and remove the marked lines. Until then nothing in the file is checked."
 
     "F0201" UnknownUnit Error
     "a unit is unknown"

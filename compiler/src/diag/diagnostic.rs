@@ -1,8 +1,8 @@
 //! One finding, as data.
 
 use super::codes::{Code, Severity};
-use super::visible::visible;
 use fab_grammar::Span;
+use fab_program::invisible::visible;
 
 /// One finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,7 +50,7 @@ pub struct Edit {
 /// Whether the author meant a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
-    /// The source can only mean this; `fabc check --fix` makes the change if it passes the tests of [`crate::fix`].
+    /// The source can only mean this; `fabc check --fix` makes the change.
     Certain,
     /// A guess, such as the nearest name; only the author can decide.
     Likely,
@@ -61,13 +61,6 @@ impl Diagnostic {
     pub fn is_certain(&self) -> bool {
         let certain = |edit: &Edit| edit.certainty == Certainty::Certain;
         !self.edits.is_empty() && self.edits.iter().all(certain)
-    }
-
-    /// Leaves its edits to the author.
-    pub(crate) fn make_likely(&mut self) {
-        for edit in &mut self.edits {
-            edit.certainty = Certainty::Likely;
-        }
     }
 
     /// Makes a diagnostic with the severity of its code.
@@ -128,7 +121,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds a change that certainly repairs it; [`crate::fix`] makes it likely if it does more.
+    /// Adds a change that certainly repairs it, and does nothing else.
     pub(crate) fn edit(self, span: Span, replacement: impl Into<String>) -> Diagnostic {
         self.with_edit(span, replacement.into(), Certainty::Certain)
     }

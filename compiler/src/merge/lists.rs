@@ -215,8 +215,8 @@ pub(super) const LEAVE_OUT: Change = Change {
 };
 
 impl Change {
-    /// Reports a name that is not inherited, and lists the names that are; nothing if it may be in text that did not
-    /// parse.
+    /// Reports a name that is not inherited, and lists the names that are; nothing if it may be in a file that
+    /// cannot be read.
     pub fn impossible<'a>(
         &self,
         kind: &str,
@@ -225,7 +225,7 @@ impl Change {
         loaded: &Loaded<'a>,
         report: &mut Report,
     ) -> Reported {
-        if let Some(reported) = loaded.hidden(name.span().file, name.text()) {
+        if let Some(reported) = loaded.unread(name.span().file) {
             return reported;
         }
         let message = format!("there is no {kind} `{}` to {}", name.text(), self.verb);

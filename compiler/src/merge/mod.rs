@@ -76,8 +76,6 @@ pub(crate) struct Merged<'a> {
     removed_variants: BTreeSet<&'a str>,
     /// The length of all its parts, bytes.
     pub bytes: usize,
-    /// Whether something in it did not parse; a missing part may be there.
-    pub is_damaged: bool,
     /// The proof that a task it extends is missing, if one is: an unknown name may be declared there.
     pub missing_base: Option<Reported>,
     /// The constants and keypoints that one body declares twice.
@@ -147,7 +145,6 @@ pub(crate) fn merge<'a>(
         variants: Vec::new(),
         removed_variants: BTreeSet::new(),
         bytes: 0,
-        is_damaged: false,
         missing_base,
         twice: DuplicateNames::default(),
         joined: missing_base.map_or(Ok(()), Err),
@@ -165,11 +162,6 @@ pub(crate) fn merge<'a>(
     merged
 }
 
-/// Reports a task that is extended but missing.
-pub(crate) fn find_bases<'a>(task: Task<'a>, loaded: &Loaded<'a>, report: &mut Report) {
-    chain(task, loaded, report);
-}
-
 /// Returns the task and those it extends, and the proof that one of them is missing, if one is.
 fn chain<'a>(
     task: Task<'a>,
@@ -181,7 +173,7 @@ fn chain<'a>(
     while let Some(base) = above.extends() {
         let file = base.span().file;
         let Some(found) = loaded.task(file, base.text()) else {
-            let hidden = loaded.hidden(file, base.text());
+            let hidden = loaded.unread(file);
             let reported = hidden.unwrap_or_else(|| report.error(unknown_task(task, base, loaded)));
             return (chain, Some(reported));
         };
@@ -204,8 +196,7 @@ fn chain<'a>(
         chain.push(found);
         above = found;
     }
-    let fault = loaded.fault(above.name().span().file);
-    (chain, fault.filter(|_| above.may_extend()))
+    (chain, None)
 }
 
 fn unknown_task(task: Task<'_>, base: Name<'_>, loaded: &Loaded<'_>) -> Diagnostic {
@@ -294,7 +285,6 @@ impl<'a> Merged<'a> {
             self.joined = self.joined.and(left_out_once(names, report));
         }
         self.add_components(body, loaded, report);
-        self.is_damaged |= body.is_damaged();
         self.add_sayings(body, report);
         self.add_checks(body, loaded, report);
         self.bytes += body.bytes();
@@ -364,7 +354,7 @@ impl<'a> Merged<'a> {
                     );
                     self.joined = Err(reported);
                     // One that may be inherited stays, so that its uses are not reported too.
-                    if loaded.hidden(name.span().file, name.text()).is_none() {
+                    if loaded.unread(name.span().file).is_none() {
                         continue;
                     }
                 }
@@ -405,10 +395,7 @@ impl<'a> Merged<'a> {
             .flat_map(|line| line.parts().map(move |part| (line, part)));
         for (line, part) in lines.by_ref().take(MAX_ADDED) {
             // What did not parse may declare what seems to be missing; its own error was reported.
-            let stage = self.stages.get(line.stage().text());
-            let may_be_hidden = self.missing_base.is_some()
-                || self.is_damaged
-                || stage.is_some_and(Stage::is_damaged);
+            let may_be_hidden = self.missing_base.is_some();
             match self.unsayable(line, part, &own) {
                 Some(diagnostic) if may_be_hidden && diagnostic.code == Code::UnknownName => {}
                 Some(diagnostic) => self.joined = Err(report.error(diagnostic)),

@@ -27,7 +27,6 @@ mod promises;
 mod reference;
 mod rendering;
 mod schema;
-mod slips;
 #[path = "common/spaces.rs"]
 mod spaces;
 mod verdicts;

@@ -231,10 +231,18 @@ pub fn text(bytes: Vec<u8>) -> Result<String, String> {
     }
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        match Kind::of(error.as_bytes()) {
-            Some(kind) => kind.sentence(),
-            None => format!("it is not UTF-8 text, byte {at} does not belong there"),
+        let bytes = error.as_bytes();
+        if let Some(kind) = Kind::of(bytes) {
+            return kind.sentence();
         }
+        let line = 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count();
+        // Windows-1252 has letters and quotes where Latin-1 has control characters.
+        let is_windows = bytes.iter().any(|byte| (0x80..0xa0).contains(byte));
+        let encoding = if is_windows { "Windows-1252" } else { "Latin-1" };
+        format!(
+            "it is not UTF-8 text: byte {at}, in line {line}, is 0x{:02x}, perhaps {encoding}; save it as UTF-8",
+            bytes[at]
+        )
     })
 }
 
