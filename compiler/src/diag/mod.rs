@@ -16,7 +16,7 @@ pub use codes::{CODES, Code, CodeEntry, GROUPS, Severity};
 pub use diagnostic::{Certainty, Diagnostic, Edit, Label};
 pub use json::to_json;
 pub use report::MAX_FINDINGS;
-pub(crate) use report::{Report, Reported};
+pub(crate) use report::{Report, Reported, every};
 pub(crate) use spelling::{keep_spellings_only, keeps_content};
 pub use text::{Color, to_text};
 pub(crate) use visible::turns_writing;
