@@ -181,9 +181,10 @@ pub(super) fn named<'a>(
     });
     if let Some((path, meant)) = in_library {
         context.may_be_hidden(name.text())?;
-        let diagnostic = match meant == name.text() {
-            true => diagnostic,
-            false => diagnostic.meant(name.span(), meant),
+        let diagnostic = if meant == name.text() {
+            diagnostic
+        } else {
+            diagnostic.meant(name.span(), meant)
         };
         let help = format!("write `use \"{path}\"` at the top of this file: it declares `{meant}`");
         return Err(context.error(diagnostic.help(help)));
