@@ -729,8 +729,8 @@ views! {
     /// A text for a model, with placeholders for values.
     ///
     /// A text between triple quotes loses the indentation that its lines share, and its first and last line
-    /// breaks; every line end becomes a line feed. Nothing else is changed. A text in quotes of the wrong kind is
-    /// already a fault; it is read as it is, so it causes no further faults.
+    /// breaks; every line end becomes a line feed. Nothing else is changed. A text in quotes of the wrong kind is a
+    /// fault, and has no parts.
     Text(BlockText | String | CurlyText | CurlyString | SingleString) {}
 
     /// `{{ … }}` in a text.
@@ -958,14 +958,7 @@ impl<'t> Text<'t> {
                     }
                 }
             }
-            // Quotes of the wrong kind enclose the text all the same.
-            Kind::CurlyString | Kind::SingleString => {
-                let mut inside = self.node.text().chars();
-                inside.next();
-                inside.next_back();
-                pieces.literal(inside.as_str());
-            }
-            _ => pieces.literal(self.node.text()),
+            _ => {}
         }
         pieces.list
     }

@@ -34,6 +34,12 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
         faults.extend(of_line(tree, line.start..line.end, on_line));
         rest = after;
     }
+    drop_consequences(tree, &mut faults);
+    faults
+}
+
+/// Drops what follows from a brace or a quote without a partner.
+fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
     let has_half_text = tree.text().matches("\"\"\"").count() % 2 == 1;
     let is_tear = |fault: &Fault| is_tear(tree, fault, has_half_text);
     let is_missing_close = |fault: &Fault| matches!(fault.problem, Problem::MissingClose { .. });
@@ -51,6 +57,16 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
         faults.truncate(first);
         faults.push(inside);
     }
+    // `experts NAME` is a section of a task, too.
+    let is_of_experts = |fault: &Fault| matches!(&fault.problem, Problem::MissingOpen { block } if block == "experts");
+    if let Some(fault) = faults.iter_mut().find(|fault| is_of_experts(fault))
+        && closed_early(tree, fault.span.start).is_some()
+        && let Some(start) = tree.text()[..fault.span.start].rfind("experts")
+    {
+        let word = "experts".to_owned();
+        fault.span = tree.span(start..start + word.len());
+        fault.problem = Problem::OutsideTask { word, early: None };
+    }
     if let Some(tear) = faults.iter().position(is_tear) {
         let further = faults.split_off(tear + 1);
         let found = closed_early(tree, faults[tear].span.start);
@@ -61,7 +77,6 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
         }
         faults.extend(further.into_iter().filter(is_local));
     }
-    faults
 }
 
 /// Reports the section that ends an unclosed block, if its own `}` is too many: it stands inside of the block.
@@ -259,18 +274,10 @@ fn missing_open(block: Node<'_>, head: Node<'_>) -> Option<Fault> {
         let next = tree.text().len() - behind.len();
         return Some(unexpected(tree, tree.span(next..next + 1), vec!["`{`"]));
     }
-    let word = block_word(block);
-    // `experts NAME` is a section of a task, too.
-    if block.kind() == Kind::Experts && closed_early(tree, end).is_some() {
-        let start = block.range().start;
-        return Some(Fault {
-            span: tree.span(start..start + word.len()),
-            problem: Problem::OutsideTask { word, early: None },
-        });
-    }
+    let block = block_word(block);
     Some(Fault {
         span: tree.span(end..end),
-        problem: Problem::MissingOpen { block: word },
+        problem: Problem::MissingOpen { block },
     })
 }
 

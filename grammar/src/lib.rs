@@ -50,7 +50,7 @@ pub use fault::{Fault, Problem};
 pub use limits::{MAX_BYTES, MAX_NESTING, MAX_WORD_BYTES, limit_calls};
 pub use source::{FileId, Source, Sources, Span, line_and_column};
 pub use tree::{Kind, Node, Tree};
-pub use vocabulary::{Block, blocks, grammar_words, is_keyword, keywords, words};
+pub use vocabulary::{Block, blocks, is_keyword, keywords, words};
 
 use pest::Parser;
 use rules::{FabParser, Rule};

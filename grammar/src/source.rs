@@ -74,11 +74,6 @@ impl Span {
     pub fn contains(self, other: Span) -> bool {
         self.file == other.file && self.start <= other.start && other.end <= self.end
     }
-
-    /// Returns whether they share a byte.
-    pub fn overlaps(self, other: Span) -> bool {
-        self.file == other.file && self.start.max(other.start) < self.end.min(other.end)
-    }
 }
 
 impl Sources {

@@ -199,13 +199,6 @@ pub fn keywords() -> &'static [&'static str] {
     &ALL
 }
 
-/// Returns every word of the grammar: the keywords, and those that can also be names.
-pub fn grammar_words() -> &'static [&'static str] {
-    static ALL: LazyLock<Vec<&str>> =
-        LazyLock::new(|| [first_words("keyword"), first_words("soft_word")].concat());
-    &ALL
-}
-
 /// Returns whether a word cannot be a name.
 pub fn is_keyword(word: &str) -> bool {
     keywords().contains(&word)

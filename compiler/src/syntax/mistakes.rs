@@ -88,7 +88,7 @@ mistakes! {
     // Signs and words of other languages.
     ["&&"] Anywhere, Write("and"), "write `and`", "`{}` is written `and` here";
     ["||"] Anywhere, Write("or"), "write `or`", "`{}` is written `or` here";
-    ["!="] Anywhere, Nothing, "write `not` before a comparison with `==`";
+    ["!="] Anywhere, Nothing, "a value stands on both sides of it";
     ["!"] Anywhere, Write("not"), "write `not`", "`{}` is written `not` here";
     ["//"] AtStart, Write("#"), "write `#`", "`{}` is written `#` here";
     ["//"] Anywhere, MayWrite("#"), "write `#`", "`{}` is written `#` here";
