@@ -3,14 +3,12 @@
 //! In: a program. Every step and every count is tried, and what a point measures against itself is known. Everything else
 //! may hold or not.
 
-use crate::diag::{Code, Diagnostic, Report};
+use crate::diag::{Code, Diagnostic};
 use crate::merge::Merged;
 use fab_grammar::Span;
-use fab_grammar::ast::Body;
 use fab_program::exact::written;
 use fab_program::measures::{Length, Number, PointMeasure};
 use fab_program::{Condition, Program};
-use std::collections::BTreeSet;
 
 /// The most combinations of numbers that are tried for one condition.
 const MAX_CASES: usize = 10_000;
@@ -78,37 +76,6 @@ pub(super) fn check(program: &Program, merged: &Merged<'_>) -> Vec<Diagnostic> {
         found.push(warning(message, when, expr.span(), help, program));
     }
     found
-}
-
-/// Judges a variant: reports the certain conditions that it states itself, and forgets those of its task that are open in
-/// it.
-///
-/// - `of_task`: the warnings for the task.
-pub(super) fn in_variant(
-    program: &Program,
-    merged: &Merged<'_>,
-    of_task: &mut Vec<Diagnostic>,
-    report: &mut Report,
-) {
-    let found = check(program, merged);
-    let stated = stated(merged);
-    of_task
-        .retain(|it| !stated.contains(&it.span) || found.iter().any(|here| here.span == it.span));
-    let own = merged.own_body().map(Body::span);
-    for it in found {
-        if own.is_some_and(|own| own.contains(it.span)) {
-            report.remark(it);
-        }
-    }
-}
-
-/// Returns where the conditions of a task's checks and components are stated.
-fn stated(merged: &Merged<'_>) -> BTreeSet<Span> {
-    let checks = merged.checks.iter();
-    let checks = checks.flat_map(|check| [check.when(), check.condition()]);
-    let components = merged.components.iter().map(|component| component.when());
-    let all = checks.chain(components).flatten();
-    all.map(|expr| expr.span()).collect()
 }
 
 fn warning(

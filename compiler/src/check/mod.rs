@@ -116,7 +116,6 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
             // shown once.
             let mut variants = vec![None];
             let mut whole_task = None;
-            let mut certain = Vec::new();
             let mut number = 0;
             while number < variants.len() {
                 let mut own = Report::default();
@@ -139,14 +138,6 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                     variants.extend(merged.applicable_variants().map(Some));
                 }
                 let built = task::check(&merged, &stamps, grid, form, loaded, &mut own);
-                if let (true, Ok(Some((program, _)))) = (is_entry, &built) {
-                    match &merged.variant {
-                        None => {
-                            certain = certainty::check(program, &merged);
-                        }
-                        Some(_) => certainty::in_variant(program, &merged, &mut certain, &mut own),
-                    }
-                }
                 if let (Some(place), Some(variant), Ok(Some((program, _)))) =
                     (whole_task, &merged.variant, &built)
                 {
@@ -172,7 +163,6 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                 }
                 number += 1;
             }
-            certain.into_iter().for_each(|it| report.remark(it));
         }
     }
     // Otherwise an error may be why.

@@ -467,7 +467,7 @@ codes! {
 
     "F0708" CertainCondition Warning
     "a condition is always true or never true"
-    "A count goes from 0 to the `max` of its detector, a step from 1 to the horizon, and the distance of a point to itself is 0. With these the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing. A condition of a task is not reported if it is open in one of its variants; of a variant, only its own conditions are judged."
+    "A count goes from 0 to the `max` of its detector, a step from 1 to the horizon, and the distance of a point to itself is 0. With these the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing. Variants are not judged by themselves."
 
     "F0801" LayerNotNamed Error
     "something is drawn, but no prompt says what it is"
