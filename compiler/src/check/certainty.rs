@@ -5,16 +5,6 @@ use crate::merge::Merged;
 use crate::proof::certain::{never, reason};
 use fab_grammar::Span;
 use fab_program::{Condition, Program};
-use std::collections::BTreeSet;
-
-/// Returns where the conditions of a task's checks and components are stated.
-pub(super) fn conditions(merged: &Merged<'_>) -> BTreeSet<Span> {
-    let checks = merged.checks.iter();
-    let checks = checks.flat_map(|check| [check.when(), check.condition()]);
-    let components = merged.components.iter().map(|component| component.when());
-    let all = checks.chain(components).flatten();
-    all.map(|expr| expr.span()).collect()
-}
 
 /// Returns a warning for each condition of a program whose result is certain.
 pub(super) fn check(program: &Program, merged: &Merged<'_>) -> Vec<Diagnostic> {

@@ -2,20 +2,28 @@
 
 use super::names::Names;
 use super::variables::Variables;
-use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
+use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::load::Loaded;
 use fab_grammar::ast::{Expr, Name, Quantity};
 use fab_grammar::{FileId, Span};
 use fab_program::vocabulary::Word;
-use fab_program::{ActionField, Camera, Cloth, Layer};
+use fab_program::{ActionField, Camera, Cloth, Layer, Material, Sequence};
 use std::collections::BTreeMap;
 
 /// A part of a task: `Ok(None)` if it is not declared, `Err(Reported)` if its declaration is wrong.
 pub(crate) type Declared<T> = Result<Option<T>, Reported>;
 
+/// What files declare outside of tasks, checked once; each by the place of its declaration.
+#[derive(Default)]
+pub(crate) struct Outside {
+    pub experts: BTreeMap<Span, Result<Vec<Sequence>, Reported>>,
+    pub materials: BTreeMap<Span, Result<Material, Reported>>,
+}
+
 /// The shared state of one task's checks.
 pub(crate) struct Context<'a, 'r> {
     pub loaded: &'r Loaded<'a>,
+    pub outside: &'r Outside,
     pub report: &'r mut Report,
     pub names: Names<'a>,
     pub constants: BTreeMap<&'a str, Result<Quantity<'a>, Reported>>,
@@ -59,10 +67,15 @@ impl Fields<'_> {
 }
 
 impl<'a, 'r> Context<'a, 'r> {
-    /// Makes the context for checks outside of tasks, where nothing is declared.
-    pub fn outside(loaded: &'r Loaded<'a>, report: &'r mut Report) -> Context<'a, 'r> {
+    /// Makes the context in which nothing is declared yet.
+    pub fn new(
+        loaded: &'r Loaded<'a>,
+        outside: &'r Outside,
+        report: &'r mut Report,
+    ) -> Context<'a, 'r> {
         Context {
             report,
+            outside,
             names: Names::none(loaded.entry().id),
             constants: BTreeMap::new(),
             cloth: Ok(None),
@@ -180,13 +193,8 @@ impl<'a, 'r> Context<'a, 'r> {
         candidates.dedup();
         let message = format!("there is no {kind} `{text}`");
         let diagnostic = Diagnostic::new(Code::UnknownName, span, message).about(text);
-        self.error(match nearest(text, candidates.iter().copied()) {
-            Some(meant) => diagnostic.meant(span, meant),
-            None if candidates.is_empty() => {
-                diagnostic.help("declare it, or write `use` with the file that declares it")
-            }
-            None => diagnostic.help(format!("there is {}", among(candidates))),
-        })
+        let none = "declare it, or write `use` with the file that declares it";
+        self.error(diagnostic.suggest(text, candidates, none))
     }
 
     /// Returns the proof of an error if it may hide the declaration of an undeclared name.

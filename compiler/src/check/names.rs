@@ -28,11 +28,10 @@ pub(crate) enum Meaning {
 pub(crate) struct Names<'a> {
     meanings: BTreeMap<&'a str, Meaning>,
     seen_from: FileId,
-    missing_base: Option<Reported>,
+    /// The proof of an error that may hide the declaration of any name, such as a missing task.
+    lacking: Option<Reported>,
     /// Whether the block of actions may be in text that did not parse.
     may_have_fields: bool,
-    /// Names that would be declared but for an error.
-    lost: BTreeMap<&'a str, Reported>,
 }
 
 impl<'a> Names<'a> {
@@ -40,13 +39,10 @@ impl<'a> Names<'a> {
     /// its declaration.
     pub fn of(merged: &Merged<'a>, report: &mut Report) -> Names<'a> {
         let keypoints = merged.keypoints.iter().map(|keypoint| {
-            let meaning = match merged.twice.of(keypoint.name().text()) {
-                Ok(()) => Meaning::Keypoint(shape(keypoint.value())),
-                Err(reported) => Meaning::DuplicateNames(reported),
-            };
+            let meaning = Meaning::Keypoint(shape(keypoint.value()));
             (keypoint.name(), "keypoint", meaning)
         });
-        let fields = merged.actions.into_iter().flat_map(|part| part.fields());
+        let fields = merged.actions().into_iter().flat_map(|part| part.fields());
         let fields = fields.map(|field| (field.name(), "field", Meaning::Field));
         let texts = merged.stages.iter().enumerate().flat_map(|(stage, part)| {
             // A stage with two `read` lines gets its own error.
@@ -69,7 +65,7 @@ impl<'a> Names<'a> {
             meanings.insert(name.text(), meaning);
         }
         // A missing or misspelt field is reported at the action's declaration.
-        if merged.actions.is_some() {
+        if merged.actions().is_some() {
             for field in ["pick", "place"] {
                 meanings.entry(field).or_insert(Meaning::Field);
             }
@@ -77,9 +73,8 @@ impl<'a> Names<'a> {
         Names {
             meanings,
             seen_from: merged.task.name().span().file,
-            missing_base: merged.missing_base,
-            may_have_fields: merged.actions.is_none() && merged.is_damaged,
-            lost: BTreeMap::new(),
+            lacking: merged.missing_base,
+            may_have_fields: merged.actions().is_none() && merged.is_damaged,
         }
     }
 
@@ -88,9 +83,8 @@ impl<'a> Names<'a> {
         Names {
             meanings: BTreeMap::new(),
             seen_from,
-            missing_base: None,
+            lacking: None,
             may_have_fields: false,
-            lost: BTreeMap::new(),
         }
     }
 
@@ -117,9 +111,9 @@ impl<'a> Names<'a> {
             .collect()
     }
 
-    /// Records that a name is no longer declared because of an error that was reported.
-    pub fn lose(&mut self, name: &'a str, reported: Reported) {
-        self.lost.insert(name, reported);
+    /// Records an error that may hide the declaration of any name.
+    pub fn may_lack(&mut self, reported: Reported) {
+        self.lacking = Some(reported);
     }
 
     /// Returns the proof of an error that may hide the declaration of an unknown name: a missing task, or a part that
@@ -128,9 +122,8 @@ impl<'a> Names<'a> {
         let is_field = self.may_have_fields && moving_field(name).is_some();
         let in_actions = || loaded.fault(self.seen_from).filter(|_| is_field);
         let parts = || name.split('.');
-        self.missing_base
+        self.lacking
             .or_else(in_actions)
-            .or_else(|| self.lost.get(name).copied())
             .or_else(|| parts().find_map(|part| loaded.hidden(self.seen_from, part)))
     }
 }

@@ -271,7 +271,7 @@ fn choose<'a>(
         return Err(context.error(diagnostic.help(help)));
     };
     if measure == RehearsalMeasure::Overlap
-        && merged.subgoals.is_none()
+        && merged.subgoals().is_none()
         // Without a cloth, the task is there for others to extend, which may have subgoals.
         && merged.statement("cloth").is_some()
         && merged.missing_base.is_none()
@@ -282,7 +282,7 @@ fn choose<'a>(
         let help = "show `subgoals`, or write `choose most coverage`";
         return Err(context.missing(merged.is_damaged, name.span().file, diagnostic.help(help)));
     }
-    if let (RehearsalMeasure::Coverage, Some(subgoals)) = (measure, merged.subgoals) {
+    if let (RehearsalMeasure::Coverage, Some(subgoals)) = (measure, merged.subgoals()) {
         let message =
             "`coverage` is largest where the cloth is folded least, and the task has subgoals";
         let diagnostic = Diagnostic::new(Code::FoldChosenByCoverage, name.span(), message)
@@ -352,7 +352,7 @@ pub(crate) fn candidates<'a>(
             all = Err(context.error(diagnostic.help(help)));
         }
         let names = |part: &Rehearse<'_>| part.stage().text() == stage.name;
-        let is_rehearsed = merged.rehearse.is_some_and(|part| names(&part));
+        let is_rehearsed = merged.rehearse().is_some_and(|part| names(&part));
         let chooses = |part: &Rehearse<'_>| {
             let chooses = part.choices().next().is_some() || part.is_damaged();
             // Without a rehearsal of the task's own, each variant's is judged where that variant is checked.
@@ -363,12 +363,12 @@ pub(crate) fn candidates<'a>(
             }
         };
         // A variant may rehearse, so that runs with and without can be compared.
-        let bodies = merged.variants.iter().filter_map(|it| match it.change {
+        let bodies = merged.variants.iter().filter_map(|change| match change {
             VariantChange::Body(body) => Some(body),
             VariantChange::Without(_) => None,
         });
         let in_variants = bodies.flat_map(|body| body.rehearsals());
-        let mut rehearsals = merged.rehearse.into_iter().chain(in_variants);
+        let mut rehearsals = merged.rehearse().into_iter().chain(in_variants);
         let is_wrong = matches!(rehearsal, Some(Err(_)));
         if !is_wrong && !rehearsals.any(|part| chooses(&part)) && !merged.is_damaged {
             unchosen(setting, stage, context);

@@ -6,8 +6,8 @@
 use super::context::{Context, Declared};
 use super::names::Names;
 use super::{
-    actions, annotate, camera, cloth, demos, effect, experts, goal, horizon, keypoints, picker,
-    rehearse, stage, subgoals, test, unspoken, unused, verify,
+    actions, annotate, camera, certainty, cloth, demos, effect, experts, goal, horizon, keypoints,
+    picker, rehearse, stage, subgoals, test, unspoken, unused, verify,
 };
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::sections::{RequiredFor, SECTIONS};
@@ -27,14 +27,10 @@ pub(super) type Built = Declared<(Program, Vec<Test>)>;
 pub(super) fn check<'a>(
     merged: &Merged<'a>,
     stamps: &[SourceStamp],
-    grid: Option<[u32; 2]>,
     form: Result<(), Reported>,
-    loaded: &Loaded<'a>,
-    report: &mut Report,
+    context: &mut Context<'a, '_>,
 ) -> Built {
-    let mut context = Context::outside(loaded, report);
-    let context = &mut context;
-    context.grid = grid;
+    let loaded = context.loaded;
     context.names = Names::of(merged, context.report);
     keypoints::constants(merged, context);
     let about = merged.statement("about").map(|it| about(it, context));
@@ -52,14 +48,13 @@ pub(super) fn check<'a>(
         .map(|it| picker::check(it, context))
         .transpose();
     let keypoints = keypoints::check(merged, context);
-    unused::names(merged, context);
     if let (Some(seen), Ok(keypoints)) = (statement("camera"), &keypoints) {
         camera::masks_see_cloth(seen, keypoints, merged, context);
     }
     if let Ok(keypoints) = &keypoints {
         camera::cloth_is_first(keypoints, merged, context);
     }
-    if let Some(part) = merged.actions {
+    if let Some(part) = merged.actions() {
         context.actions = actions::check(part, context);
     }
     let layers = annotate::check(merged, context);
@@ -68,7 +63,7 @@ pub(super) fn check<'a>(
         .map(|(name, layer)| (*name, layer.clone()))
         .collect();
     let subgoals = merged
-        .subgoals
+        .subgoals()
         .map(|part| subgoals::check(part, context))
         .transpose();
     let experts = experts::sequences(merged, &subgoals, context);
@@ -78,11 +73,11 @@ pub(super) fn check<'a>(
         .transpose();
     let mut prompts = stage::check(merged, context);
     let demos = merged
-        .demos
+        .demos()
         .map(|part| demos::check(part, merged, &prompts.stages, context));
     let verify = verify::check(merged, &mut prompts, context);
     let rehearsal = merged
-        .rehearse
+        .rehearse()
         .map(|part| rehearse::check(part, merged, &prompts, context));
     let candidates = rehearse::candidates(merged, &prompts, rehearsal.as_ref(), context);
     let bounds = test::Bounds {
@@ -117,7 +112,10 @@ pub(super) fn check<'a>(
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
         task: merged.task.name().text().to_owned(),
-        variant: merged.variant.as_ref().map(|variant| variant.name.clone()),
+        variant: merged
+            .variant
+            .as_ref()
+            .map(|variant| variant.name.to_string()),
         about: about.transpose()?,
         sources: stamps.to_vec(),
         cloth,
@@ -142,10 +140,13 @@ pub(super) fn check<'a>(
     };
     contradictions(&program, merged, context.report)?;
     effect::check(&program, merged, context);
+    if merged.variant.is_none() && merged.task.name().span().file == loaded.entry().id {
+        let certain = certainty::check(&program, merged);
+        certain.into_iter().for_each(|it| context.remark(it));
+    }
     let unsaid = |context: &mut Context<'_, '_>| {
         unspoken::check(&program, merged, context);
         unused::fields(&program, merged, context);
-        unused::whole(merged, context);
     };
     match (&merged.variant, merged.own_body()) {
         (None, _) => unsaid(context),
@@ -192,7 +193,7 @@ fn contradictions(
     merged: &Merged<'_>,
     report: &mut Report,
 ) -> Result<(), Reported> {
-    let Some(part) = merged.actions else {
+    let Some(part) = merged.actions() else {
         return Ok(());
     };
     let mut all = Ok(());
@@ -208,13 +209,11 @@ fn contradictions(
 
 /// Returns the name and hash of every source.
 pub(super) fn stamps(loaded: &Loaded<'_>) -> Vec<SourceStamp> {
-    let texts = loaded.texts;
-    let sources = texts.sources.iter().zip(&texts.portable_names);
-    let stamp = |(source, name): (&fab_grammar::Source, &String)| SourceStamp {
-        name: name.clone(),
-        sha256: hex(&Sha256::digest(source.text.as_bytes())),
+    let stamp = |(name, text): (&str, &str)| SourceStamp {
+        name: name.to_owned(),
+        sha256: hex(&Sha256::digest(text.as_bytes())),
     };
-    sources.map(stamp).collect()
+    loaded.portable_texts().map(stamp).collect()
 }
 
 /// Returns whether the task has everything a rollout needs, and reports what it lacks.
@@ -274,10 +273,9 @@ fn completeness(
 /// Returns whether a task has a section that it needs.
 fn is_there(word: &str, merged: &Merged<'_>) -> bool {
     match word {
-        "subgoals" => merged.subgoals.is_some() || !merged.needs_subgoals(),
+        "subgoals" => merged.subgoals().is_some() || !merged.needs_subgoals(),
         "stage" => !merged.stages.is_empty(),
         "keypoints" => !merged.keypoints.is_empty(),
-        "actions" => merged.actions.is_some(),
-        word => merged.statement(word).is_some(),
+        word => merged.has(word),
     }
 }

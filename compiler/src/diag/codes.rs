@@ -254,7 +254,7 @@ codes! {
 
     "F0302" DuplicateName Error
     "a name is declared twice"
-    "Two things that could be confused cannot have the same name. Rename one."
+    "Two things that could be confused cannot have the same name. Rename one. Names of tasks, and of a task's variants, must differ by more than case: folders of runs and snapshots are named after them, and many file systems ignore case."
 
     "F0303" WrongKindOfName Error
     "a name stands for something else"
@@ -304,10 +304,6 @@ codes! {
     "F0408" BaseOnly Note
     "a task cannot run by itself"
     "It lacks a part that every rollout needs. That is right for a task that others extend."
-
-    "F0409" TasksTooLarge Error
-    "the tasks of a compilation are too large together"
-    "Each task and each variant is checked with everything that it inherits. Together they may inherit at most 64 MiB. Extend smaller tasks, or compile the files one by one."
 
     "F0410" ChecksDropped Warning
     "a `verify` drops inherited checks"
@@ -383,7 +379,7 @@ codes! {
 
     "F0605" TextTooLong Error
     "a text is too long"
-    "One text may have at most 16 KiB, and all texts of one stage 64 KiB."
+    "One text may have at most 16 KiB."
 
     "F0606" BadPattern Error
     "a pattern does not say where the text begins"
@@ -487,7 +483,7 @@ codes! {
 
     "F0708" CertainCondition Warning
     "a condition is always true or never true"
-    "Every value has a range: a count goes from 0 to the `max` of its detector, a distance up to the diagonal of the picture, a step up to the horizon. In these ranges the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing. A condition of a task is not reported if it is open in one of its variants; of a variant, only its own conditions are judged."
+    "Every value has a range: a count goes from 0 to the `max` of its detector, a distance up to the diagonal of the picture, a step up to the horizon. In these ranges the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing. Variants are not judged by themselves."
 
     "F0801" LayerNotNamed Error
     "something is drawn, but no prompt says what it is"

@@ -98,6 +98,19 @@ impl Diagnostic {
         self
     }
 
+    /// Moves it to the place that causes it; what would repair the first place no longer counts.
+    pub(crate) fn caused_at(mut self, place: Span) -> Diagnostic {
+        let span = std::mem::replace(&mut self.span, place);
+        self.edits.clear();
+        self.help.clear();
+        self.also(span, "found here")
+    }
+
+    /// Returns the name that it is about.
+    pub(crate) fn about_name(&self) -> Option<&str> {
+        self.about.as_deref()
+    }
+
     /// Takes another finding about the same name: the first place in the file is the main location.
     pub(super) fn also_about(&mut self, mut other: Diagnostic) {
         const MOST: usize = 8;

@@ -1,5 +1,7 @@
 //! Finds the word that was probably meant, and lists candidates.
 
+use super::diagnostic::Diagnostic;
+
 /// The most candidates per message. With all of them, a file full of errors would take quadratic time.
 const MOST_LOOKED_AT: usize = 200;
 
@@ -31,6 +33,24 @@ pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) ->
         }
     }
     best
+}
+
+impl Diagnostic {
+    /// Offers the candidate nearest to the word that it is about, or lists all; `none` is the help if there are none.
+    pub(crate) fn suggest<'c>(
+        self,
+        word: &str,
+        candidates: impl IntoIterator<Item = &'c str>,
+        none: &str,
+    ) -> Diagnostic {
+        let candidates: Vec<&str> = candidates.into_iter().collect();
+        let span = self.span;
+        match nearest(word, candidates.iter().copied()) {
+            Some(meant) => self.meant(span, meant),
+            None if candidates.is_empty() => self.help(none),
+            None => self.help(format!("there is {}", among(candidates))),
+        }
+    }
 }
 
 fn lower_case(word: &str) -> String {

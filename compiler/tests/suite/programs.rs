@@ -549,20 +549,3 @@ fn files_beyond_the_limits_are_refused() {
     let compiled = fab_compiler::compile("many.fab", &files).unwrap();
     assert_eq!(compiled.sources.iter().count(), fab_compiler::MAX_FILES);
 }
-
-#[test]
-#[ignore = "long"]
-fn tasks_that_inherit_too_much_together_are_refused() {
-    let long: String = (0..12)
-        .map(|number| format!("    component c{number} \"{}\"\n", "x".repeat(16_000)))
-        .collect();
-    let base = TASK.replace("    verify {", &format!("{long}    verify {{"));
-    let many: String = (0..600)
-        .map(|number| format!("task t{number} extends small {{ horizon 1 }}\n"))
-        .collect();
-    let codes: Vec<String> = messages(&format!("{base}{many}"))
-        .into_iter()
-        .filter(|message| message.starts_with("F0409"))
-        .collect();
-    assert_eq!(codes.len(), 1, "{codes:?}");
-}
